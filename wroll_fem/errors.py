@@ -1,0 +1,66 @@
+"""Errors a user can meet, each with the exit code of the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class WrollError(Exception):
+    """Base of every error that the command line reports without a traceback."""
+
+    exit_code = 1
+
+
+class InputError(WrollError):
+    """The input is wrong: one message that names file, key, value and remedy.
+
+    Parameters
+    ----------
+    problem
+        What is wrong, with the offending value.
+    key
+        Dotted key of the case file, if one is to blame.
+    remedy
+        What would be right.
+    file
+        File the input came from; filled in by the loader when unknown here.
+    """
+
+    exit_code = 2
+
+    def __init__(self, problem: str, *, key: str | None = None, remedy: str | None = None, file: str | None = None):
+        self.problem, self.key, self.remedy, self.file = problem, key, remedy, file
+        super().__init__(problem)
+
+    def __str__(self) -> str:
+        where = ": ".join(part for part in (self.file, self.key) if part)
+        text = f"{where}: {self.problem}" if where else self.problem
+        return f"{text}; {self.remedy}" if self.remedy else text
+
+
+class ConvergenceError(WrollError):
+    """The solver could not converge; everything computed so far is kept.
+
+    Parameters
+    ----------
+    message
+        What failed.
+    time_s
+        Time (or load factor of a static step) that could not be reached.
+    iterations
+        Newton iterations spent in the last attempt.
+    residual_history
+        Relative residuals of the last attempt.
+    advice
+        What to try.
+    """
+
+    exit_code = 3
+
+    def __init__(
+        self, message: str, *, time_s: float, iterations: int, residual_history: Sequence[float], advice: str
+    ):
+        self.time_s, self.iterations = time_s, iterations
+        self.residual_history, self.advice = list(residual_history), advice
+        tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
+        super().__init__(f"{message} at t = {time_s:.6g} s after {iterations} iterations (residuals {tail}); {advice}")
