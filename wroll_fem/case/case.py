@@ -1,0 +1,207 @@
+"""The case: everything a run needs, typed, frozen, in SI units."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal, Self, get_args
+
+import yaml
+from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
+
+from .base import Section, wrong
+from .coil import Coil
+from .contact import Contact, Friction
+from .excitation import DwellExcitation, Excitation
+from .geometry import Geometry
+from .integrator import Integrator
+from .mandrel import Mandrel
+from .mesh import Mesh
+from .messages import input_error
+from .modal import Modal
+from .output import Output
+from .preload import Preload
+from .solver import Solver
+
+Analysis = Literal["sweep", "dwell", "modal", "preload"]
+ANALYSES: tuple[str, ...] = get_args(Analysis)
+
+#: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
+FEWEST_STEPS_PER_CYCLE = 20
+
+#: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
+_OPTIONAL = ("contact", "preload", "excitation")
+
+#: Solver keys that change when something is saved or accepted, never a number.
+_NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
+
+
+def _unused_contact() -> Contact:
+    return Contact(friction=Friction(mu=0.25, elastic_slip=1e-6))
+
+
+def _unused_preload() -> Preload:
+    return Preload(pressure=0.0)
+
+
+def _unused_excitation() -> DwellExcitation:
+    return DwellExcitation(kind="dwell", amplitude=1.0, frequency=1.0, cycles=5.0)
+
+
+class Case(Section):
+    """One analysis of one roll: the whole content of a case file.
+
+    `contact`, `preload` and `excitation` must be written for the analyses that use them
+    and hold inert placeholders otherwise, so their attributes can always be read.
+
+    Raises
+    ------
+    InputError
+        From `model_validate` and `load_case`, naming key, value and remedy.
+    """
+
+    analysis: Analysis = Field(description="what to compute")
+    geometry: Geometry = Field(description="the mandrel's tube")
+    mandrel: Mandrel = Field(description="material and end conditions of the mandrel")
+    coil: Coil = Field(description="how the wound web is modelled")
+    contact: Contact = Field(default_factory=_unused_contact, description="between facing surfaces")
+    preload: Preload = Field(default_factory=_unused_preload, description="what presses the layers onto the mandrel")
+    excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
+    integrator: Integrator = Field(default_factory=Integrator, description="time integration")
+    solver: Solver = Field(default_factory=Solver, description="how a step is solved")
+    mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
+    modal: Modal = Field(default_factory=Modal, description="the eigenvalue analysis")
+    output: Output = Field(default_factory=Output, description="what a run writes; never changes numbers")
+
+    _source: Path | None = PrivateAttr(default=None)
+
+    @field_validator("analysis", mode="before")
+    @classmethod
+    def _available(cls, value: Any) -> Any:
+        if value not in ANALYSES:
+            raise wrong("this analysis is not available", remedy=f"use one of: {', '.join(ANALYSES)}", value=value)
+        return value
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for check in _CHECKS:
+            check(self)
+        return self
+
+    @classmethod
+    def model_validate(cls, obj: Any, **keywords: Any) -> Self:
+        """Build a case from a mapping; raises `InputError` (one line, all checks) when it is wrong."""
+        try:
+            return super().model_validate(obj, **keywords)
+        except ValidationError as error:
+            raise input_error(error, cls) from None
+
+    @property
+    def source(self) -> Path | None:
+        """File that the case was read from."""
+        return self._source
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s: `integrator.steps_per_cycle` steps per cycle of the highest excitation frequency."""
+        return 1.0 / (self.excitation.highest_frequency_hz * self.integrator.steps_per_cycle)
+
+    def resolved(self) -> dict[str, Any]:
+        """All values, defaults included, as plain types; sections that are neither used nor written stay out."""
+        unused = {key for key in _OPTIONAL if key not in self.model_fields_set}
+        data = self.model_dump(mode="json", exclude=unused)
+        if self.coil.model == "none":
+            given = self.coil.model_fields_set
+            data["coil"] = {
+                k: v for k, v in data["coil"].items() if k in given or k not in ("total_thickness", "material")
+            }
+        return data
+
+    def resolved_yaml(self) -> str:
+        """All values as YAML text that loads to an equal case."""
+        return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
+
+    def hash(self) -> str:
+        """Return the SHA-256 of everything that can change a number: no `output`, and a mesh file by its content."""
+        data = self.resolved()
+        del data["output"]
+        for key in _NOT_PHYSICS:
+            del data["solver"][key]
+        if self.mesh.file is not None:
+            data["mesh"]["file"] = hashlib.sha256(self.mesh.file.read_bytes()).hexdigest()
+        return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+    def changed(self, *overrides: str) -> Case:
+        """Copy with dotted keys changed and checked again: `case.changed("contact.friction.mu=0.5")`."""
+        from .loader import build_case
+
+        given = self.model_dump(mode="json", exclude_unset=True)
+        return build_case(given, overrides, source=self.source)
+
+
+def _needs(case: Case, section: str, reason: str) -> None:
+    if section not in case.model_fields_set:
+        what = Case.model_fields[section].description
+        raise wrong("required section is missing", key=section, show_value=False, remedy=f"add it ({what}): {reason}")
+
+
+def _sections_present(case: Case) -> None:
+    if case.analysis in ("sweep", "dwell"):
+        _needs(case, "excitation", f"analysis {case.analysis} shakes the base")
+    stuck = case.analysis == "modal" and case.modal.interface == "stuck"
+    if case.coil.model == "layers" and (case.analysis != "modal" or stuck):
+        reason = "modal.interface stuck follows the preloaded contact" if stuck else "coil.model layers has interfaces"
+        _needs(case, "contact", reason)
+        _needs(case, "preload", reason)
+
+
+def _excitation_fits(case: Case) -> None:
+    wanted = {"sweep": "chirp", "dwell": "dwell"}.get(case.analysis)
+    if wanted and case.excitation.kind != wanted:
+        other = next(name for name, kind in (("sweep", "chirp"), ("dwell", "dwell")) if kind == case.excitation.kind)
+        raise wrong(
+            f"analysis {case.analysis} needs a {wanted}", key="excitation.kind", value=case.excitation.kind,
+            remedy=f"use excitation.kind: {wanted}, or analysis: {other}",
+        )  # fmt: skip
+
+
+def _base_fits(case: Case) -> None:
+    if case.mandrel.base == "free" and case.analysis != "modal":
+        raise wrong(
+            f"analysis {case.analysis} needs a held mandrel", key="mandrel.base", value="free",
+            remedy="use mandrel.base: clamped, or analysis: modal",
+        )  # fmt: skip
+
+
+def _layers_for_preload(case: Case) -> None:
+    if case.analysis == "preload" and case.coil.model != "layers":
+        raise wrong("analysis preload presses layers", key="coil.model", value=case.coil.model, remedy="use layers")
+
+
+def _one_pressure_per_layer(case: Case) -> None:
+    pressure, layers = case.preload.pressure, case.coil.layers
+    if isinstance(pressure, list) and len(pressure) != layers:
+        raise wrong(
+            f"{len(pressure)} pressures for {layers} layer{'s' if layers > 1 else ''}", key="preload.pressure",
+            value=pressure, remedy=f"give {layers} (inner first), or one number for the outermost layer",
+        )  # fmt: skip
+
+
+def _fine_enough(case: Case) -> None:
+    steps = case.integrator.steps_per_cycle
+    if case.analysis not in ("sweep", "dwell") or case.solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
+        return
+    f = case.excitation.highest_frequency_hz
+    raise wrong(
+        f"too few steps per cycle: dt = {case.time_step:.3g} s at the highest frequency, {f:g} Hz",
+        key="integrator.steps_per_cycle", value=steps,
+        remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more (dt <= {1 / (f * FEWEST_STEPS_PER_CYCLE):.3g} s; "
+        "40 is the default) or set solver.allow_coarse: true",
+    )  # fmt: skip
+
+
+_CHECKS: Sequence[Callable[[Case], None]] = (
+    _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer, _fine_enough,
+)  # fmt: skip

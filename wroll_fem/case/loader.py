@@ -1,0 +1,133 @@
+"""Read a case file: YAML in, a checked `Case` out."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from ..errors import InputError
+from .case import Case
+from .messages import input_error
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """SafeLoader that refuses a key written twice instead of keeping the last one."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            if isinstance(key_node, yaml.ScalarNode) and key_node.tag != "tag:yaml.org,2002:merge":
+                if key_node.value in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"key {key_node.value!r} is written twice", key_node.start_mark
+                    )
+                seen.add(key_node.value)
+        return super().construct_mapping(node, deep)
+
+
+def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
+    """Load a case file and check everything in it.
+
+    Parameters
+    ----------
+    path
+        YAML file. A relative `mesh.file` inside is taken relative to this file.
+    overrides
+        "dotted.key=value" pairs, the value in YAML; checked like the file. A relative
+        `mesh.file` given here is taken relative to the working directory.
+
+    Raises
+    ------
+    InputError
+        One line that names file, key, value and remedy.
+    """
+    path = Path(path)
+    data = _read(path)
+    mesh = data.get("mesh")
+    if isinstance(mesh, dict) and isinstance(mesh.get("file"), str):
+        mesh["file"] = str((path.parent / mesh["file"]).resolve())
+    return build_case(data, overrides, source=path)
+
+
+def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source: Path | None = None) -> Case:
+    """Check a mapping with overrides applied; see `load_case`."""
+    file = str(source) if source is not None else None
+    merged, keys = _override(data, overrides, file)
+    try:
+        # super() of Case.model_validate: the plain pydantic error is needed to name file and --set
+        case = super(Case, Case).model_validate(merged)
+    except ValidationError as error:
+        raise input_error(error, Case, file=file, overrides=keys) from None
+    case._source = source
+    return case
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(
+            "file not found", remedy="give the path of a case file (see configs/)", file=str(path)
+        ) from None
+    except UnicodeDecodeError:
+        raise InputError("is not a text file", remedy="give a YAML case file", file=str(path)) from None
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(
+            f"cannot be read ({reason})", remedy="give a readable YAML case file", file=str(path)
+        ) from None
+    data = _parse(text, str(path))
+    if not isinstance(data, dict):
+        kind = "is empty" if data is None else f"is not a case: it holds a {type(data).__name__}"
+        raise InputError(kind, remedy="write sections as key: value pairs (see configs/)", file=str(path))
+    return data
+
+
+def _parse(text: str, where: str) -> Any:
+    try:
+        return yaml.load(text, Loader=_StrictLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        spot = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        problem = f"is not valid YAML{spot}: {error.problem}"
+    except yaml.YAMLError as error:
+        problem = f"is not valid YAML: {' '.join(str(error).split())}"
+    raise InputError(problem, remedy="mind indentation, colons and brackets", file=where)
+
+
+def _override(data: Mapping[str, Any], overrides: Sequence[str], file: str | None) -> tuple[dict[str, Any], list[str]]:
+    """Apply "dotted.key=value" pairs to a copy; return it and the dotted keys."""
+    merged = _copy(dict(data))
+    keys = []
+    for text in overrides:
+        key, equals, value = text.partition("=")
+        key = key.strip()
+        parts = key.split(".")
+        if not equals or not all(parts):
+            remedy = "write --set dotted.key=value, for example --set contact.friction.mu=0.5"
+            raise InputError(f"must look like key=value, got {text!r}", key=f"--set {key}", remedy=remedy, file=file)
+        here = merged
+        for depth, part in enumerate(parts[:-1]):
+            if here.get(part) is None:
+                here[part] = {}
+            here = here[part]
+            if not isinstance(here, dict):
+                remedy = "set the whole key instead"
+                problem = f"{'.'.join(parts[: depth + 1])} is not a section, so it has no key {parts[depth + 1]!r}"
+                raise InputError(problem, key=f"--set {key}", remedy=remedy, file=file)
+        parsed = _parse(value, f"--set {key}")
+        if key == "mesh.file" and isinstance(parsed, str):
+            parsed = str(Path(parsed).resolve())
+        here[parts[-1]] = parsed
+        keys.append(key)
+    return merged, keys
+
+
+def _copy(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _copy(value) for key, value in data.items()}
+    return data

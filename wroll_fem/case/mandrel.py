@@ -1,0 +1,24 @@
+"""Section `mandrel`: material and end conditions."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from .base import Real, Section
+from .material import IsotropicMaterial
+
+
+class Mandrel(Section):
+    """The elastic tube that carries the roll."""
+
+    material: IsotropicMaterial = Field(description="material of the mandrel")
+    tip_mass: Real = Field(default=0.0, ge=0, description="point mass on the axis at the tip, kg")
+    tip: Literal["rigid", "free"] = Field(
+        default="rigid", description="rigid: the tip ring moves as one rigid body (spool cap); free: nothing holds it"
+    )
+    base: Literal["clamped", "free"] = Field(
+        default="clamped",
+        description="clamped: the base ring moves with the shaker; free: free-free mandrel (modal only)",
+    )

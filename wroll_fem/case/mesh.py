@@ -1,0 +1,46 @@
+"""Section `mesh`: element counts, or a mesh of your own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, field_validator
+
+from .base import Real, Section, Whole, wrong
+
+
+class Mesh(Section):
+    """Structured quadrilaterals on every cylinder; all cylinders share the same divisions."""
+
+    circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
+    axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
+    grading: Real = Field(
+        default=1.0, ge=1, description="element height at the tip over height at the root, dimensionless; 1 is uniform"
+    )
+    file: Path | None = Field(
+        default=None,
+        description="Gmsh .msh file with the named groups (path, relative to the case file); null: made here",
+    )
+
+    @field_validator("circumferential")
+    @classmethod
+    def _even(cls, value: int) -> int:
+        if value % 2:
+            raise wrong("must be even (symmetry plane)", remedy=f"use {value - 1} or {value + 1}", value=value)
+        return value
+
+    @field_validator("file", mode="before")
+    @classmethod
+    def _a_path(cls, value: Any) -> Any:
+        if value is not None and not isinstance(value, str | Path):
+            raise wrong("must be the path of a .msh file", remedy="write a path, or null", value=value)
+        return value
+
+    @field_validator("file")
+    @classmethod
+    def _exists(cls, value: Path | None) -> Path | None:
+        if value is not None and not value.is_file():
+            remedy = "give the path of a .msh file, relative to the case file, or null to mesh here"
+            raise wrong("mesh file not found", remedy=remedy, value=str(value))
+        return value

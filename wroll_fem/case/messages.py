@@ -1,0 +1,147 @@
+"""From pydantic's list of errors to the one line that a user reads."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Sequence
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from ..errors import InputError
+
+_BOUNDS = {
+    "greater_than": ("must be greater than {gt:g}"),
+    "greater_than_equal": ("must be {ge:g} or more"),
+    "less_than": ("must be less than {lt:g}"),
+    "less_than_equal": ("must be {le:g} or less"),
+}
+_KINDS = {
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "finite_number": "must be a finite number",
+    "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "model_type": "must be a section (key: value pairs)",
+    "model_attributes_type": "must be a section (key: value pairs)",
+    "dict_type": "must be a section (key: value pairs)",
+}
+
+
+def input_error(
+    error: ValidationError, model: type[BaseModel], *, file: str | None = None, overrides: Sequence[str] = ()
+) -> InputError:
+    """Turn a validation error into one line: file, dotted key, problem, value, remedy.
+
+    Parameters
+    ----------
+    error
+        What pydantic found; the first error is told, the others are counted.
+    model
+        Root model, to find descriptions and the nearest known key.
+    file
+        File the input came from.
+    overrides
+        Dotted keys given with `--set`; an error in one of them names `--set key`.
+    """
+    details = sorted(error.errors(include_url=False), key=lambda d: d["type"] != "extra_forbidden")
+    first = details[0]
+    key, problem, remedy, meant = _explain(first, model)
+    others = [d for d in details[1:] if not (d["type"] == "missing" and ".".join(map(str, d["loc"])) == meant)]
+    more = f" (and {len(others)} more)" if others else ""
+    if any(key == given or key.startswith(f"{given}.") for given in overrides):
+        key = f"--set {key}"
+    return InputError(problem, key=key or None, remedy=f"{remedy}{more}", file=file)
+
+
+def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, str, str]:
+    """Return (dotted key, problem with value, remedy, dotted key that was probably meant)."""
+    kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
+    keys, parent = _walk(detail["loc"], model)
+    key = ".".join(keys)
+    got = f", got {_show(value)}"
+    if kind == "wroll":
+        key = ".".join(part for part in (key, context["key"]) if part)
+        got = f", got {_show(context['value'])}" if context["show_value"] else ""
+        return key, f"{context['problem']}{got}", str(context["remedy"]), ""
+    if kind == "extra_forbidden":
+        problem, remedy, meant = _unknown_key(keys, parent, model)
+        return key, f"{problem}{got}", remedy, meant
+    field = parent.model_fields.get(keys[-1]) if keys and parent else None
+    what = field.description if field is not None and field.description else "see `wroll schema`"
+    if kind == "missing":
+        section = field is not None and _section_of(field.annotation) is not None
+        return key, f"required {'section' if section else 'key'} is missing", f"add it ({what})", ""
+    if kind in ("literal_error", "union_tag_invalid"):
+        options = str(context.get("expected") or context.get("expected_tags")).replace("'", "")
+        key = key if kind == "literal_error" else f"{key}.kind"
+        value = value if kind == "literal_error" else value.get("kind")
+        return key, f"is not one of the choices, got {_show(value)}", f"use {options.replace(' or ', ', ')}", ""
+    if kind == "union_tag_not_found":
+        return f"{key}.kind", "required key is missing", f"add it ({what}): chirp or dwell", ""
+    if kind in _BOUNDS:
+        return key, f"{_BOUNDS[kind].format(**context)}{got}", f"give the {what}", ""
+    if kind in _KINDS:
+        remedy = f"give the {what}" if "section" not in _KINDS[kind] else "write its keys indented below it"
+        return key, f"{_KINDS[kind]}{got}", remedy, ""
+    return key, f"{detail['msg'][:1].lower()}{detail['msg'][1:]}{got}", f"give the {what}", ""
+
+
+def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
+    """Dotted path of an error, without pydantic's union tags, and the model that holds its last key."""
+    keys: list[str] = []
+    parent: type[BaseModel] | None = model
+    here: Any = model
+    for part in loc:
+        options = _sections(here)
+        tagged = [m for m in options if len(options) > 1 and part in get_args(m.model_fields["kind"].annotation)]
+        if tagged:
+            here = tagged[0]
+            continue
+        parent = options[0] if options else None
+        keys.append(str(part))
+        field = parent.model_fields.get(str(part)) if parent else None
+        here = field.annotation if field is not None else None
+    return keys, parent
+
+
+def _sections(annotation: Any) -> list[type[BaseModel]]:
+    """Models an annotation allows."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _sections(argument)]
+
+
+def _section_of(annotation: Any) -> type[BaseModel] | None:
+    found = _sections(annotation)
+    return found[0] if found else None
+
+
+def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield f"{prefix}{name}"
+        for section in _sections(field.annotation):
+            yield from _all_keys(section, f"{prefix}{name}.")
+
+
+def _unknown_key(keys: list[str], parent: type[BaseModel] | None, root: type[BaseModel]) -> tuple[str, str, str]:
+    """Problem, remedy and the full key that was probably meant."""
+    siblings = list(parent.model_fields) if parent else []
+    near = difflib.get_close_matches(keys[-1], siblings, n=1)
+    if near:
+        return "unknown key", f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
+    elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
+    known = f"known here: {', '.join(siblings)}"
+    if elsewhere and ".".join(keys) not in elsewhere:
+        return "unknown key", f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]
+    return "unknown key", known, ""
+
+
+def _show(value: Any) -> str:
+    """Spell a value as YAML does, shortened."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

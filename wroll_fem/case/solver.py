@@ -1,0 +1,33 @@
+"""Section `solver`: how the equations of a step are solved."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from .base import Real, Section, Switch, Whole
+
+
+class Solver(Section):
+    """Nonlinear solver and its safeguards."""
+
+    method: Literal["condensed", "full"] = Field(
+        default="condensed",
+        description="condensed: exact condensation on the interface; full: sparse Newton on everything (reference)",
+    )
+    tolerance: Real = Field(
+        default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"
+    )
+    max_iterations: Whole = Field(default=30, ge=1, description="Newton iterations of a step before it is cut (count)")
+    max_cuts: Whole = Field(default=6, ge=0, description="halvings of a step before the run stops (count)")
+    symmetry: Switch = Field(
+        default=True, description="solve half the circumference when case and mesh share the x-z plane"
+    )
+    cutoff_hz: Real | None = Field(
+        default=None,
+        gt=0,
+        description="drop fixed-interface modes above this frequency, Hz; null keeps everything (exact)",
+    )
+    checkpoint_seconds: Real = Field(default=60.0, gt=0, description="wall time between checkpoints, s")
+    allow_coarse: Switch = Field(default=False, description="accept fewer than 20 steps per cycle")
