@@ -1,0 +1,211 @@
+"""Bodies of a roll: mandrel and coil layers, assembled by dolfinx and reduced to plain sparse matrices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+from mpi4py import MPI
+
+from wroll_fem.body import Body, Trace
+from wroll_fem.errors import InputError
+from wroll_fem.fem.constraints import Constraints, build_constraints
+from wroll_fem.fem.shell import Section, ShellModel, drop_small, radial_director
+from wroll_fem.fem.trace import SurfaceTrace
+from wroll_fem.meshing import CylinderMesh, build_mesh, canonical_vertices, ring_edges, shell_layout
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+def assemble_bodies(
+    case: Any, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
+) -> list[Body]:
+    """Assemble the shells of a case, inner first: mandrel, layer_01, ...
+
+    Parameters
+    ----------
+    case
+        The case (geometry, mandrel, coil, mesh sections).
+    meshes
+        Mesh with the groups of every shell; None builds or reads the one the case asks for.
+    symmetric
+        Keep only motions symmetric about the x-z plane (excitation along x). Matrices, forces and areas stay
+        those of the whole roll; points with theta in [0, pi] are kept.
+    comm
+        Must hold one process: a body is assembled whole by whoever asks for it.
+
+    Returns
+    -------
+    list of Body
+        With the coil model "none" or "nonstructural_mass" the mandrel only; the latter spreads the coil's mass
+        over the mandrel's mid-surface.
+
+    Raises
+    ------
+    InputError
+        If the mesh does not fit the case, or is not symmetric although `symmetric` asks for it.
+    """
+    if comm.size != 1:
+        raise ValueError(f"bodies are assembled on one process, got a communicator of {comm.size}")
+    mesh = build_mesh(case) if meshes is None else meshes
+    missing = [name for name, _, _ in shell_layout(case) if name not in mesh.groups]
+    if missing:
+        raise InputError(
+            f"mesh lacks the shells {', '.join(missing)}",
+            key="coil.layers",
+            remedy=f"it has {', '.join(mesh.parts)}; mesh every layer of the case",
+        )
+    return [
+        _assemble_shell(case, index, name, radius, thickness, mesh.part(name), symmetric)
+        for index, (name, radius, thickness) in enumerate(shell_layout(case))
+    ]
+
+
+def section_of(case: Any, index: int, thickness: float) -> Section:
+    """Shell section of the mandrel (index 0) or of a layer."""
+    if index > 0:
+        m = case.coil.material
+        return Section(m.E, m.nu, m.rho, thickness, bending=1.0 if case.coil.bending else 0.0)
+    m = case.mandrel.material
+    extra = 0.0
+    if case.coil.model == "nonstructural_mass":
+        outer = 0.5 * case.geometry.mandrel_outer_diameter
+        radius, t = outer - 0.5 * thickness, case.coil.total_thickness
+        extra = case.coil.material.rho * t * (outer + 0.5 * t) / radius
+    return Section(m.E, m.nu, m.rho, thickness, extra_mass=extra)
+
+
+def _base_is_clamped(case: Any, index: int) -> bool:
+    if index == 0:
+        return bool(case.mandrel.base == "clamped")
+    return bool(case.coil.base == "clamped" or (case.coil.base == "inner_edge" and index == 1))
+
+
+def _assemble_shell(
+    case: Any, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
+) -> Body:
+    section = section_of(case, index, thickness)
+    model = ShellModel(part.nodes, part.cells, radial_director)
+    rigid_tip = index == 0 and case.mandrel.tip == "rigid"
+    centre = np.array([0.0, 0.0, case.geometry.length])
+    constraints = build_constraints(
+        part.nodes,
+        clamped=part.groups["base"] if _base_is_clamped(case, index) else np.empty(0, np.int64),
+        rigid=part.groups["tip"] if rigid_tip else None,
+        centre=centre,
+        symmetric=symmetric,
+    )
+    tip_mass = case.mandrel.tip_mass if index == 0 else 0.0
+    tip = tip_probe(constraints, part)
+    nodal_mass = model.mass(section)
+    if tip_mass and not rigid_tip:
+        nodal_mass = nodal_mass + ring_mass(part, tip_mass)
+    E = constraints.expand
+    mass = (E.T @ nodal_mass @ E).tocsr()
+    if tip_mass and constraints.master is not None:
+        mass = mass + point_mass(constraints, tip_mass)
+    outward = radial_director(part.nodes)
+    scale = (radius + 0.5 * thickness) / radius
+    return Body(
+        name=name,
+        stiffness=_tidy(E.T @ model.stiffness(section) @ E),
+        mass=_tidy(mass),
+        influence=base_influence(constraints, symmetric),
+        expand=E,
+        nodes=part.nodes,
+        cells=part.cells,
+        traces=_traces(model, constraints, part, radius, thickness, symmetric),
+        pressure_force=np.asarray(E.T @ model.area_load(-scale * outward)),
+        probes={"tip": tip},
+        mass_total=section.mass_per_area * model.area + tip_mass,
+        symmetric=symmetric,
+    )
+
+
+def _tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
+    """Symmetric CSR with sorted indices and without rounding-error entries."""
+    tidy = drop_small(((matrix + matrix.T) * 0.5).tocsr())
+    tidy.sort_indices()
+    return tidy
+
+
+def base_influence(constraints: Constraints, symmetric: bool) -> FloatArray:
+    """(n, 3) displacement of the unknowns under unit translations of the base.
+
+    Clamped nodes move with the base and have no unknowns. In a symmetric model a translation along y has no
+    symmetric part: its column is zero.
+    """
+    influence = (constraints.component[:, None] == np.arange(3)).astype(float)
+    if symmetric:
+        influence[:, 1] = 0.0
+    return influence
+
+
+def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
+    """(n_nodes,) share of each node in the mean over a ring of quadratic edges (Simpson's rule); sums to 1."""
+    edges = ring_edges(part.cells, ring)
+    length = np.linalg.norm(part.nodes[edges[:, 2]] - part.nodes[edges[:, 0]], axis=1)
+    length += np.linalg.norm(part.nodes[edges[:, 1]] - part.nodes[edges[:, 2]], axis=1)
+    weights = np.zeros(len(part.nodes))
+    for column, share in ((0, 1 / 6), (1, 1 / 6), (2, 4 / 6)):
+        np.add.at(weights, edges[:, column], share * length)
+    return weights / weights.sum()
+
+
+def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
+    """(3, n) Cartesian displacement of a rigid tip's centre, or the mean displacement of a deformable end ring."""
+    n = constraints.expand.shape[1]
+    if constraints.master is not None:
+        alive = np.flatnonzero(constraints.master[:3] >= 0)
+        return sp.csr_matrix((np.ones(len(alive)), (alive, constraints.master[alive])), shape=(3, n))
+    weights = ring_weights(part, part.groups["tip"])
+    ring = np.flatnonzero(weights)
+    rows, cols = np.tile(np.arange(3), len(ring)), (6 * ring[:, None] + np.arange(3)).ravel()
+    mean = sp.csr_matrix((np.repeat(weights[ring], 3), (rows, cols)), shape=(3, 6 * len(part.nodes)))
+    return (mean @ constraints.expand).tocsr()
+
+
+def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
+    """(6 n_nodes, 6 n_nodes) a mass in kg spread over the tip ring, lumped on its nodes."""
+    weights = ring_weights(part, part.groups["tip"])
+    return sp.diags(np.outer(mass * weights, [1, 1, 1, 0, 0, 0]).ravel()).tocsr()
+
+
+def point_mass(constraints: Constraints, mass: float) -> sp.csr_matrix:
+    """(n, n) a mass in kg at the centre of the rigid tip."""
+    diagonal = np.zeros(constraints.expand.shape[1])
+    if constraints.master is not None:
+        translations = constraints.master[:3]
+        diagonal[translations[translations >= 0]] = mass
+    return sp.diags(diagonal).tocsr()
+
+
+def _traces(
+    model: ShellModel,
+    constraints: Constraints,
+    part: CylinderMesh,
+    radius: float,
+    thickness: float,
+    symmetric: bool,
+) -> dict[str, Trace]:
+    vertices, points = canonical_vertices(part)
+    surface = SurfaceTrace(model, vertices)
+    weight = np.ones(len(points))
+    keep = np.ones(len(points), bool)
+    if symmetric:
+        on_plane = np.abs(np.sin(points[:, 0])) < 1e-9
+        keep = (points[:, 0] >= 0.0) | on_plane
+        weight[~on_plane] = 2.0
+    rows = (3 * np.flatnonzero(keep)[:, None] + np.arange(3)).ravel()
+    traces = {}
+    for side, height in (("inner", -0.5 * thickness), ("outer", 0.5 * thickness)):
+        scale = (radius + height) / radius
+        operator = (surface.operator(height)[rows] @ constraints.expand).tocsr()
+        operator.data[np.abs(operator.data) < 1e-16] = 0.0
+        operator.eliminate_zeros()
+        at = points[keep] * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, radius + height])
+        traces[side] = Trace(operator, at, (surface.areas(scale) * weight)[keep])
+    return traces

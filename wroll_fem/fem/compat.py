@@ -1,0 +1,152 @@
+"""Every difference between the supported dolfinx versions (0.5, 0.9 and later) lives in this file.
+
+Nothing else in the package may ask for a version of dolfinx, UFL or basix.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Iterator
+from typing import Any
+
+import basix
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import ufl
+from dolfinx import fem, mesh
+from dolfinx.fem import petsc as fem_petsc
+from petsc4py import PETSc
+
+from wroll_fem.errors import WrollError
+
+VERSION: tuple[int, int] = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])  # type: ignore[assignment]
+"""(major, minor) of the dolfinx in use."""
+
+_BASIX_UFL = VERSION >= (0, 7)  # elements come from basix.ufl instead of ufl
+
+
+def require_real_scalars() -> None:
+    """Refuse a PETSc built for complex numbers.
+
+    Raises
+    ------
+    WrollError
+        If PETSc's scalar type is complex.
+    """
+    if np.issubdtype(PETSc.ScalarType, np.complexfloating):
+        raise WrollError(
+            "dolfinx runs here with complex PETSc scalars, which wroll_fem does not support; use the real build "
+            "(Debian: python3-dolfinx-real python3-petsc4py-real python3-slepc4py-real, and unset PETSC_DIR)"
+        )
+
+
+@contextlib.contextmanager
+def quiet_compiler() -> Iterator[None]:
+    """Keep the C compiler's command lines, which setuptools writes to the root logger, off the terminal.
+
+    setuptools also gives the root logger a handler and a level of its own; both are put back.
+    """
+    root, manager = logging.getLogger(), logging.root.manager
+    level, handlers, disabled = root.level, list(root.handlers), manager.disable
+    logging.disable(logging.INFO)
+    try:
+        yield
+    finally:
+        logging.disable(disabled)
+        root.setLevel(level)
+        root.handlers[:] = handlers
+
+
+def compile_form(form: Any) -> Any:
+    """Compile a UFL form (or take it from the cache of earlier runs)."""
+    with quiet_compiler():
+        return fem.form(form)
+
+
+def lagrange(cell: str, degree: int, components: int = 1) -> Any:
+    """Lagrange element on `cell` embedded in 3-D: scalar, or a vector of `components`."""
+    if _BASIX_UFL:
+        import basix.ufl as basix_ufl
+
+        return basix_ufl.element("Lagrange", cell, degree, shape=(components,) if components > 1 else ())
+    ufl_cell = ufl.Cell(cell, geometric_dimension=3)
+    if components == 1:
+        return ufl.FiniteElement("Lagrange", ufl_cell, degree)
+    return ufl.VectorElement("Lagrange", ufl_cell, degree, dim=components)
+
+
+def piecewise_constant(cell: str) -> Any:
+    """Scalar element, one value per cell."""
+    if _BASIX_UFL:
+        import basix.ufl as basix_ufl
+
+        return basix_ufl.element("DG", cell, 0)
+    return ufl.FiniteElement("DG", ufl.Cell(cell, geometric_dimension=3), 0)
+
+
+def function_space(domain: mesh.Mesh, element: Any) -> fem.FunctionSpace:
+    """Function space of `element` on `domain`."""
+    make = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
+    with quiet_compiler():
+        return make(domain, element)
+
+
+def create_mesh(comm: Any, nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str) -> mesh.Mesh:
+    """Order-2 mesh in 3-D from nodes (n, 3) and cells in dolfinx's local numbering."""
+    nodes, cells = np.ascontiguousarray(nodes, float), np.ascontiguousarray(cells, np.int64)
+    if _BASIX_UFL:
+        import basix.ufl as basix_ufl
+
+        domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, 2, shape=(3,)))
+    else:
+        domain = ufl.Mesh(lagrange(cell, 2, components=3))
+    with quiet_compiler():
+        if VERSION >= (0, 10):
+            return mesh.create_mesh(comm, cells, domain, nodes)
+        return mesh.create_mesh(comm, cells, nodes, domain)
+
+
+def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
+    """(n_cells, nodes per cell) local geometry nodes of each cell."""
+    table = domain.geometry.dofmap
+    if hasattr(table, "array"):
+        n_cells = domain.topology.index_map(domain.topology.dim).size_local
+        return np.asarray(table.array.reshape(n_cells, -1), np.int64)
+    return np.asarray(table, np.int64)
+
+
+def cell_dofs(space: fem.FunctionSpace) -> npt.NDArray[np.int64]:
+    """(n_cells, nodes per cell) blocks of degrees of freedom of each cell."""
+    table = space.dofmap.list
+    if hasattr(table, "array"):
+        n_cells = space.mesh.topology.index_map(space.mesh.topology.dim).size_local
+        return np.asarray(table.array.reshape(n_cells, -1), np.int64)
+    return np.asarray(table, np.int64)
+
+
+def assemble_csr(form: Any) -> sp.csr_matrix:
+    """Assemble a compiled bilinear form (square or rectangular) without boundary conditions, as scipy CSR."""
+    matrix = fem_petsc.assemble_matrix(form)
+    matrix.assemble()
+    indptr, indices, values = matrix.getValuesCSR()
+    shape = matrix.getSize()
+    matrix.destroy()
+    return sp.csr_matrix((values, indices, indptr), shape=shape)
+
+
+def assemble_array(form: Any) -> npt.NDArray[np.float64]:
+    """Assemble a compiled linear form to a plain array (one process)."""
+    vector = fem.assemble_vector(form)
+    return np.array(vector.array, float)
+
+
+def versions() -> dict[str, str]:
+    """Versions of the finite-element stack, for provenance."""
+    return {
+        "dolfinx": dolfinx.__version__,
+        "basix": basix.__version__,
+        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+    }

@@ -1,0 +1,135 @@
+"""Exact linear constraints of a shell: clamped nodes, a rigid tip, a symmetry plane.
+
+All constraints are one sparse map from the remaining unknowns y to the nodal values,
+
+    q = E y,     K_y = E^T K E,     M_y = E^T M E,
+
+so no penalty number and no Dirichlet row enters the matrices. Nodal values are node-major
+[ux, uy, uz, rx, ry, rz]; the unknowns of a rigid tip, [U, Omega], come last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from wroll_fem.errors import InputError
+from wroll_fem.meshing import mirror_nodes
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+_MIRROR_SIGN = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+"""Parity of [u, theta] under y -> -y: displacement is a polar vector, rotation an axial one."""
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Map from the remaining unknowns to the nodal values.
+
+    Attributes
+    ----------
+    expand
+        (6 n_nodes, n) sparse.
+    master
+        Column of each of [Ux, Uy, Uz, Omega_x, Omega_y, Omega_z] of the rigid tip, -1 where it is eliminated,
+        or None without a rigid tip.
+    component
+        (n,) which of the six components each unknown is.
+    """
+
+    expand: sp.csr_matrix
+    master: IntArray | None
+    component: IntArray
+
+
+def build_constraints(
+    nodes: FloatArray,
+    *,
+    clamped: IntArray,
+    rigid: IntArray | None = None,
+    centre: FloatArray | None = None,
+    symmetric: bool = False,
+) -> Constraints:
+    """Eliminate clamped nodes, tie a ring rigidly to its centre, keep motions symmetric about the x-z plane.
+
+    Parameters
+    ----------
+    nodes
+        (n_nodes, 3) coordinates, m.
+    clamped
+        Nodes whose six values are zero relative to the base.
+    rigid
+        Nodes with u = U + Omega x (x - centre), theta = Omega; None for a deformable end.
+    centre
+        (3,) reference point of the rigid nodes; on the x-z plane if `symmetric`.
+    symmetric
+        Keep only motions symmetric about the x-z plane.
+
+    Raises
+    ------
+    InputError
+        If a symmetric model is asked of nodes that do not mirror about the x-z plane.
+    """
+    n = len(nodes)
+    source, sign = np.arange(n), np.ones((n, 6))
+    free = np.ones((n, 6), bool)
+    if symmetric:
+        partner = mirror_nodes(nodes)
+        if partner is None:
+            raise InputError(
+                "the mesh's nodes do not mirror about the x-z plane",
+                key="solver.symmetry",
+                remedy="set solver.symmetry: false, or mesh with a node at theta = 0 and mirrored divisions",
+            )
+        below = nodes[:, 1] < -1e-9 * np.abs(nodes).max()
+        source[below] = partner[below]
+        sign[below] = _MIRROR_SIGN
+        free[partner == np.arange(n)] = _MIRROR_SIGN > 0
+    free[clamped] = False
+    tied = np.zeros(n, bool)
+    if rigid is not None:
+        tied[rigid] = True
+    tied[clamped] = False
+    own = free & ~tied[:, None] & (source == np.arange(n))[:, None]
+    column = np.full((n, 6), -1, np.int64)
+    column[own] = np.arange(own.sum())
+    component = np.nonzero(own)[1]
+
+    follows = column[source]
+    rows, comps = np.nonzero((follows >= 0) & free & ~tied[:, None])
+    entries = [(6 * rows + comps, follows[rows, comps], sign[rows, comps])]
+    count, master = int(own.sum()), None
+    if rigid is not None:
+        alive = _MIRROR_SIGN > 0 if symmetric else np.ones(6, bool)
+        master = np.where(alive, count + np.cumsum(alive) - 1, -1)
+        component = np.concatenate([component, np.flatnonzero(alive)])
+        count += int(alive.sum())
+        entries.append(_rigid_entries(nodes, np.flatnonzero(tied), np.zeros(3) if centre is None else centre, master))
+    row, col, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+    expand = sp.csr_matrix((value, (row, col)), shape=(6 * n, count))
+    return Constraints(expand, master, component)
+
+
+def rigid_motions(nodes: FloatArray, centre: FloatArray) -> FloatArray:
+    """(6 n_nodes, 6) nodal values of unit translations and rotations about `centre`."""
+    n = len(nodes)
+    modes = np.zeros((n, 6, 6))
+    modes[:, :3, :3] = np.eye(3)
+    modes[:, 3:, 3:] = np.eye(3)
+    arm = nodes - centre
+    for axis in range(3):
+        modes[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], arm)
+    return modes.reshape(6 * n, 6)
+
+
+def _rigid_entries(
+    nodes: FloatArray, tied: IntArray, centre: FloatArray, master: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    block = rigid_motions(nodes[tied], centre)
+    block[:, master < 0] = 0.0
+    rows, comps = np.nonzero(block)
+    return 6 * tied[rows // 6] + rows % 6, master[comps], block[rows, comps]

@@ -1,0 +1,269 @@
+r"""Shear-deformable shell on a curved quad mesh: Q2 displacement u and Q2 rotation vector theta.
+
+A point at height xi above the mid-surface x_0 moves by u + xi theta x d, with d the director, a
+continuous quadratic field. Linearised at the mid-surface, with P = [e1 e2] the tangent basis and
+`grad` the tangential gradient (of the physical coordinates):
+
+    eps   = sym(P^T grad u P)                                                   membrane strain
+    kappa = sym(P^T grad(theta x d) P + (grad d P)^T grad u P)                  change of curvature
+    gamma = P^T (grad u^T d + theta x d)                                        transverse shear
+    omega = theta . n - (e2 . grad u e1 - e1 . grad u e2) / 2                   drilling
+
+    energy = 1/2 int N : eps + M : kappa + Q . gamma + k_d omega^2 dA
+
+All four vanish for every rigid motion, exactly and pointwise. Membrane and shear terms are integrated
+as alpha x (3 x 3 points) + (1 - alpha) x (2 x 2 points) with alpha = t^2 / h^2 <= 1 in each cell (h^2 the
+cell's area): 2 x 2 points alone leave zero-energy modes, 3 x 3 alone lock. Bending, drilling and mass are
+integrated with 3 x 3 points.
+
+Accuracy (measured, tests/test_shell.py): Scordelis-Lo roof, n = 4 / 8 / 16 quads per side; pinched
+cylinder with diaphragms; cantilever tube. See docs for the table.
+
+Notes
+-----
+Linear kinematics, isotropic plane stress, shear factor 5/6. One process (COMM_SELF).
+
+References
+----------
+E. N. Dvorkin, K.-J. Bathe (1984), doi:10.1108/eb023562 (degenerated shells);
+D. N. Arnold, F. Brezzi (1997), doi:10.1090/S0025-5718-97-00785-0 (partial reduced integration, weight t^2/h^2);
+T. J. R. Hughes, F. Brezzi (1989), doi:10.1016/0045-7825(89)90124-2 (drilling rotations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from wroll_fem.fem import compat
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+Director = Callable[[FloatArray], FloatArray]
+
+SHEAR_FACTOR = 5.0 / 6.0
+DRILLING_FACTOR = 1.0  # drilling modulus over G t; the drilling constraint is consistent, so it is not a penalty
+_CELL = "quadrilateral"
+_FROM_GMSH = [0, 1, 3, 2, 4, 7, 5, 6, 8]  # basix's quad9 in gmsh's (and VTK's) local numbers
+_FULL, _REDUCED = 4, 2  # quadrature degrees: 3 x 3 and 2 x 2 Gauss points
+
+
+@dataclass(frozen=True)
+class Section:
+    """Material and thickness of a homogeneous isotropic shell.
+
+    Attributes
+    ----------
+    E, nu, rho
+        Young's modulus (Pa), Poisson's ratio, density (kg/m^3).
+    thickness
+        m.
+    bending
+        Factor on the bending stiffness; 0 leaves a membrane whose rotations follow the mid-surface through
+        shear and drilling.
+    extra_mass
+        Non-structural mass per area, kg/m^2.
+    """
+
+    E: float
+    nu: float
+    rho: float
+    thickness: float
+    bending: float = 1.0
+    extra_mass: float = 0.0
+
+    @property
+    def mass_per_area(self) -> float:
+        """kg/m^2."""
+        return self.rho * self.thickness + self.extra_mass
+
+
+def radial_director(points: FloatArray) -> FloatArray:
+    """Outward unit normal (n, 3) of cylinders about z at `points` (n, 3)."""
+    director = np.zeros_like(points)
+    director[:, :2] = points[:, :2] / np.hypot(points[:, 0], points[:, 1])[:, None]
+    return director
+
+
+class ShellModel:
+    """A meshed shell: assembles stiffness, mass and loads for any `Section`.
+
+    Degrees of freedom are node-major [ux, uy, uz, rx, ry, rz] in the order of `nodes`.
+
+    Parameters
+    ----------
+    nodes
+        (n_nodes, 3) Cartesian coordinates, m; every node must belong to a cell.
+    cells
+        (n_cells, 9) node numbers in gmsh's quad9 order.
+    director
+        Unit normal at given points, (n, 3) -> (n, 3).
+
+    Attributes
+    ----------
+    cell_nodes
+        (n_cells, 9) input nodes of dolfinx's cells in basix's local order (corners first).
+    dof_order
+        (6 n_nodes,) dolfinx's number of each node-major degree of freedom.
+    """
+
+    def __init__(self, nodes: FloatArray, cells: IntArray, director: Director = radial_director):
+        compat.require_real_scalars()
+        self.nodes, self.cells = np.asarray(nodes, float), np.asarray(cells, np.int64)
+        self.mesh = compat.create_mesh(MPI.COMM_SELF, self.nodes, self.cells[:, _FROM_GMSH], _CELL)
+        self.space = compat.function_space(self.mesh, compat.lagrange(_CELL, 2, components=6))
+        self._constants = {
+            name: fem.Constant(self.mesh, 0.0)
+            for name in ("membrane", "bending", "nu", "shear", "drilling", "mass", "rotary")
+        }
+        node_of_geometry = np.asarray(self.mesh.geometry.input_global_indices, np.int64)
+        geometry = compat.geometry_dofs(self.mesh)
+        block_of_node = self._numbering(compat.cell_dofs(self.space), node_of_geometry[geometry])
+
+        vectors = compat.function_space(self.mesh, compat.lagrange(_CELL, 2, components=3))
+        self._vector_block = self._numbering(compat.cell_dofs(vectors), node_of_geometry[geometry])
+        self.director = fem.Function(vectors, name="director")
+        self._load = fem.Function(vectors, name="load")
+        self._set(self.director, director(self.nodes))
+
+        scalars = compat.function_space(self.mesh, compat.piecewise_constant(_CELL))
+        self._alpha = fem.Function(scalars, name="alpha")
+        self._area_of_cell = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * self._dx(_FULL)))
+        self.cell_nodes = node_of_geometry[geometry]
+        self.dof_order = (6 * block_of_node[:, None] + np.arange(6)).ravel()
+
+    def _numbering(self, dofs: IntArray, nodes_of_cell: IntArray) -> IntArray:
+        """Block of degrees of freedom that sits at each input node (quadratic space on a quadratic mesh)."""
+        block = np.full(len(self.nodes), -1, np.int64)
+        block[nodes_of_cell.ravel()] = dofs.ravel()
+        if (block < 0).any():
+            raise ValueError(f"{int((block < 0).sum())} nodes belong to no cell of the shell")
+        return block
+
+    def _set(self, function: fem.Function, nodal: FloatArray) -> None:
+        function.x.array.reshape(-1, 3)[self._vector_block] = nodal
+
+    def _dx(self, degree: int) -> Any:
+        return ufl.Measure("dx", domain=self.mesh, metadata={"quadrature_degree": degree})
+
+    # ---- kinematics ----------------------------------------------------------------------------------------------
+
+    def _tangents(self) -> tuple[Any, Any]:
+        """P (3 x 2 tangent basis) and the unit normal of the curved cell."""
+        J = ufl.Jacobian(self.mesh)
+        t1, t2 = J[:, 0], J[:, 1]
+        e1 = t1 / ufl.sqrt(ufl.dot(t1, t1))
+        n = ufl.cross(t1, t2) / ufl.sqrt(ufl.dot(ufl.cross(t1, t2), ufl.cross(t1, t2)))
+        e2 = ufl.cross(n, e1)
+        return ufl.transpose(ufl.as_matrix([[e1[i] for i in range(3)], [e2[i] for i in range(3)]])), n
+
+    def _strains(self, q: Any) -> tuple[Any, Any, Any, Any]:
+        """eps, kappa, gamma, omega of the module's docstring for q = [u, theta]."""
+        u, theta = _split(q)
+        d = self.director
+        P, n = self._tangents()
+        grad_u, grad_d = ufl.grad(u), ufl.grad(d)
+        slope = ufl.cross(theta, d)
+        eps = ufl.sym(P.T * grad_u * P)
+        kappa = ufl.sym(P.T * ufl.grad(slope) * P + (grad_d * P).T * (grad_u * P))
+        gamma = P.T * (grad_u.T * d + slope)
+        in_plane = P.T * grad_u * P
+        omega = ufl.dot(theta, n) - (in_plane[1, 0] - in_plane[0, 1]) / 2
+        return eps, kappa, gamma, omega
+
+    # ---- forms, compiled once --------------------------------------------------------------------------------------
+
+    @cached_property
+    def _stiffness_form(self) -> Any:
+        c, alpha = self._constants, self._alpha
+        eps, kappa, gamma, omega = self._strains(ufl.TrialFunction(self.space))
+        eps_v, kappa_v, gamma_v, omega_v = self._strains(ufl.TestFunction(self.space))
+        N = c["membrane"] * _plane_stress(eps, c["nu"])
+        M = c["bending"] * _plane_stress(kappa, c["nu"])
+        Q = c["shear"] * gamma
+        dx, dx_reduced = self._dx(_FULL), self._dx(_REDUCED)
+
+        membrane = alpha * ufl.inner(N, eps_v) * dx + (1 - alpha) * ufl.inner(N, eps_v) * dx_reduced
+        bending = ufl.inner(M, kappa_v) * dx
+        shear = alpha * ufl.inner(Q, gamma_v) * dx + (1 - alpha) * ufl.inner(Q, gamma_v) * dx_reduced
+        drilling = c["drilling"] * omega * omega_v * dx
+        return compat.compile_form(membrane + bending + shear + drilling)
+
+    @cached_property
+    def _mass_form(self) -> Any:
+        u, theta = _split(ufl.TrialFunction(self.space))
+        v, phi = _split(ufl.TestFunction(self.space))
+        c, dx = self._constants, self._dx(_FULL)
+        translation = c["mass"] * ufl.inner(u, v) * dx
+        rotation = c["rotary"] * ufl.inner(theta, phi) * dx
+        return compat.compile_form(translation + rotation)
+
+    @cached_property
+    def _load_form(self) -> Any:
+        v, _ = _split(ufl.TestFunction(self.space))
+        return compat.compile_form(ufl.inner(self._load, v) * self._dx(_FULL))
+
+    # ---- assembly --------------------------------------------------------------------------------------------------
+
+    def stiffness(self, section: Section) -> sp.csr_matrix:
+        """(6 n_nodes, 6 n_nodes) stiffness, N/m, without constraints."""
+        t, G = section.thickness, section.E / (2 * (1 + section.nu))
+        plane = section.E / (1 - section.nu**2)
+        values = {
+            "membrane": plane * t,
+            "bending": section.bending * plane * t**3 / 12,
+            "nu": section.nu,
+            "shear": SHEAR_FACTOR * G * t,
+            "drilling": DRILLING_FACTOR * G * t,
+        }
+        for name, value in values.items():
+            self._constants[name].value = value
+        self._alpha.x.array[:] = np.minimum(1.0, t**2 / self._area_of_cell)
+        return self._reorder(compat.assemble_csr(self._stiffness_form))
+
+    def mass(self, section: Section) -> sp.csr_matrix:
+        """(6 n_nodes, 6 n_nodes) consistent mass, kg, with rotary inertia rho t^3 / 12 about all three axes."""
+        self._constants["mass"].value = section.mass_per_area
+        self._constants["rotary"].value = section.rho * section.thickness**3 / 12
+        return self._reorder(compat.assemble_csr(self._mass_form))
+
+    def area_load(self, density: FloatArray) -> FloatArray:
+        """(6 n_nodes,) consistent nodal forces, N, of a force per area (Pa) given at the nodes, (n_nodes, 3)."""
+        self._set(self._load, np.broadcast_to(density, self.nodes.shape))
+        return compat.assemble_array(self._load_form)[self.dof_order]
+
+    @property
+    def area(self) -> float:
+        """Area of the meshed mid-surface, m^2."""
+        return float(self._area_of_cell.sum())
+
+    def _reorder(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
+        ordered = matrix[self.dof_order][:, self.dof_order]
+        ordered = (ordered + ordered.T) * 0.5
+        return drop_small(ordered.tocsr())
+
+
+def _split(q: Any) -> tuple[Any, Any]:
+    return ufl.as_vector([q[0], q[1], q[2]]), ufl.as_vector([q[3], q[4], q[5]])
+
+
+def _plane_stress(strain: Any, nu: Any) -> Any:
+    """(1 - nu) strain + nu tr(strain) I, to be scaled by E t / (1 - nu^2) or E t^3 / 12 (1 - nu^2)."""
+    return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
+
+
+def drop_small(matrix: sp.csr_matrix, tolerance: float = 1e-15) -> sp.csr_matrix:
+    """Remove entries below `tolerance` x the geometric mean of their two diagonal entries (rounding errors)."""
+    entries = matrix.tocoo()
+    scale = np.sqrt(np.abs(matrix.diagonal()))
+    keep = np.abs(entries.data) > tolerance * scale[entries.row] * scale[entries.col]
+    return sp.csr_matrix((entries.data[keep], (entries.row[keep], entries.col[keep])), shape=matrix.shape)
