@@ -1,0 +1,131 @@
+"""Half-power reading against the closed form of a base-excited oscillator, solved independently."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+from wroll_fem.errors import InputError
+from wroll_fem.signals.damping import half_power
+
+
+def curve(r, zeta):
+    return np.sqrt((1.0 + (2 * zeta * r) ** 2) / ((1.0 - r**2) ** 2 + (2 * zeta * r) ** 2))
+
+
+def exact_half_power(zeta):
+    """Peak from its closed form, r^2 = (sqrt(1 + 8 zeta^2) - 1) / (4 zeta^2); crossings by root finding."""
+    r_n = np.sqrt(np.sqrt(1.0 + 8.0 * zeta**2) - 1.0) / (2.0 * zeta)
+    peak = curve(r_n, zeta)
+    level = peak / np.sqrt(2.0)
+    ends = [brentq(lambda r: curve(r, zeta) - level, *sorted((r_n, far)), xtol=1e-15) for far in (1e-6, 10.0)]
+    return r_n, peak, *ends
+
+
+@pytest.mark.parametrize("zeta", [0.005, 0.01, 0.02, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("points_per_width", [20, 200])
+def test_half_power_matches_the_exact_curve(zeta, points_per_width):
+    r_n, peak, low, high = exact_half_power(zeta)
+    step = 150.0 * (high - low) / points_per_width
+    frequency = np.arange(150.0 * max(low - 2 * zeta, 0.05), 150.0 * (high + 3 * zeta), step) + 0.37 * step
+    read = half_power(frequency, curve(frequency / 150.0, zeta))
+    coarse = points_per_width == 20
+    assert read.complete
+    assert not read.reason
+    assert not read.note
+    assert read.f_n == pytest.approx(150.0 * r_n, abs=150.0 * zeta * (1e-3 if coarse else 1e-5))
+    assert read.peak == pytest.approx(peak, rel=1e-4 if coarse else 1e-7)
+    assert read.f_low == pytest.approx(150.0 * low, rel=1e-4 if coarse else 1e-6)
+    assert read.f_high == pytest.approx(150.0 * high, rel=1e-4 if coarse else 1e-6)
+    assert read.zeta == pytest.approx((high - low) / (2 * r_n), rel=2e-4 if coarse else 2e-6)
+    assert read.skewness == pytest.approx((high - r_n) / (r_n - low) - 1.0, abs=5e-3 if coarse else 1e-4)
+
+
+def test_one_percent_damping_reads_one_percent():
+    """C37: within 1 % of 1 %."""
+    frequency = np.linspace(130.0, 170.0, 4001)
+    assert half_power(frequency, curve(frequency / 150.0, 0.01)).zeta == pytest.approx(0.01, rel=0.01)
+
+
+def test_peak_is_found_between_grid_points():
+    frequency = np.linspace(100.0, 200.0, 101)
+    read = half_power(frequency, 20.0 - 0.007 * (frequency - 150.4) ** 2)
+    assert read.f_n == pytest.approx(150.4, abs=1e-9)
+    assert read.peak == pytest.approx(20.0, abs=1e-9)
+
+
+def test_reading_does_not_need_a_uniform_grid():
+    frequency = np.sort(np.random.default_rng(3).uniform(120.0, 180.0, 3000))
+    _, _, low, high = exact_half_power(0.02)
+    assert half_power(frequency, curve(frequency / 150.0, 0.02)).zeta == pytest.approx((high - low) / 2, rel=1e-3)
+
+
+def test_long_right_tail_has_positive_skewness_and_mirror_negative():
+    frequency = np.linspace(-1.0, 3.0, 4001)
+    tail = 1.0 / np.sqrt(1.0 + (frequency / np.where(frequency > 0.0, 0.2, 0.1)) ** 2)
+    assert half_power(frequency + 150.0, tail).skewness == pytest.approx(1.0, abs=0.02)
+    assert half_power(153.0 - frequency[::-1], tail[::-1]).skewness == pytest.approx(-0.5, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("band", "words"),
+    [
+        ((149.5, 170.0), "no half-power point between 149.5 Hz and the peak"),
+        ((130.0, 150.5), "to 150.5 Hz|and 150.5 Hz"),
+        ((155.0, 170.0), "lower end of the band"),
+        ((120.0, 145.0), "upper end of the band"),
+    ],
+)
+def test_half_power_point_outside_the_band_is_never_a_silent_number(band, words):
+    frequency = np.linspace(*band, 801)
+    read = half_power(frequency, curve(frequency / 150.0, 0.01))
+    assert not read.complete
+    assert np.isnan(read.zeta)
+    assert np.isnan(read.skewness)
+    assert re.search(words, read.reason)
+    assert read.as_attrs()["half_power_complete"] is False
+    assert np.isnan(read.as_attrs()["zeta"])
+
+
+def test_second_peak_above_half_power_is_noted():
+    frequency = np.linspace(100.0, 200.0, 5001)
+    two = curve(frequency / 130.0, 0.01) + 0.95 * curve(frequency / 170.0, 0.01)
+    read = half_power(frequency, two)
+    assert read.complete
+    assert read.f_n == pytest.approx(130.0, abs=0.1)
+    assert "again at 168" in read.note
+
+
+def test_flat_top_and_level_on_a_grid_point_are_read():
+    read = half_power(np.arange(7.0), [0.0, np.sqrt(0.5), 1.0, 1.0, 1.0, np.sqrt(0.5), 0.0])
+    assert read.complete
+    assert read.f_n == pytest.approx(2.5, abs=0.51)
+    assert read.f_low == pytest.approx(1.0, abs=0.1)
+    assert read.f_high == pytest.approx(5.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "size"),
+    [
+        ([1.0, 2.0, 3.0, 4.0], [1.0, 2.0, 3.0, 1.0]),
+        ([1.0, 2.0, 2.0, 4.0, 5.0], [1.0, 2.0, 3.0, 1.0, 0.0]),
+        ([1.0, 2.0, 3.0, 4.0, 5.0], [1.0, -2.0, 3.0, 1.0, 0.0]),
+        ([1.0, 2.0, 3.0, 4.0, 5.0], [0.0] * 5),
+        ([1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.0, float("nan"), 1.0, 0.0]),
+    ],
+)
+def test_what_is_no_curve_is_refused(frequency, size):
+    with pytest.raises(InputError):
+        half_power(frequency, size)
+
+
+def test_independent_peak_formula_is_itself_right():
+    """The closed form used above, against a minimiser."""
+    for zeta in (0.005, 0.05, 0.2):
+        found = minimize_scalar(
+            lambda r, z=zeta: -curve(r, z), bounds=(0.5, 1.2), method="bounded", options={"xatol": 1e-10}
+        )
+        assert exact_half_power(zeta)[0] == pytest.approx(found.x, abs=1e-6)

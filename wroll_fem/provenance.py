@@ -1,0 +1,90 @@
+"""Where a result comes from: versions, git revision, machine, time."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+# Distribution names. Read from their metadata: importing dolfinx or gmsh for a version number would cost seconds.
+DISTRIBUTIONS = {
+    "wroll_fem": "wroll-fem",
+    "numpy": "numpy",
+    "scipy": "scipy",
+    "xarray": "xarray",
+    "h5netcdf": "h5netcdf",
+    "numba": "numba",
+    "pydantic": "pydantic",
+    "matplotlib": "matplotlib",
+    "gmsh": "gmsh",
+    "meshio": "meshio",
+    "pyvista": "pyvista",
+    "dolfinx": "fenics-dolfinx",
+    "petsc4py": "petsc4py",
+    "slepc4py": "slepc4py",
+    "mpi4py": "mpi4py",
+}
+
+
+def versions() -> dict[str, str | None]:
+    """Version of Python and of each library by name; None for one that is not installed."""
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    for name, distribution in DISTRIBUTIONS.items():
+        try:
+            found[name] = metadata.version(distribution)
+        except metadata.PackageNotFoundError:
+            found[name] = None
+    return found
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    """Output of a git command in `folder`; None when git is missing or says no."""
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *arguments], capture_output=True, text=True, timeout=10, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None
+
+
+def git_revision(folder: Path | None = None) -> dict[str, str | bool | None]:
+    """Revision of the checkout that holds this package, and whether its files were changed since.
+
+    Returns
+    -------
+    dict
+        `revision` (full hash) and `modified`; both None when the package is not a file tracked by git
+        (installed from a wheel, even into a folder inside some other repository).
+    """
+    here = folder or Path(__file__).resolve().parent
+    if _git(here, "ls-files", "--error-unmatch", "__init__.py") is None:
+        return {"revision": None, "modified": None}
+    changes = _git(here, "status", "--porcelain", "--untracked-files=no", "--", ".")
+    return {"revision": _git(here, "rev-parse", "HEAD"), "modified": None if changes is None else bool(changes)}
+
+
+def provenance() -> dict[str, object]:
+    """Collect what a run folder's provenance.json starts from, in plain JSON types.
+
+    Returns
+    -------
+    dict
+        `versions`, `git`, `machine` (system, machine, processor count, host name, OMP_NUM_THREADS) and
+        `time_utc` (ISO 8601).
+    """
+    return {
+        "versions": versions(),
+        "git": git_revision(),
+        "machine": {
+            "system": platform.platform(),
+            "architecture": platform.machine(),
+            "processors": os.cpu_count(),
+            "host": platform.node(),
+            "omp_num_threads": os.environ.get("OMP_NUM_THREADS"),
+        },
+        "time_utc": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

@@ -1,0 +1,248 @@
+"""Results: the one table of names, units and labels; reading and writing Datasets.
+
+Every variable and coordinate that the program stores has a line in `FIELDS`; nothing else in the code
+spells a unit or a label. NetCDF goes through h5netcdf (a PyPI h5py or netCDF4 would bring a second HDF5
+library into the process of dolfinx).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Hashable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from wroll_fem.errors import InputError
+from wroll_fem.provenance import provenance
+
+__all__ = ["FIELDS", "Field", "annotate", "field", "label", "load_dataset", "provenance", "save_dataset"]
+
+JSON_ATTRS = "json_attrs"  # attribute that lists the attributes stored as JSON text
+
+
+class Field(NamedTuple):
+    """Unit (SI, "1" for none) and label of one name."""
+
+    units: str
+    long_name: str
+
+
+_ACCELERATION, _ENERGY = "m s-2", "J"
+
+FIELDS: dict[str, Field] = {
+    # coordinates
+    "time": Field("s", "time"),
+    "frequency": Field("Hz", "frequency"),
+    "mode": Field("1", "mode number"),
+    "component": Field("1", "direction (x, y, z)"),
+    "layer": Field("1", "layer, inner first"),
+    "body": Field("1", "body, inner first"),
+    "interface": Field("1", "interface, inner first"),
+    "point": Field("1", "contact point"),
+    "node": Field("1", "node"),
+    "step": Field("1", "step"),
+    "load_factor": Field("1", "fraction of the preload applied"),
+    "theta_rad": Field("rad", "angle from the excitation direction x"),
+    "z_m": Field("m", "height above the base"),
+    "radius": Field("m", "radius of the interface"),
+    "area": Field("m2", "area that a contact point stands for"),
+    # histories
+    "base_acceleration": Field(_ACCELERATION, "base acceleration"),
+    "instantaneous_frequency": Field("Hz", "instantaneous frequency of the base motion"),
+    "tip_displacement": Field("m", "tip displacement relative to the base"),
+    "tip_velocity": Field("m s-1", "tip velocity relative to the base"),
+    "tip_acceleration": Field(_ACCELERATION, "tip acceleration relative to the base"),
+    "tip_acceleration_absolute": Field(_ACCELERATION, "absolute tip acceleration"),
+    "newton_iterations": Field("1", "Newton iterations of the step"),
+    "residual": Field("1", "relative residual of the step"),
+    "step_cuts": Field("1", "step cuts of the step"),
+    # energy ledger, cumulative from the start of the motion
+    "input_work": Field(_ENERGY, "work put in by the base motion"),
+    "kinetic_energy": Field(_ENERGY, "kinetic energy relative to the base"),
+    "strain_energy": Field(_ENERGY, "strain energy of the bodies"),
+    "contact_energy": Field(_ENERGY, "energy stored in the contact springs"),
+    "friction_energy": Field(_ENERGY, "energy dissipated by friction"),
+    "viscous_energy": Field(_ENERGY, "energy dissipated by viscous damping"),
+    "numerical_dissipation": Field(_ENERGY, "energy dissipated by the time integration scheme"),
+    # interfaces
+    "cumulative_slip": Field("m", "cumulative slip"),
+    "max_slip": Field("m", "largest relative tangential displacement"),
+    "slipped": Field("1", "slipped at any time"),
+    "peak_slip_hoop": Field("m", "hoop relative displacement at the largest slip"),
+    "peak_slip_axial": Field("m", "axial relative displacement at the largest slip"),
+    "friction_work_density": Field("J m-2", "friction work per area"),
+    "pressure": Field("Pa", "contact pressure at the start of the motion"),
+    "pressure_mean": Field("Pa", "area mean of the contact pressure at the start of the motion"),
+    "pressure_min": Field("Pa", "lowest contact pressure during the motion"),
+    "traction_hoop": Field("Pa", "hoop friction traction at the start of the motion"),
+    "traction_axial": Field("Pa", "axial friction traction at the start of the motion"),
+    "gap": Field("m", "normal opening (positive: open)"),
+    "opened": Field("1", "opened at any time"),
+    "slipping_area_fraction": Field("1", "fraction of the interface's area that slipped at any time"),
+    "friction_energy_interface": Field(_ENERGY, "energy dissipated by friction on the interface"),
+    "contact_force": Field("N", "resultant normal force"),
+    # frequency domain; "transmissibility" alone is the demodulated envelope
+    "transmissibility_real": Field("1", "transmissibility, real part (demodulated envelope)"),
+    "transmissibility_imag": Field("1", "transmissibility, imaginary part (demodulated envelope)"),
+    "transmissibility_magnitude": Field("1", "transmissibility |T| (demodulated envelope)"),
+    "transmissibility_spectrum_real": Field("1", "transmissibility, real part (spectrum ratio)"),
+    "transmissibility_spectrum_imag": Field("1", "transmissibility, imaginary part (spectrum ratio)"),
+    "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
+    # modes
+    "mode_frequency": Field("Hz", "natural frequency"),
+    "mode_kind": Field("1", "kind of the mode"),
+    "mode_harmonic": Field("1", "circumferential wave number of the mode"),
+    "mode_residual": Field("1", "relative residual of the eigenpair"),
+    "effective_mass_fraction": Field("1", "effective mass over total mass"),
+    "mode_shape": Field("1", "mode shape, largest displacement 1"),
+    # statics
+    "static_displacement": Field("m", "displacement under the preload"),
+}
+
+
+def field(name: str) -> Field:
+    """Return unit and label of a name.
+
+    Raises
+    ------
+    InputError
+        When `FIELDS` has no such name.
+    """
+    try:
+        return FIELDS[name]
+    except KeyError:
+        raise InputError(
+            f"no unit and label known for the field {name!r}", remedy="add a line to FIELDS in wroll_fem/results.py"
+        ) from None
+
+
+def label(name: str, unit: str | None = None) -> str:
+    """Axis label "long name (unit)"; `unit` overrides the table's for a scaled axis, "" or "1" leaves it out."""
+    entry = field(name)
+    shown = (entry.units if unit is None else unit).replace("m s-2", "m/s²").replace("m s-1", "m/s")
+    text = entry.long_name[0].upper() + entry.long_name[1:]
+    return text if shown in ("1", "") else f"{text} ({shown})"
+
+
+def annotate(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with `units` and `long_name` on every variable and coordinate.
+
+    Returns
+    -------
+    xr.Dataset
+        Shallow copy; data are shared.
+
+    Raises
+    ------
+    InputError
+        For a name that is not in `FIELDS`.
+    """
+    result = dataset.copy()
+    for name in result.variables:
+        entry = field(str(name))
+        result[name].attrs.update(units=entry.units, long_name=entry.long_name)
+    return result
+
+
+def _plain(value: object) -> object:
+    """Value as JSON knows it: numpy scalars and arrays, tuples and paths become plain Python."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _encode_attrs(attrs: Mapping[Hashable, Any]) -> dict[str, Any]:
+    """Attributes that NetCDF can hold: text and numbers as they are, everything else as JSON text."""
+    encoded: dict[str, Any] = {}
+    as_json: list[str] = []
+    for key, raw in attrs.items():
+        value = _plain(raw)
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            try:
+                value = json.dumps(value)
+            except TypeError as error:
+                raise InputError(f"attribute {key!r} cannot be stored: {error}") from error
+            as_json.append(str(key))
+        encoded[str(key)] = value
+    if as_json:
+        encoded[JSON_ATTRS] = json.dumps(as_json)
+    return encoded
+
+
+def _decode_attrs(attrs: Mapping[Hashable, Any]) -> dict[str, Any]:
+    decoded = {str(key): value.item() if isinstance(value, np.generic) else value for key, value in attrs.items()}
+    for key in json.loads(decoded.pop(JSON_ATTRS, "[]")):
+        decoded[key] = json.loads(decoded[key])
+    return decoded
+
+
+def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
+    """Write a Dataset as NetCDF (HDF5), units and labels on every variable.
+
+    Parameters
+    ----------
+    dataset
+        Real, integer, bool and string variables; every name in `FIELDS`. Attributes that are
+        dicts, lists, bools or None are stored as JSON text and come back as they were.
+    path
+        Target; parents are made. An existing file is replaced only after the new one is complete.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a complex variable or an attribute that JSON cannot hold.
+    """
+    target = Path(path)
+    ready = annotate(dataset)
+    for name, variable in ready.variables.items():
+        if np.iscomplexobj(variable):
+            raise InputError(f"variable {name!r} is complex", remedy="store real and imaginary part apart")
+    ready.attrs = _encode_attrs(dataset.attrs)
+    for name in ready.variables:
+        ready[name].attrs = _encode_attrs(ready[name].attrs)
+    encoding: dict[Hashable, dict[str, Any]] = {
+        name: {"zlib": True, "complevel": 4, "shuffle": True}
+        for name, variable in ready.variables.items()
+        if variable.dtype.kind == "f" and variable.size > 1000
+    }
+    target.parent.mkdir(parents=True, exist_ok=True)
+    partial = target.with_name(target.name + ".partial")
+    ready.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
+    os.replace(partial, target)
+    return target
+
+
+def load_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read what `save_dataset` wrote, wholly into memory (the file is closed again).
+
+    Raises
+    ------
+    InputError
+        When the file is missing or is not a results file.
+    """
+    source = Path(path)
+    if not source.is_file():
+        raise InputError("no such results file", file=str(source), remedy="run the case first: wroll run CASE.yaml")
+    try:
+        dataset = xr.load_dataset(source, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(f"not a readable NetCDF file ({error})", file=str(source)) from error
+    dataset.attrs = _decode_attrs(dataset.attrs)
+    for name in dataset.variables:
+        dataset[name].attrs = _decode_attrs(dataset[name].attrs)
+    return dataset

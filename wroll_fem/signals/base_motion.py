@@ -1,0 +1,283 @@
+r"""Base motions: what the shaker is asked to do.
+
+Both motions are accelerations of the base
+
+.. math:: a_g(t) = A\, w(t) \sin\varphi(t), \qquad \varphi(t) = 2\pi \int_0^t f\, dt,
+
+with the 0-peak amplitude A (m/s^2), the phase from its closed form (never from a sum over
+time steps) and a start ramp w(t) = (1 - cos(pi t / t_r)) / 2 over the first t_r = ramp_cycles / f(0)
+seconds (w = 1 afterwards, and from the start when ramp_cycles = 0). They are zero for t < 0;
+past `duration` the formula simply goes on, so that a time grid whose last point lies a rounding
+error behind the end sees no jump.
+
+References
+----------
+.. [1] ISO 7626-2:2015, Experimental determination of mechanical mobility, Part 2, sine sweep rates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, log, log2, pi
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from wroll_fem.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+TWO_PI = 2.0 * pi
+
+
+class BaseMotion(Protocol):
+    """What a time loop and a demodulator need to know of a base motion."""
+
+    @property
+    def amplitude(self) -> float:
+        """Base acceleration, 0-peak, m/s^2."""
+        ...
+
+    @property
+    def ramp_cycles(self) -> float:
+        """Length of the start ramp, cycles."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion, s."""
+        ...
+
+    def frequency(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the instantaneous frequency at `time` (s), Hz."""
+        ...
+
+    def phase(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the phase at `time` (s), rad."""
+        ...
+
+    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the base acceleration at `time` (s), m/s^2."""
+        ...
+
+
+def _require_positive(name: str, value: float, remedy: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise InputError(f"{name} = {value:g} is not a positive number", key=f"excitation.{name}", remedy=remedy)
+
+
+def _require_ramp(ramp_cycles: float, start_frequency: float, duration: float) -> None:
+    if not (isfinite(ramp_cycles) and ramp_cycles >= 0.0):
+        raise InputError(
+            f"ramp_cycles = {ramp_cycles:g} is negative or not finite",
+            key="excitation.ramp_cycles",
+            remedy="give the ramp's length in cycles of the start frequency, 0 for none",
+        )
+    if ramp_cycles / start_frequency > duration:
+        raise InputError(
+            f"the start ramp of {ramp_cycles:g} cycles is longer than the motion",
+            key="excitation.ramp_cycles",
+            remedy=f"use at most {start_frequency * duration:.4g} cycles",
+        )
+
+
+def _ramp(time: FloatArray, ramp_time: float) -> FloatArray:
+    """Cosine start ramp, (n,) values in [0, 1]; zero for t < 0."""
+    if ramp_time == 0.0:
+        return np.where(time < 0.0, 0.0, 1.0)
+    return 0.5 - 0.5 * np.cos(pi * np.clip(time / ramp_time, 0.0, 1.0))
+
+
+def _samples(motion: BaseMotion, dt: float) -> tuple[FloatArray, FloatArray]:
+    if not (isfinite(dt) and dt > 0.0):
+        raise InputError(f"time step dt = {dt:g} s is not a positive number", remedy="use for example 1/(40 f_end)")
+    steps = int(np.ceil(motion.duration / dt - 1e-9))
+    time = dt * np.arange(steps + 1, dtype=np.float64)
+    return time, motion.acceleration(time)
+
+
+@dataclass(frozen=True)
+class Chirp:
+    """Geometric (constant octaves per minute) upward sine sweep.
+
+    f(t) = f_start 2^(R t / 60), so phi(t) = 2 pi (f(t) - f_start) 60 / (R ln 2): frequency is a
+    linear function of phase, f = f_start + (R ln 2 / 60) phi / (2 pi).
+
+    Attributes
+    ----------
+    amplitude
+        Base acceleration, 0-peak, m/s^2.
+    f_start, f_end
+        First and last frequency, Hz; f_end > f_start.
+    rate_oct_per_min
+        Sweep rate R, octaves per minute.
+    ramp_cycles
+        Length of the start ramp in cycles of f_start.
+
+    Raises
+    ------
+    InputError
+        For values out of range.
+
+    Notes
+    -----
+    Downward sweeps are not offered: a softening roll answers them differently, and the
+    source sweeps upward only.
+    """
+
+    amplitude: float
+    f_start: float
+    f_end: float
+    rate_oct_per_min: float
+    ramp_cycles: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_positive("amplitude", self.amplitude, "give the 0-peak base acceleration in m/s^2")
+        _require_positive("f_start", self.f_start, "give a frequency in Hz above zero")
+        _require_positive("rate_oct_per_min", self.rate_oct_per_min, "give octaves per minute above zero")
+        if not (isfinite(self.f_end) and self.f_end > self.f_start):
+            raise InputError(
+                f"f_end = {self.f_end:g} Hz is not above f_start = {self.f_start:g} Hz",
+                key="excitation.f_end",
+                remedy="sweep upward: f_end > f_start",
+            )
+        _require_ramp(self.ramp_cycles, self.f_start, self.duration)
+
+    @property
+    def growth(self) -> float:
+        """Relative growth of frequency, (df/dt) / f, 1/s; also the frequency gained per cycle in Hz."""
+        return self.rate_oct_per_min * log(2.0) / 60.0
+
+    @property
+    def duration(self) -> float:
+        """Time from f_start to f_end, s."""
+        return 60.0 * log2(self.f_end / self.f_start) / self.rate_oct_per_min
+
+    @property
+    def cycles(self) -> float:
+        """Number of cycles from f_start to f_end."""
+        return (self.f_end - self.f_start) / self.growth
+
+    def frequency(self, time: npt.ArrayLike) -> FloatArray:
+        """Instantaneous frequency at `time` (s), Hz."""
+        return np.asarray(self.f_start * np.exp(self.growth * np.asarray(time, dtype=np.float64)))
+
+    def phase(self, time: npt.ArrayLike) -> FloatArray:
+        """Phase at `time` (s), rad: the exact integral of 2 pi f, zero at t = 0."""
+        t = np.asarray(time, dtype=np.float64)
+        return np.asarray(TWO_PI * self.f_start / self.growth * np.expm1(self.growth * t))
+
+    def time_of_phase(self, phase: npt.ArrayLike) -> FloatArray:
+        """Time (s) at which `phase` (rad) is reached: the inverse of `phase`."""
+        p = np.asarray(phase, dtype=np.float64)
+        return np.asarray(np.log1p(p * self.growth / (TWO_PI * self.f_start)) / self.growth)
+
+    def time_of_frequency(self, frequency: npt.ArrayLike) -> FloatArray:
+        """Time (s) at which the sweep passes `frequency` (Hz): the inverse of `frequency`."""
+        return np.asarray(np.log(np.asarray(frequency, dtype=np.float64) / self.f_start) / self.growth)
+
+    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the base acceleration at `time` (s), m/s^2."""
+        t = np.asarray(time, dtype=np.float64)
+        return self.amplitude * _ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t))
+
+    def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
+        """Return times 0, dt, ... up to the first one not before `duration`, and accelerations there, (n,) each."""
+        return _samples(self, dt)
+
+
+@dataclass(frozen=True, init=False)
+class Dwell:
+    """Sine of constant frequency, `Dwell(amplitude, frequency, cycles, ramp_cycles=5.0)`.
+
+    Attributes
+    ----------
+    amplitude
+        Base acceleration, 0-peak, m/s^2.
+    frequency_hz
+        Frequency, Hz: the argument `frequency`, stored under another name because `frequency(t)`
+        is the method that every base motion has.
+    cycles
+        Length of the motion in cycles, ramp included.
+    ramp_cycles
+        Length of the start ramp in cycles.
+
+    Raises
+    ------
+    InputError
+        For values out of range.
+    """
+
+    amplitude: float
+    frequency_hz: float
+    cycles: float
+    ramp_cycles: float
+
+    def __init__(self, amplitude: float, frequency: float, cycles: float, ramp_cycles: float = 5.0) -> None:
+        values = {"amplitude": amplitude, "frequency_hz": frequency, "cycles": cycles, "ramp_cycles": ramp_cycles}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        _require_positive("amplitude", self.amplitude, "give the 0-peak base acceleration in m/s^2")
+        _require_positive("frequency", self.frequency_hz, "give a frequency in Hz above zero")
+        _require_positive("cycles", self.cycles, "give the number of cycles")
+        _require_ramp(self.ramp_cycles, self.frequency_hz, self.duration)
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion, s."""
+        return self.cycles / self.frequency_hz
+
+    def frequency(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the frequency, Hz, in the shape of `time`."""
+        return np.full(np.shape(time), self.frequency_hz, dtype=np.float64)
+
+    def phase(self, time: npt.ArrayLike) -> FloatArray:
+        """Phase at `time` (s), rad, zero at t = 0."""
+        return np.asarray(TWO_PI * self.frequency_hz * np.asarray(time, dtype=np.float64))
+
+    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
+        """Return the base acceleration at `time` (s), m/s^2."""
+        t = np.asarray(time, dtype=np.float64)
+        return self.amplitude * _ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
+
+    def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
+        """Return times 0, dt, ... up to the first one not before `duration`, and accelerations there, (n,) each."""
+        return _samples(self, dt)
+
+
+def base_motion(excitation: Any) -> Chirp | Dwell:
+    """Return the base motion of a case's `excitation` section (any object with its attribute names).
+
+    Parameters
+    ----------
+    excitation
+        Has `kind` ("chirp" or "dwell"), `amplitude` and the attributes of that kind;
+        `ramp_cycles` None or absent means the kind's default (0 for a chirp, 5 for a dwell).
+
+    Raises
+    ------
+    InputError
+        For an unknown kind or values out of range.
+    """
+    ramp = getattr(excitation, "ramp_cycles", None)
+    extra = {} if ramp is None else {"ramp_cycles": float(ramp)}
+    if excitation.kind == "chirp":
+        e = excitation
+        return Chirp(float(e.amplitude), float(e.f_start), float(e.f_end), float(e.rate_oct_per_min), **extra)
+    if excitation.kind == "dwell":
+        return Dwell(float(excitation.amplitude), float(excitation.frequency), float(excitation.cycles), **extra)
+    raise InputError(
+        f"no base motion of kind {excitation.kind!r}", key="excitation.kind", remedy="use 'chirp' or 'dwell'"
+    )
+
+
+def sweep_rate_limit(f_n: float, zeta: float) -> float:
+    r"""Highest sweep rate (oct/min) that ISO 7626-2 allows for a resonance, 78 f_n / Q^2 with Q = 1 / (2 zeta).
+
+    Notes
+    -----
+    Grows as zeta^2 f_n. Slower than this, the envelope of a swept single-degree-of-freedom
+    response attains about 95 % of the steady peak or more; see the table in
+    `wroll_fem.signals.transmissibility`.
+    """
+    return 78.0 * f_n * (2.0 * zeta) ** 2

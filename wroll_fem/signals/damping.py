@@ -1,0 +1,162 @@
+"""Damping from the shape of a transmissibility curve: half-power width and skewness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan, sqrt
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from wroll_fem.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HalfPower:
+    """What half power reads from one resonance.
+
+    Attributes
+    ----------
+    f_n, peak
+        Frequency (Hz) and height of the highest point; nan for f_n never, but see `complete`.
+    f_low, f_high
+        Half-power frequencies f1 < f_n < f2 at peak / sqrt 2, Hz; nan for a side that the band does not hold.
+    zeta
+        (f2 - f1) / (2 f_n); nan when not `complete`.
+    skewness
+        (f2 - f_n) / (f_n - f1) - 1, positive for a long tail to the right; nan when not `complete`.
+    complete
+        True when peak and both half-power points lie inside the band.
+    reason
+        Why not, in words; empty when complete.
+    note
+        A remark on a complete reading: the curve rises above half power again further out, so
+        the number describes the highest peak alone.
+    """
+
+    f_n: float
+    peak: float
+    f_low: float
+    f_high: float
+    zeta: float
+    skewness: float
+    complete: bool
+    reason: str = ""
+    note: str = ""
+
+    def as_attrs(self) -> dict[str, float | str | bool]:
+        """Attributes under the names of summary.json."""
+        return {
+            "f_n_hz": self.f_n,
+            "peak_transmissibility": self.peak,
+            "half_power_low_hz": self.f_low,
+            "half_power_high_hz": self.f_high,
+            "zeta": self.zeta,
+            "zeta_method": "half power",
+            "skewness": self.skewness,
+            "half_power_complete": self.complete,
+            "half_power_reason": self.reason or self.note,
+        }
+
+
+def _peak(frequency: FloatArray, magnitude: FloatArray) -> tuple[float, float, int]:
+    """Vertex of the parabola through the highest point and its neighbours, and the point's index."""
+    k = int(np.argmax(magnitude))
+    if k == 0 or k == magnitude.size - 1:
+        return float(frequency[k]), float(magnitude[k]), k
+    left, right = frequency[k - 1] - frequency[k], frequency[k + 1] - frequency[k]
+    low, high = magnitude[k - 1] - magnitude[k], magnitude[k + 1] - magnitude[k]
+    curvature = (low / left - high / right) / (left - right)
+    if curvature >= 0.0:  # flat top: three equal values
+        return float(frequency[k]), float(magnitude[k]), k
+    slope = low / left - curvature * left
+    offset = -0.5 * slope / curvature
+    return float(frequency[k] + offset), float(magnitude[k] + 0.5 * slope * offset), k
+
+
+def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start: int, step: int) -> float:
+    """First frequency at which the curve falls below `level`, going from `start` in direction `step`; nan if none."""
+    side = np.arange(start, magnitude.size if step > 0 else -1, step)
+    below = np.flatnonzero(magnitude[side] < level)
+    if below.size == 0:
+        return nan
+    outer = int(side[below[0]])
+    inner = outer - step
+    first = int(np.clip(min(outer, inner) - 1, 0, magnitude.size - 4))
+    stencil = slice(first, first + 4)
+    origin, scale = frequency[inner], abs(frequency[outer] - frequency[inner])
+    x, y = (frequency[stencil] - origin) / scale, magnitude[stencil]
+    cubic = np.polynomial.Polynomial.fit(x, y, 3, domain=[x[0], x[-1]])
+    ends = sorted((0.0, float(step)))
+    if (cubic(ends[0]) - level) * (cubic(ends[1]) - level) > 0.0:  # level hit at a grid point to rounding
+        return float(frequency[inner])
+    return float(origin + scale * brentq(lambda s: float(cubic(s)) - level, *ends, xtol=1e-12))
+
+
+def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
+    """Half-power (3 dB) damping of the highest peak of a transmissibility curve.
+
+    Parameters
+    ----------
+    frequency
+        (n,) rising frequencies, Hz, n >= 5; need not be uniform.
+    magnitude
+        (n,) |T|, not a level in dB.
+
+    Returns
+    -------
+    HalfPower
+        Never a silent number: when a half-power point (or the peak) lies outside the band, `complete`
+        is False, `zeta` and `skewness` are nan and `reason` says why.
+
+    Raises
+    ------
+    InputError
+        For arrays that are no curve (shapes, order, values not finite or negative).
+
+    Notes
+    -----
+    The peak is the vertex of the parabola through three points; the crossings are those nearest to the peak on
+    either side, from the cubic through four points. With 20 points across the half-power width, zeta is within 2e-4
+    and f_n within 1e-3 of the half width of those of the continuous curve; the errors fall with the square of the step.
+
+    Half power is itself an estimate. On the absolute transmissibility of a single degree of freedom
+    it reads (exactly, no sweep)
+
+    =========  ======  ======  ======  ======  ======  ======
+    true zeta  0.005   0.01    0.02    0.05    0.1     0.2
+    =========  ======  ======  ======  ======  ======  ======
+    reading    0.0050  0.0100  0.0200  0.0502  0.1019  0.2144
+    skewness   -0.005  -0.010  -0.020  -0.048  -0.090  -0.150
+    =========  ======  ======  ======  ======  ======  ======
+
+    and for a nonlinear roll it is an equivalent number that depends on the level.
+    """
+    f, m = np.asarray(frequency, dtype=np.float64), np.asarray(magnitude, dtype=np.float64)
+    if f.ndim != 1 or f.shape != m.shape or f.size < 5:
+        raise InputError(f"a curve of shapes {f.shape} and {m.shape}", remedy="give two equal series of 5 or more")
+    if not (np.isfinite(f).all() and np.isfinite(m).all()) or np.any(np.diff(f) <= 0.0) or np.any(m < 0.0):
+        raise InputError("a curve with frequencies that do not rise or magnitudes that are negative or not finite")
+    f_n, peak, k = _peak(f, m)
+    if not peak > 0.0:
+        raise InputError("a curve that is zero everywhere", remedy="check that the base moves in this direction")
+    level = peak / sqrt(2.0)
+    f_low, f_high = _crossing(f, m, level, k, -1), _crossing(f, m, level, k, +1)
+    reasons = []
+    if k in (0, m.size - 1):
+        side = "lower" if k == 0 else "upper"
+        reasons.append(f"the highest point lies on the {side} end of the band ({f[k]:.5g} Hz): no resonance inside")
+    if np.isnan(f_low):
+        reasons.append(f"no half-power point between {f[0]:.5g} Hz and the peak at {f_n:.5g} Hz")
+    if np.isnan(f_high):
+        reasons.append(f"no half-power point between the peak at {f_n:.5g} Hz and {f[-1]:.5g} Hz")
+    if reasons:
+        return HalfPower(f_n, peak, f_low, f_high, nan, nan, False, reason="; ".join(reasons))
+    again = (m > level) & ((f < f_low) | (f > f_high))
+    again &= (f < f_low - 1e-9 * f_n) | (f > f_high + 1e-9 * f_n)
+    note = f"rises above half power again at {f[again][0]:.5g} Hz" if again.any() else ""
+    zeta, skewness = (f_high - f_low) / (2.0 * f_n), (f_high - f_n) / (f_n - f_low) - 1.0
+    return HalfPower(f_n, peak, f_low, f_high, zeta, skewness, True, note=note)
