@@ -1,0 +1,201 @@
+"""Free vibration K x = (2 pi f)^2 M x by SLEPc's shift-invert Lanczos, with a count that proves none is missing."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+from petsc4py import PETSc
+from slepc4py import SLEPc
+
+from wroll_fem.errors import WrollError
+from wroll_fem.fem import compat
+
+FloatArray = npt.NDArray[np.float64]
+
+DEFAULT_SHIFT = -((2 * np.pi * 10.0) ** 2)
+"""Shift in (rad/s)^2. Negative: K - sigma M is then positive definite even for a free body (six zero frequencies)."""
+
+_TOLERANCE = 1e-10
+_RESIDUAL_LIMIT = 1e-6
+_SPARE = 4
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class EigenPairs:
+    """Eigenvalues nearest to a shift.
+
+    Attributes
+    ----------
+    values
+        (n_modes,) (2 pi f)^2 in (rad/s)^2, ascending.
+    vectors
+        (n_dofs, n_modes), M-normalised: x^T M x = 1; the entry of largest size is positive.
+    residuals
+        (n_modes,) |K x - lambda M x| / (|K x| + |sigma| |M x|).
+    """
+
+    values: FloatArray
+    vectors: FloatArray
+    residuals: FloatArray
+
+
+def solve_modes(
+    stiffness: sp.spmatrix, mass: sp.spmatrix, count: int, sigma: float = DEFAULT_SHIFT
+) -> tuple[FloatArray, FloatArray]:
+    """Lowest natural frequencies and modes.
+
+    Parameters
+    ----------
+    stiffness, mass
+        (n, n) sparse symmetric, N/m and kg; constraints eliminated (equal Dirichlet diagonals in both would
+        appear as modes at lambda = 1), stiffness semi-definite, mass definite.
+    count
+        Number of modes.
+    sigma
+        Shift, (rad/s)^2; keep it negative if rigid-body modes can occur.
+
+    Returns
+    -------
+    frequencies_hz : (count,) Hz, ascending; rigid-body modes first, as (numerical) zeros.
+    vectors : (n, count), M-normalised.
+
+    Raises
+    ------
+    WrollError
+        If an eigenvalue is negative (the stiffness is not semi-definite: the model has buckled or is
+        wrong), if residuals stay above 1e-6, or if a mode was missed.
+    """
+    pairs = solve_pairs(stiffness, mass, count, sigma)
+    zero = 1e-3 * abs(sigma)
+    negative = pairs.values[pairs.values < -zero]
+    if negative.size:
+        raise WrollError(
+            f"the stiffness is not positive: {negative.size} negative eigenvalue(s), the lowest {negative.min():.3e} "
+            "(rad/s)^2; check the supports and the preload (a pressure above the linear buckling pressure does this)"
+        )
+    log.debug("%d modes, largest relative residual %.1e", count, pairs.residuals.max())
+    return np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi), pairs.vectors
+
+
+def solve_pairs(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int, sigma: float) -> EigenPairs:
+    """Eigenpairs nearest to `sigma`; see `solve_modes` for arguments and errors."""
+    compat.require_real_scalars()
+    n = stiffness.shape[0]
+    if not 0 < count <= n:
+        raise ValueError(f"asked for {count} modes of a system with {n} unknowns")
+    wanted = min(n, count + _SPARE)
+    K, M = _petsc(stiffness), _petsc(mass)
+    values, vectors = _krylov_schur(K, M, wanted, sigma)
+    if missed := _missed(K, M, values, count, sigma):
+        values, vectors = _krylov_schur(K, M, min(n, wanted + missed + 2 * _SPARE), sigma, subspace=6)
+        if missed := _missed(K, M, values, count, sigma):
+            raise WrollError(f"the eigensolver missed {missed} of the lowest {count} modes; ask for a few more modes")
+    K.destroy()
+    M.destroy()
+    values, vectors = values[:count], vectors[:, :count]
+    Kx, Mx = stiffness @ vectors, mass @ vectors
+    scale = np.linalg.norm(Kx, axis=0) + abs(sigma) * np.linalg.norm(Mx, axis=0)
+    residuals = np.linalg.norm(Kx - Mx * values, axis=0) / scale
+    if residuals.max() > _RESIDUAL_LIMIT:
+        raise WrollError(
+            f"modes did not converge: largest relative residual {residuals.max():.1e} (limit {_RESIDUAL_LIMIT:.0e}); "
+            "ask for fewer modes or another shift"
+        )
+    vectors = vectors / np.sqrt(np.einsum("ij,ij->j", vectors, Mx))
+    largest = np.abs(vectors).argmax(axis=0)
+    vectors = vectors * np.where(vectors[largest, np.arange(count)] < 0, -1.0, 1.0)
+    return EigenPairs(values, vectors, residuals)
+
+
+def _petsc(matrix: sp.spmatrix) -> PETSc.Mat:
+    csr = sp.csr_matrix(matrix)
+    csr.sort_indices()
+    index = PETSc.IntType
+    # the factorisation wants every diagonal entry to exist
+    csr = (csr + sp.csr_matrix((np.zeros(csr.shape[0]), (range(csr.shape[0]),) * 2), shape=csr.shape)).tocsr()
+    built = PETSc.Mat().createAIJ(
+        csr.shape, csr=(csr.indptr.astype(index), csr.indices.astype(index), csr.data), comm=PETSc.COMM_SELF
+    )
+    built.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    return built
+
+
+def _krylov_schur(
+    K: PETSc.Mat, M: PETSc.Mat, wanted: int, sigma: float, subspace: int = 3
+) -> tuple[FloatArray, FloatArray]:
+    """At least `wanted` eigenpairs nearest to sigma, ascending."""
+    n = K.getSize()[0]
+    solver = SLEPc.EPS().create(PETSc.COMM_SELF)
+    solver.setOperators(K, M)
+    solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)
+    solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
+    solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    solver.setTarget(sigma)
+    solver.setDimensions(nev=wanted, ncv=min(n, subspace * wanted + 10))
+    solver.setTolerances(_TOLERANCE, 200)
+    transform = solver.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    _direct(transform.getKSP())
+    start = K.createVecRight()
+    start.setArray(np.random.default_rng(1).standard_normal(n))
+    solver.setInitialSpace(start)
+    solver.solve()
+    found = solver.getConverged()
+    if found < wanted:
+        raise WrollError(f"the eigensolver found {found} of {wanted} modes near {sigma:.3e} (rad/s)^2; move the shift")
+    values, vectors = np.empty(found), np.empty((n, found))
+    x = K.createVecRight()
+    for i in range(found):
+        values[i] = solver.getEigenpair(i, x).real
+        vectors[:, i] = x.getArray()
+    solver.destroy()
+    order = np.argsort(values)
+    return values[order], vectors[:, order]
+
+
+def _direct(ksp: PETSc.KSP) -> None:
+    """Sparse direct solution: MUMPS (LDL^T) where PETSc has it, else PETSc's own LU."""
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    pc = ksp.getPC()
+    if _has_mumps():
+        pc.setType(PETSc.PC.Type.CHOLESKY)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+    else:
+        pc.setType(PETSc.PC.Type.LU)
+
+
+def _has_mumps() -> bool:
+    return bool(PETSc.Sys.hasExternalPackage("mumps"))
+
+
+def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: float) -> int:
+    """Number of eigenvalues missing among the lowest found (Sylvester's law of inertia), from mode 1 to `count`.
+
+    Counts the negative pivots of K - s M with s in the widest relative gap behind mode `count`. Only for shifts
+    below the spectrum, and where MUMPS tells the inertia.
+    """
+    if sigma >= 0.0 or not _has_mumps() or len(values) <= count:
+        return 0
+    gaps = np.diff(values[count - 1 :])
+    last = count - 1 + int(np.argmax(gaps / (np.abs(values[count:]) + abs(sigma))))
+    level = 0.5 * (values[last] + values[last + 1])
+    shifted = K.duplicate(copy=True)
+    shifted.axpy(-level, M, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    shifted.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setOperators(shifted)
+    _direct(ksp)
+    pc = ksp.getPC()
+    pc.setFactorSetUpSolverType()
+    pc.getFactorMatrix().setMumpsIcntl(24, 1)  # null pivots are told apart, without which MUMPS gives no inertia
+    ksp.setUp()
+    below = int(pc.getFactorMatrix().getInertia()[0])
+    ksp.destroy()
+    shifted.destroy()
+    return below - (last + 1)

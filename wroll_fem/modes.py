@@ -1,0 +1,132 @@
+"""What a mode of the roll is: bending, torsion, axial, breathing or ovalling-n; effective masses. FEM-free.
+
+On each ring of nodes the displacement in the roll's frame is a Fourier series over theta. The share of wave number
+n is the sum over rings and components of |c_n|^2, weighted by the height that the ring stands for and by the
+body's mass per height. Wave number 1 moves the axis sideways (bending); n >= 2 leaves the axis in place (ovalling).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from wroll_fem.body import Body
+
+FloatArray = npt.NDArray[np.float64]
+_HIGHEST = 12
+_NO_STRAIN = 1.0  # (rad/s)^2: strain energy over kinetic energy per (rad/s)^2 of a rigid-body motion, rounding included
+_AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0: hoop, axial, radial
+
+
+@dataclass(frozen=True)
+class ModeKind:
+    """Name and circumferential content of a mode.
+
+    Attributes
+    ----------
+    kind
+        "bending", "torsion", "axial", "breathing", "ovalling-n", or "rigid" for motions without strain.
+    wave_number
+        Dominant circumferential wave number n.
+    share
+        Part of the mean square displacement that has this wave number, 0 to 1.
+    """
+
+    kind: str
+    wave_number: int
+    share: float
+
+
+def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGHEST) -> FloatArray:
+    """(highest + 1, 3) mean square displacement per wave number and component (hoop, axial, radial), times kg.
+
+    Parameters
+    ----------
+    body
+        Any body on concentric rings of nodes.
+    vector
+        (n_dofs,) amplitudes of the body's unknowns.
+    highest
+        Largest wave number; rings with fewer than 2 n + 1 nodes contribute nothing to n.
+    """
+    u = (body.expand @ vector).reshape(-1, 6)[:, :3]
+    x, y, z = body.nodes.T
+    theta = np.arctan2(y, x)
+    cos, sin = np.cos(theta), np.sin(theta)
+    local = np.column_stack([-sin * u[:, 0] + cos * u[:, 1], u[:, 2], cos * u[:, 0] + sin * u[:, 1]])
+    levels, ring_of = np.unique(np.rint(z / max(float(np.ptp(z)), 1e-300) * 1e6).astype(np.int64), return_inverse=True)
+    height = np.array([z[ring_of == k].mean() for k in range(len(levels))])
+    weight = np.gradient(height) if len(height) > 1 else np.ones(1)
+    content = np.zeros((highest + 1, 3))
+    for k in range(len(levels)):
+        ring = np.flatnonzero(ring_of == k)
+        ring = ring[np.argsort(theta[ring])]
+        arc = np.diff(theta[ring], append=theta[ring[0]] + 2 * np.pi)
+        share = 0.5 * (arc + np.roll(arc, 1)) / (2 * np.pi)
+        waves = np.arange(min(highest, (len(ring) - 1) // 2) + 1)
+        c = np.exp(-1j * np.outer(waves, theta[ring])) @ (share[:, None] * local[ring])
+        content[waves] += weight[k] * np.where(waves == 0, 1.0, 2.0)[:, None] * np.abs(c) ** 2
+    return content * body.mass_total / weight.sum()
+
+
+def classify_mode(bodies: Sequence[Body], vector: FloatArray, highest: int = _HIGHEST) -> ModeKind:
+    """Name a mode of one or more bodies.
+
+    Parameters
+    ----------
+    bodies
+        The bodies whose unknowns, one after the other, make up `vector`.
+    vector
+        (sum of n_dofs,).
+    """
+    ends = np.cumsum([body.n_dofs for body in bodies])
+    if ends[-1] != len(vector):
+        raise ValueError(f"the mode has {len(vector)} unknowns, the bodies have {ends[-1]}")
+    parts = np.split(vector, ends[:-1])
+    content = sum(circumferential_content(body, part, highest) for body, part in zip(bodies, parts, strict=True))
+    per_wave = np.asarray(content).sum(axis=1)
+    n = int(per_wave.argmax())
+    strain = sum(float(part @ (body.stiffness @ part)) for body, part in zip(bodies, parts, strict=True))
+    inertia = sum(float(part @ (body.mass @ part)) for body, part in zip(bodies, parts, strict=True))
+    if strain < _NO_STRAIN * inertia:
+        kind = "rigid"
+    elif n == 0:
+        kind = _AXISYMMETRIC[int(np.asarray(content)[0].argmax())]
+    else:
+        kind = "bending" if n == 1 else f"ovalling-{n}"
+    return ModeKind(kind, n, float(per_wave[n] / max(per_wave.sum(), 1e-300)))
+
+
+def effective_mass_fractions(
+    mass: sp.spmatrix, influence: FloatArray, vectors: FloatArray, mass_total: float
+) -> FloatArray:
+    """(n_modes, 3) effective mass along x, y, z over `mass_total`; vectors (n, n_modes) must be M-normalised."""
+    return (vectors.T @ (mass @ influence)) ** 2 / mass_total
+
+
+def align_pairs(
+    frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray, tolerance: float = 1e-5
+) -> FloatArray:
+    """Turn each pair of equal frequencies so that its first mode takes all of the motion along x.
+
+    A round roll has its bending modes in pairs whose direction is arbitrary; this makes it x, then y. Pairs without
+    effective mass stay as they are.
+    """
+    aligned, k = vectors.copy(), 0
+    along_x = mass @ influence[:, 0]
+    while k + 1 < len(frequencies_hz):
+        gap = abs(frequencies_hz[k + 1] - frequencies_hz[k])
+        if gap > tolerance * max(frequencies_hz[k + 1], 1e-6):
+            k += 1
+            continue
+        a, b = aligned[:, k : k + 2].T @ along_x
+        size = float(np.hypot(a, b))
+        if size > 1e-8 * np.sqrt(max(float(influence[:, 0] @ along_x), 1e-300)):
+            turn = np.array([[a, -b], [b, a]]) / size
+            aligned[:, k : k + 2] = aligned[:, k : k + 2] @ turn
+        k += 2
+    return aligned
