@@ -1,0 +1,41 @@
+# Two commands do everything on a fresh Debian 12 or 13: `make run` and `make test`.
+export OMP_NUM_THREADS := 1
+SHELL := /bin/bash
+PYTHON := .venv/bin/python
+WORKERS ?= 2
+
+.PHONY: help setup run test test-all lint format schema clean distclean
+
+help: ## what can be made
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
+
+setup: ## install what is missing (quick when nothing is)
+	@tools/setup.sh
+
+run: setup ## the main job: the lab roll chirped through its resonance
+	.venv/bin/wroll run configs/lab_sweep.yaml --out runs/lab_sweep --resume
+
+test: setup ## the test suite
+	$(PYTHON) -m pytest -q -n $(WORKERS) -m "not slow"
+
+test-all: setup ## the test suite with the slow tests
+	$(PYTHON) -m pytest -q -n $(WORKERS)
+
+lint: setup ## ruff and mypy
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+
+format: setup ## let ruff put the code in order
+	.venv/bin/ruff check --fix .
+	.venv/bin/ruff format .
+
+schema: setup ## write the JSON schema of the case file again
+	.venv/bin/wroll schema --out docs/wroll-case.schema.json
+
+clean: ## remove results and caches
+	rm -rf runs build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -path ./.venv -prune -o -name __pycache__ -type d -print0 | xargs -0r rm -rf
+
+distclean: clean ## remove .venv as well
+	rm -rf .venv

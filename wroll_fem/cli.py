@@ -1,0 +1,267 @@
+"""The `wroll` command.
+
+Heavy libraries are imported inside the commands that need them, so that `wroll validate` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any
+
+# One thread per process: the solvers work on small matrices, where threads only get in each other's way.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+import typer
+
+from . import __version__
+from .case import load_case, schema_text
+from .errors import InputError, WrollError
+from .progress import TerminalProgress
+
+app = typer.Typer(
+    name="wroll", help="Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps.",
+    no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
+)  # fmt: skip
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (YAML).", show_default=False)]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a dotted key, e.g. contact.friction.mu=0.5. Repeatable."),
+]
+
+#: Lines of the table at the end of a run: key of summary.json, what is printed, format.
+_TABLE = (
+    ("f_n_hz", "resonance f_n", "{:.2f} Hz"),
+    ("zeta", "damping ratio zeta", "{:.4f}"),
+    ("peak_transmissibility", "peak transmissibility", "{:.2f}"),
+    ("energy_balance_error", "energy balance error", "{:.2%}"),
+    ("friction_energy_j", "friction energy", "{:.4g} J"),
+    ("interface_pressure_mean_pa", "mean interface pressure", "{:.4g} Pa"),
+    ("dofs", "degrees of freedom", "{:d}"),
+    ("steps", "time steps", "{:d}"),
+    ("wall_time_s", "wall time", "{:.1f} s"),
+)
+
+
+@contextmanager
+def _reporting() -> Iterator[None]:
+    """One line on standard error instead of a traceback, and the documented exit code."""
+    try:
+        yield
+    except WrollError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(error.exit_code) from None
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"wroll_fem {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps."""
+
+
+@app.command()
+def run(
+    case_file: CaseFile,
+    out: Annotated[Path | None, typer.Option("--out", help="Run folder; default runs/<name of the case file>.")] = None,
+    overrides: Overrides = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an unfinished run.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only say how large the job is and how long it takes.")
+    ] = False,
+) -> None:
+    """Run a case: results, summary, fields and figures go to the run folder."""
+    with _reporting():
+        case = load_case(case_file, overrides or ())
+        if dry_run:
+            _print_estimate(case)
+            return
+        from .runner import run_case
+
+        target = out if out is not None else Path("runs") / case_file.stem
+        command = ["wroll", "run", str(case_file), "--out", str(target)]
+        command += [word for text in overrides or () for word in ("--set", text)]
+        try:
+            with _sigterm_interrupts(), TerminalProgress() as progress:
+                done = run_case(case, target, progress=progress, resume=resume, command=shlex.join(command))
+        except KeyboardInterrupt:
+            _explain_interrupt(target, command)
+            raise typer.Exit(130) from None
+        if done.already_done:
+            typer.echo(f"{target}: this case is already done; delete the folder to run it again")
+        _print_summary(done.summary)
+        typer.echo(f"run folder  {done.folder.path}")
+        for figure in done.figures:
+            typer.echo(f"figure      {figure}")
+
+
+@app.command()
+def validate(
+    case_files: Annotated[list[Path], typer.Argument(metavar="CASE...", help="Case files.", show_default=False)],
+) -> None:
+    """Check case files and say what is wrong or doubtful in them."""
+    from . import analyses
+
+    wrong = 0
+    for path in case_files:
+        try:
+            warnings = analyses.case_warnings(load_case(path))
+        except InputError as error:
+            typer.echo(str(error), err=True)
+            wrong += 1
+            continue
+        typer.echo(f"{path}: OK")
+        for text in warnings:
+            typer.echo(f"{path}: warning: {text}")
+    if wrong:
+        raise typer.Exit(InputError.exit_code)
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option("--out", help="File to write; standard output by default.")] = None,
+) -> None:
+    """Print the JSON schema of the case file, for completion and checks in an editor."""
+    with _reporting():
+        if out is None:
+            typer.echo(schema_text(), nl=False)
+            return
+        try:
+            out.parent.mkdir(parents=True, exist_ok=True)
+            out.write_text(schema_text(), encoding="utf-8")
+        except OSError as error:
+            raise InputError(
+                f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"
+            ) from None
+        typer.echo(str(out))
+
+
+@app.command()
+def mesh(
+    case_file: CaseFile,
+    out: Annotated[Path, typer.Option("--out", help="Folder for mesh.msh and mesh.vtu.", show_default=False)],
+    overrides: Overrides = None,
+) -> None:
+    """Mesh a case and write it as .msh (named groups) and .vtu."""
+    with _reporting():
+        case = load_case(case_file, overrides or ())
+        from . import meshing
+
+        if out.exists() and not out.is_dir():
+            raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
+        built = meshing.build_mesh(case)
+        try:
+            written = meshing.write_mesh(built, out)
+        except OSError as error:
+            remedy = "choose another --out"
+            raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None
+        for path in written:
+            typer.echo(str(path))
+
+
+@app.command()
+def plot(
+    run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="Folder of a run.", show_default=False)],
+) -> None:
+    """Draw the figures of a run again from its results."""
+    with _reporting():
+        from .run_folder import RunFolder
+
+        folder = RunFolder(run_dir)
+        case, dataset = folder.load()
+        from . import analyses
+
+        folder.figures.mkdir(exist_ok=True)
+        for path in analyses.write_figures(dataset, case, folder.figures):
+            typer.echo(str(path))
+
+
+@app.command()
+def info() -> None:
+    """Print the version of every library underneath, and whether it works."""
+    from .environment import OPTIONAL, check_environment
+
+    typer.echo(f"{'wroll_fem':<10} {__version__}")
+    broken = False
+    for part in check_environment():
+        state = "works" if not part.problem else f"DOES NOT WORK: {part.problem}"
+        typer.echo(f"{part.name:<10} {part.version:<12} {state}")
+        broken = broken or bool(part.problem and part.name not in OPTIONAL)
+    if broken:
+        raise typer.Exit(1)
+
+
+def _print_estimate(case: Any) -> None:
+    from . import analyses
+
+    for text in analyses.case_warnings(case):
+        typer.echo(f"warning: {text}")
+    for key, value in analyses.estimate(case).items():
+        shown = f"{value:.3g}" if isinstance(value, float) else str(value)
+        typer.echo(f"{key.replace('_', ' '):<24} {shown}")
+
+
+def _print_summary(summary: Mapping[str, Any]) -> None:
+    for key, name, form in _TABLE:
+        value = summary.get(key)
+        values = value if isinstance(value, list) else [value]
+        if key in summary and values and None not in values:
+            typer.echo(f"{name:<24} {', '.join(form.format(v) for v in values)}")
+    modes, kinds = summary.get("modes_hz") or [], summary.get("mode_kinds") or []
+    for number, frequency in enumerate(modes, start=1):
+        kind = kinds[number - 1] if number <= len(kinds) else ""
+        typer.echo(f"{f'mode {number}':<24} {frequency:.2f} Hz  {kind}".rstrip())
+
+
+def _explain_interrupt(target: Path, command: list[str]) -> None:
+    from .run_folder import RunFolder
+
+    if RunFolder(target).checkpoint_file.is_file():
+        typer.echo(f"interrupted; go on with: {shlex.join([*command, '--resume'])}", err=True)
+    else:
+        typer.echo(
+            "interrupted before the first checkpoint; run the same command again (--resume goes on later)", err=True
+        )
+
+
+@contextmanager
+def _sigterm_interrupts() -> Iterator[None]:
+    """Let a terminated job save itself like an interrupted one."""
+
+    def interrupt(signum: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def main() -> None:
+    """Entry point of the `wroll` command."""
+    try:
+        app()
+    except BrokenPipeError:  # the reader (head, less) has gone: nothing left to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+"""What the program stands on: version of each library and whether it works here (`wroll info`)."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Part:
+    """One library: its version, and the reason when it does not work."""
+
+    name: str
+    version: str
+    problem: str = ""
+
+
+def _dolfinx() -> str:
+    import dolfinx
+    from mpi4py import MPI
+
+    dolfinx.mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    return metadata.version("fenics-dolfinx")
+
+
+def _petsc() -> str:
+    from petsc4py import PETSc
+
+    PETSc.Vec().createSeq(1).destroy()
+    return ".".join(map(str, PETSc.Sys.getVersion()))
+
+
+def _slepc() -> str:
+    from slepc4py import SLEPc
+
+    SLEPc.EPS().create().destroy()
+    return ".".join(map(str, SLEPc.Sys.getVersion()))
+
+
+def _numpy() -> str:
+    import numpy as np
+
+    return str(np.__version__)
+
+
+def _scipy() -> str:
+    import scipy
+    import scipy.sparse.linalg
+
+    return str(scipy.__version__)
+
+
+def _gmsh() -> str:
+    import gmsh
+
+    gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    try:
+        return str(gmsh.option.getString("General.Version"))
+    finally:
+        gmsh.finalize()
+
+
+def _numba() -> str:
+    import numba
+
+    if numba.njit(lambda x: x + 1)(1) != 2:
+        raise RuntimeError("compiled code gives a wrong result")
+    return str(numba.__version__)
+
+
+def _xarray() -> str:
+    import xarray as xr
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "check.nc"
+        xr.Dataset({"x": ("time", [1.0, 2.0])}).to_netcdf(path, engine="h5netcdf")
+        if xr.load_dataset(path, engine="h5netcdf")["x"].values.tolist() != [1.0, 2.0]:
+            raise RuntimeError("NetCDF does not read back what was written")
+    return str(xr.__version__)
+
+
+def _pyvista() -> str:
+    """Render one picture in a process of its own: a broken OpenGL ends the process, not with an exception."""
+    import pyvista as pv
+
+    code = "import pyvista as pv; p = pv.Plotter(off_screen=True); p.add_mesh(pv.Sphere()); p.screenshot(None)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines()
+        raise RuntimeError(f"cannot render off screen ({lines[-1] if lines else f'exit code {done.returncode}'})")
+    return str(pv.__version__)
+
+
+def _h5py() -> str:
+    import h5py
+
+    if Path(h5py.__file__).is_relative_to(sys.prefix):
+        raise RuntimeError("comes from PyPI and clashes with dolfinx; pip uninstall h5py (Debian's is used then)")
+    return str(h5py.__version__)
+
+
+_PARTS: dict[str, Callable[[], str]] = {
+    "python": platform.python_version, "dolfinx": _dolfinx, "petsc": _petsc, "slepc": _slepc, "numpy": _numpy,
+    "scipy": _scipy, "gmsh": _gmsh, "numba": _numba, "xarray": _xarray, "pyvista": _pyvista, "h5py": _h5py,
+}  # fmt: skip
+
+#: Parts that only some pictures need.
+OPTIONAL = ("pyvista",)
+
+
+def check_environment() -> list[Part]:
+    """Import every library, try it, and report.
+
+    Returns
+    -------
+    list of Part
+        In a fixed order; dolfinx comes before h5py, because the clash of two HDF5 libraries shows only then.
+    """
+    parts = []
+    for name, attempt in _PARTS.items():
+        try:
+            parts.append(Part(name, attempt()))
+        except Exception as error:
+            # any failure of a foreign library is what is to be reported here
+            parts.append(Part(name, "-", f"{type(error).__name__}: {error}"))
+    return parts

@@ -1,0 +1,193 @@
+"""The folder that a run leaves behind: whose it is, what state it is in, what it holds."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import __version__
+from .case import Case, load_case
+from .errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Start = Literal["new", "resume", "complete"]
+Status = Literal["running", "complete", "not_converged", "interrupted", "failed"]
+
+
+class RunFolder:
+    """Paths and state of one run.
+
+    Parameters
+    ----------
+    path
+        The folder; it is made by `open`, never before.
+
+    Attributes
+    ----------
+    case_file, summary_file, results_file, log_file, provenance_file, checkpoint_file : Path
+        case.yaml (resolved), summary.json, results.nc, run.log, provenance.json, checkpoint.npz (while unfinished).
+    fields, figures : Path
+        Subfolders with .vtu files and pictures.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.case_file = self.path / "case.yaml"
+        self.summary_file = self.path / "summary.json"
+        self.results_file = self.path / "results.nc"
+        self.log_file = self.path / "run.log"
+        self.provenance_file = self.path / "provenance.json"
+        self.checkpoint_file = self.path / "checkpoint.npz"
+        self.fields = self.path / "fields"
+        self.figures = self.path / "figures"
+
+    def check(self, case: Case, *, resume: bool = False) -> Start:
+        """Say how a run of `case` may start here; writes nothing.
+
+        Returns
+        -------
+        Start
+            "new", "resume" (a checkpoint of this case is there) or "complete" (this case is done).
+
+        Raises
+        ------
+        InputError
+            If the folder holds another case, files of something else, or an interrupted run of this case
+            that would be lost without `resume`.
+        """
+        if self.path.exists() and not self.path.is_dir():
+            raise self._refuse("is a file, not a folder", "choose another --out")
+        if not self.path.exists() or not any(self.path.iterdir()):
+            return "new"
+        held, mine = self.case_hash(), case.hash()
+        if held is None:
+            raise self._refuse("is not empty and not a run folder", "choose another --out or an empty folder")
+        if held != mine and not self.holds_results():
+            return "new"
+        if held != mine:
+            raise self._refuse(
+                f"holds results of another case (hash {held[:12]}, this case has {mine[:12]})",
+                "choose another --out, or delete the folder",
+            )
+        if self.status() == "complete" and self.summary_file.is_file() and self.results_file.is_file():
+            return "complete"
+        if not self.checkpoint_file.is_file():
+            return "new"
+        if not resume:
+            raise self._refuse("holds an unfinished run of this case", "add --resume to go on, or delete the folder")
+        return "resume"
+
+    def holds_results(self) -> bool:
+        """Whether there is anything to lose: results, a summary or a checkpoint."""
+        return any(file.is_file() for file in (self.results_file, self.summary_file, self.checkpoint_file))
+
+    def case_hash(self) -> str | None:
+        """Hash of the case whose results are here; None when this is no run folder."""
+        held = self.provenance().get("case_hash")
+        if held is not None:
+            return str(held)
+        return load_case(self.case_file).hash() if self.case_file.is_file() else None
+
+    def status(self) -> Status | None:
+        """State that the last run left the folder in."""
+        return self.provenance().get("status")
+
+    def provenance(self) -> dict[str, Any]:
+        """Content of provenance.json; empty when there is none."""
+        return self._read_json(self.provenance_file) if self.provenance_file.is_file() else {}
+
+    def summary(self) -> dict[str, Any]:
+        """Content of summary.json."""
+        return self._read_json(self.summary_file)
+
+    def load(self) -> tuple[Case, xr.Dataset]:
+        """Case and results of a run.
+
+        Raises
+        ------
+        InputError
+            If the folder holds no run or no results.
+        """
+        from .results import load_dataset
+
+        if not self.case_file.is_file():
+            raise self._refuse("is not a run folder (no case.yaml)", "give the folder of a finished `wroll run`")
+        return load_case(self.case_file), load_dataset(self.results_file)
+
+    @contextmanager
+    def open(self, case: Case, command: str) -> Iterator[None]:
+        """Make the folder, write case.yaml and provenance, and hold the folder against a second process.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written, or another process is at work in it.
+        """
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            lock = self.log_file.open("a", encoding="utf-8")
+        except OSError as error:
+            raise self._refuse(f"cannot be written ({error.strerror})", "choose another --out") from None
+        with lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise self._refuse("is in use by another process", "wait for it, or choose another --out") from None
+            self.summary_file.unlink(missing_ok=True)
+            self._write(
+                self.case_file,
+                f"# resolved by wroll_fem {__version__}; every value is written out\n{case.resolved_yaml()}",
+            )
+            self.record("running", case_hash=case.hash(), command=command)
+            yield
+
+    def record(self, status: Status, **entries: Any) -> None:
+        """Write provenance.json: versions, git revision, machine, status and further entries (kept from before)."""
+        from .results import provenance
+
+        kept = self.provenance() if status != "running" else {}
+        self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
+
+    def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
+        """Write plain JSON, numbers that are not finite as null, replacing the file only when complete."""
+        self._write(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+
+    def _write(self, path: Path, text: str) -> None:
+        partial = path.with_name(f"{path.name}.partial")
+        partial.write_text(text, encoding="utf-8")
+        os.replace(partial, path)
+
+    def _read_json(self, path: Path) -> dict[str, Any]:
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"cannot be read ({error})", file=str(path), remedy="delete the run folder") from None
+        if not isinstance(content, dict):
+            raise InputError("is not a JSON object", file=str(path), remedy="delete the run folder")
+        return content
+
+    def _refuse(self, problem: str, remedy: str) -> InputError:
+        return InputError(problem, file=str(self.path), remedy=remedy)
+
+
+def plain(value: Any) -> Any:
+    """Value as JSON knows it: numpy scalars and arrays become Python, paths text, nan and infinity None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,139 @@
+"""From a case to a finished run folder: what `wroll run` does, for scripts and batches too."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .case import Case
+from .errors import ConvergenceError
+from .progress import Progress, SilentProgress, TerminalProgress
+from .run_folder import RunFolder, Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run.
+
+    Attributes
+    ----------
+    folder
+        Where everything is.
+    summary
+        Content of summary.json: flat, SI, unit in the name.
+    figures
+        Pictures of the run.
+    already_done
+        True when the folder already held this case, complete, and nothing was computed.
+    """
+
+    folder: RunFolder
+    summary: dict[str, Any]
+    figures: list[Path]
+    already_done: bool = False
+
+
+def run_case(
+    case: Case, out: str | Path, *, progress: Progress | None = None, resume: bool = False, command: str = ""
+) -> Run:
+    """Run a case into a folder.
+
+    Parameters
+    ----------
+    case
+        What to compute.
+    out
+        Run folder; made if missing. Nothing of another case is written over.
+    progress
+        Where to report; silent by default.
+    resume
+        Go on from the checkpoint in `out`, if there is one.
+    command
+        How the run was started, for the provenance.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something else.
+    ConvergenceError
+        If a step did not converge; what was computed until then is in results.nc.
+    """
+    progress = progress if progress is not None else SilentProgress()
+    folder = RunFolder(out)
+    start = folder.check(case, resume=resume)
+    if start == "complete":
+        return Run(folder, folder.summary(), sorted(folder.figures.glob("*.png")), already_done=True)
+    with folder.open(case, command):
+        if isinstance(progress, TerminalProgress):
+            progress.log_to(folder.log_file)
+        if resume and start == "new":
+            progress.info(f"{folder.path}: no checkpoint to resume from, starting from the beginning")
+        return _run(case, folder, progress, resume=start == "resume")
+
+
+def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> Run:
+    from . import analyses
+
+    started = time.perf_counter()
+    status: Status = "failed"
+    dataset: xr.Dataset | None = None
+    try:
+        for text in analyses.case_warnings(case):
+            progress.warning(text)
+        dataset = analyses.run_analysis(case, progress=progress, checkpoint=folder.checkpoint_file, resume=resume)
+        summary, figures = _save(case, folder, dataset, progress, time.perf_counter() - started)
+        status = "complete"
+    except ConvergenceError as error:
+        status = "not_converged"
+        dataset = getattr(error, "partial", None)
+        if dataset is not None:
+            _save_dataset(case, folder, dataset, complete=False)
+            progress.info(f"what was computed until then is in {folder.results_file}")
+        raise
+    except KeyboardInterrupt:
+        status = "interrupted"
+        raise
+    finally:
+        # a status of "failed" marks a defect of the program; its traceback goes on to the caller
+        seeds = {} if dataset is None else {k: v for k, v in dataset.attrs.items() if "seed" in str(k)}
+        folder.record(status, wall_time_s=time.perf_counter() - started, resumed=resume, seeds=seeds)
+    folder.checkpoint_file.unlink(missing_ok=True)
+    return Run(folder, summary, figures)
+
+
+def _save(
+    case: Case, folder: RunFolder, dataset: xr.Dataset, progress: Progress, seconds: float
+) -> tuple[dict[str, Any], list[Path]]:
+    from . import analyses
+
+    _save_dataset(case, folder, dataset, complete=True)
+    summary = {"analysis": case.analysis, **analyses.summarise(dataset, case)}
+    summary.setdefault("wall_time_s", seconds)
+    if case.output.fields != "none":
+        folder.fields.mkdir(exist_ok=True)
+        analyses.write_fields(dataset, case, folder.fields)
+    figures: list[Path] = []
+    if case.output.figures:
+        folder.figures.mkdir(exist_ok=True)
+        with progress.stage("figures", 1):
+            figures = list(analyses.write_figures(dataset, case, folder.figures))
+    folder.write_json(folder.summary_file, summary)
+    return folder.summary(), figures
+
+
+def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
+    """Write results.nc with its own provenance: case text and hash, versions, whether it is complete."""
+    from .results import provenance, save_dataset
+
+    origin = {
+        "case_yaml": case.resolved_yaml(),
+        "case_hash": case.hash(),
+        "provenance": provenance(),
+        "complete": complete,
+    }
+    save_dataset(dataset.assign_attrs(origin), folder.results_file)
