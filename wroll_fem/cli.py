@@ -116,18 +116,18 @@ def validate(
     case_files: Annotated[list[Path], typer.Argument(metavar="CASE...", help="Case files.", show_default=False)],
 ) -> None:
     """Check case files and say what is wrong or doubtful in them."""
-    from . import analyses
-
     wrong = 0
     for path in case_files:
         try:
-            warnings = analyses.case_warnings(load_case(path))
+            case = load_case(path)
         except InputError as error:
             typer.echo(str(error), err=True)
             wrong += 1
             continue
+        from . import analyses
+
         typer.echo(f"{path}: OK")
-        for text in warnings:
+        for text in analyses.case_warnings(case):
             typer.echo(f"{path}: warning: {text}")
     if wrong:
         raise typer.Exit(InputError.exit_code)

@@ -98,6 +98,13 @@ class Case(Section):
         except ValidationError as error:
             raise input_error(error, cls) from None
 
+    def __eq__(self, other: object) -> bool:
+        """Cases are equal when their content is, wherever it was read from."""
+        return isinstance(other, Case) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash(self.resolved_yaml())
+
     @property
     def source(self) -> Path | None:
         """File that the case was read from."""
