@@ -1,0 +1,26 @@
+"""Figures from Datasets only.
+
+Every function of matplotlib takes a Dataset and an `ax` and returns the `ax`; nothing is shown or recomputed.
+`save_figure(ax, path)` writes 150 dpi and closes. Pictures in three dimensions (pyvista) write a file.
+"""
+
+from wroll_fem.plotting.cylinder import plot_mode_shapes, plot_slip_on_cylinder, write_slip_vtu
+from wroll_fem.plotting.history import plot_energy_ledger, plot_response
+from wroll_fem.plotting.modes import plot_modes
+from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_slip_map
+from wroll_fem.plotting.style import save_figure
+from wroll_fem.plotting.transmissibility import plot_comparison, plot_transmissibility
+
+__all__ = [
+    "plot_comparison",
+    "plot_energy_ledger",
+    "plot_mode_shapes",
+    "plot_modes",
+    "plot_peak_slip_vectors",
+    "plot_response",
+    "plot_slip_map",
+    "plot_slip_on_cylinder",
+    "plot_transmissibility",
+    "save_figure",
+    "write_slip_vtu",
+]

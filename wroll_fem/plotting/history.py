@@ -1,0 +1,169 @@
+"""Histories: tip response with friction work, and the energy ledger."""
+
+from __future__ import annotations
+
+from math import exp, log
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator, MaxNLocator
+
+from wroll_fem.plotting import style
+from wroll_fem.results import label
+
+_STORED = ("kinetic_energy", "strain_energy", "contact_energy")
+_LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_STORED)
+
+
+def chirp_law(dataset: xr.Dataset) -> tuple[float, float] | None:
+    """Return f_start (Hz) and g (1/s) of f(t) = f_start exp(g t), from the attributes; None for other motions.
+
+    Uses `f_start_hz` and `rate_oct_per_min`; without the rate, `f_end_hz` is taken to be reached at the last time.
+    """
+    attrs = dataset.attrs
+    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:
+        return None
+    start = float(attrs["f_start_hz"])
+    if "rate_oct_per_min" in attrs:
+        return start, float(attrs["rate_oct_per_min"]) * log(2.0) / 60.0
+    if "f_end_hz" in attrs:
+        return start, log(float(attrs["f_end_hz"]) / start) / float(dataset["time"].values[-1])
+    return None
+
+
+def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:
+    """Second axis on top that reads the chirp's frequency; none when the motion is no chirp."""
+    law = chirp_law(dataset)
+    if law is None:
+        return
+    start, growth = law
+
+    def frequency(time: npt.ArrayLike) -> npt.ArrayLike:
+        return start * np.exp(growth * np.asarray(time, dtype=np.float64))
+
+    def time(frequency: npt.ArrayLike) -> npt.ArrayLike:
+        return np.log(np.maximum(np.asarray(frequency, dtype=np.float64), 1e-9) / start) / growth
+
+    top = ax.secondary_xaxis("top", functions=(frequency, time))
+    last = start * exp(growth * float(dataset["time"].values[-1]))
+    ticks = MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(start, last)
+    top.xaxis.set_major_locator(FixedLocator([t for t in ticks if start * (1 - 1e-9) <= t <= last * (1 + 1e-9)]))
+    top.set_xlabel("Frequency of the base (Hz)")
+
+
+def _second_y(ax: Axes) -> Axes:
+    other = ax.twinx()
+    other.spines["top"].set_visible(False)
+    return other
+
+
+def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot the absolute tip acceleration over time and the friction work that it costs.
+
+    Parameters
+    ----------
+    dataset
+        Has `tip_acceleration` (relative), `base_acceleration` and `friction_energy` over `time`; attributes
+        `excitation_kind`, `f_start_hz`, `rate_oct_per_min` (or `f_end_hz`) give the frequency axis of a chirp.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes of the acceleration (friction work is on a twin).
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks one of the histories.
+    """
+    style.require(dataset, ("time", "tip_acceleration", "base_acceleration", "friction_energy"), "response figure")
+    ax = style.axes(ax)
+    time = dataset["time"].values
+    tip = dataset["tip_acceleration"].values + dataset["base_acceleration"].values
+    work = dataset["friction_energy"].values
+    x, low, high = style.line_envelope(time, tip)
+    ax.fill_between(x, low, high, color=style.SKY, lw=0.3, edgecolor=style.BLUE)
+    if low is high:
+        ax.plot(x, low, color=style.BLUE, lw=0.8)
+    other = _second_y(ax)
+    other.plot(time, 1e3 * work, color=style.RED, lw=1.8)
+    _frequency_axis(ax, dataset)
+    size = 1.05 * float(np.abs(tip).max())
+    ax.set_ylim(-size, size)
+    ax.set_xlim(time[0], time[-1])
+    other.set_ylim(0.0, 1.05e3 * max(float(work.max()), 1e-15))
+    ax.set_xlabel(label("time"))
+    ax.set_ylabel("Absolute tip acceleration (m/s²)", color=style.BLUE)
+    other.set_ylabel("Cumulative friction work (mJ)", color=style.RED)
+    peak = int(np.abs(tip).argmax())
+    law = chirp_law(dataset)
+    where = f"t = {time[peak]:.3g} s" if law is None else f"{law[0] * exp(law[1] * time[peak]):.1f} Hz"
+    text = f"Tip reaches {abs(tip[peak]):.3g} m/s² at {where}; friction takes {style.engineering(work[-1], 'J')}"
+    if law is not None and work[-1] > 0.0:
+        quarter, three = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
+        text += (
+            f", the middle half of it between {law[0] * exp(law[1] * quarter):.1f} "
+            f"and {law[0] * exp(law[1] * three):.1f} Hz"
+        )
+    style.title(ax, text)
+    return ax
+
+
+def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot where the work of the base went: friction, stored, numerical, cumulative over time.
+
+    Parameters
+    ----------
+    dataset
+        Has the ledger (`input_work`, `friction_energy`, `numerical_dissipation`, `kinetic_energy`, `strain_energy`,
+        `contact_energy`) over `time`.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a term of the ledger.
+    """
+    style.require(dataset, _LEDGER, "energy ledger")
+    ax = style.axes(ax)
+    time = dataset["time"].values
+    given, friction = dataset["input_work"].values, dataset["friction_energy"].values
+    numerical = dataset["numerical_dissipation"].values
+    stored = sum((dataset[name].values for name in _STORED), np.zeros_like(given))
+    stored = stored - stored[0]
+    biggest = max(float(np.abs(given).max()), 1e-30)
+    scale, unit = (1.0, "J") if biggest >= 1.0 else (1e3, "mJ") if biggest >= 1e-3 else (1e6, "µJ")
+    series = [
+        ("put in by the base", given, style.BLUE, "-"),
+        ("friction", friction, style.RED, "-"),
+        ("stored: kinetic + strain + contact", stored, style.GREEN, "-"),
+        ("numerical: the scheme's own dissipation", numerical, style.GREY, "--"),
+    ]
+    for name, values, colour, dash in series:
+        x, low, high = style.line_envelope(time, scale * values)
+        ax.fill_between(x, low, high, color=colour, alpha=0.35, lw=0)
+        ax.plot(x, high, color=colour, lw=1.6, ls=dash, label=name)
+    _frequency_axis(ax, dataset)
+    ax.set_xlim(time[0], time[-1])
+    ax.set_xlabel(label("time"))
+    ax.set_ylabel(f"Energy since the start ({unit})")
+    ax.legend(loc="upper left", fontsize=8, framealpha=0.9)
+    total = given[-1] if given[-1] != 0.0 else np.inf
+    error = (given - stored - friction - numerical)[-1] / total
+    style.title(
+        ax,
+        f"Of {style.engineering(given[-1], 'J')} put in, friction takes {100 * friction[-1] / total:.1f} %, "
+        f"{100 * stored[-1] / total:.1f} % is still stored, {100 * numerical[-1] / total:.1f} % is numerical; "
+        f"the balance closes to {100 * abs(error):.2g} %",
+    )
+    return ax

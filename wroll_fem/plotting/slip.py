@@ -1,0 +1,179 @@
+"""Slip maps and peak slip vectors on the unrolled surface of an interface."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+
+from wroll_fem.plotting import style
+from wroll_fem.results import field, label
+from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, surface
+
+_STUCK = "#E4E4E4"
+
+
+def interface_name(interface: int) -> str:
+    """Return the bodies on both sides: "mandrel and layer 1", "layer 1 and layer 2", ..."""
+    return "mandrel and layer 1" if interface == 0 else f"layer {interface} and layer {interface + 1}"
+
+
+def _unrolled(ax: Axes, z_mm: style.FloatArray) -> None:
+    ax.set_xlim(-180.0, 180.0)
+    ax.set_xticks(range(-180, 181, 45))
+    ax.set_ylim(float(z_mm.min()), float(z_mm.max()))
+    ax.set_xlabel("Angle around the roll (°); 0° and ±180° face the excitation direction")
+    ax.set_ylabel(label("z_m", "mm"))
+    ax.grid(False)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(True)
+
+
+def _scaled(values_m: style.FloatArray) -> tuple[style.FloatArray, str]:
+    """Lengths in the unit that suits the largest: micrometres or nanometres."""
+    largest = float(np.nanmax(np.abs(values_m), initial=0.0))
+    return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")
+
+
+def plot_slip_map(
+    dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None, quantity: str = "cumulative_slip"
+) -> Axes:
+    """Plot where and how much an interface slipped, on the unrolled cylinder.
+
+    Parameters
+    ----------
+    dataset
+        Has `theta_rad`, `z_m`, `area`, `slipped` and `quantity` over (`interface`, `point`); half a roll is mirrored.
+    interface
+        0 is the innermost (mandrel and layer 1).
+    ax
+        Axes to draw in; a new figure without.
+    quantity
+        A length of the field table over (`interface`, `point`): "cumulative_slip" or "max_slip". The first is blank
+        (hatched grey) where the interface stuck; "max_slip" contains elastic slip and is shown everywhere.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field or the interface.
+
+    Notes
+    -----
+    Values between contact points are interpolated; the outline of the slipped region runs half way
+    between points that slipped and points that stuck. The area fraction in the title is that of the points' areas.
+    """
+    points = surface(dataset, interface, quantity, "slipped")
+    fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
+    radius = interface_radius(dataset, interface)
+    theta, z, values = raster(points, quantity, radius=radius)
+    slipped = raster(points, "slipped", radius=radius)[2]
+    degrees, z_mm = np.degrees(theta), 1e3 * z
+    ax = style.axes(ax, 4.4)
+    _unrolled(ax, z_mm)
+    ax.set_facecolor(_STUCK)
+    stuck = Patch(facecolor=_STUCK, edgecolor="#B5B5B5", hatch="////", label="never slipped")
+    shown, unit = _scaled(values)
+    if fraction > 0.0 or quantity != "cumulative_slip":
+        if quantity == "cumulative_slip":
+            shown = np.where(slipped >= 0.5, shown, np.nan)
+            ax.patch.set(hatch="////", edgecolor="#B5B5B5")
+        top = float(np.nanmax(shown)) or 1.0
+        picture = ax.pcolormesh(
+            degrees, z_mm, shown, cmap="viridis", vmin=0.0, vmax=top, shading="nearest", rasterized=True
+        )
+        if fraction > 0.0 and np.nanmin(slipped) < 0.5:
+            ax.contour(degrees, z_mm, slipped, levels=[0.5], colors="black", linewidths=1.1)
+        bar = style.figure_of(ax).colorbar(picture, ax=ax, pad=0.02)
+        bar.set_label(label(quantity, unit))
+    else:
+        ax.patch.set(hatch="////", edgecolor="#B5B5B5")
+    if quantity == "cumulative_slip" and fraction < 1.0:
+        ax.legend(handles=[stuck], loc="upper right", fontsize=8, framealpha=0.95)
+    style.title(ax, _finding(dataset, interface, quantity, fraction))
+    return ax
+
+
+def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float) -> str:
+    """Say where and how much: "41 % of the interface ... slipped; most, 12.3 µm, at 0° and 25 mm above the base"."""
+    name = interface_name(interface)
+    points = surface(dataset, interface, quantity)
+    values = points.values[quantity]
+    k = int(np.argmax(values))
+    angle, height = abs(np.degrees(points.theta[k])), 1e3 * points.z[k]
+    side = f"±{angle:.0f}°" if 0.5 < angle < 179.5 else f"{angle:.0f}°"
+    most = f"{style.engineering(values[k], 'm')} at {side}, {height:.0f} mm above the base"
+    if quantity == "cumulative_slip":
+        if fraction == 0.0:
+            return f"Nothing slipped between {name}"
+        return f"{100 * fraction:.0f} % of the interface between {name} slipped; most, {most}"
+    what = field(quantity).long_name
+    return f"{what[0].upper()}{what[1:]} between {name}: {most}; {100 * fraction:.0f} % of the area slipped"
+
+
+def plot_peak_slip_vectors(
+    dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None, max_arrows: int = 700
+) -> Axes:
+    """Plot the relative displacement (outer minus inner) at its largest, as arrows on the unrolled cylinder.
+
+    Parameters
+    ----------
+    dataset
+        Has `peak_slip_hoop`, `peak_slip_axial` over (`interface`, `point`), `theta_rad`, `z_m`, `area`.
+    interface
+        0 is the innermost.
+    ax
+        Axes to draw in; a new figure without.
+    max_arrows
+        Points are thinned evenly to at most this number; the longest arrow is always drawn.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field or the interface.
+    """
+    points = surface(dataset, interface, "peak_slip_hoop", "peak_slip_axial")
+    hoop, unit = _scaled(points.values["peak_slip_hoop"])
+    axial, unit_axial = _scaled(points.values["peak_slip_axial"])
+    if unit != unit_axial:  # one of the two is tiny: same unit for both
+        hoop, axial, unit = 1e6 * points.values["peak_slip_hoop"], 1e6 * points.values["peak_slip_axial"], "µm"
+    size = np.hypot(hoop, axial)
+    order = np.lexsort((points.theta, points.z))
+    keep = order[:: max(1, int(np.ceil(order.size / max_arrows)))]
+    longest = int(np.argmax(size))
+    if longest not in keep:
+        keep = np.append(keep, longest)
+    degrees, z_mm = np.degrees(points.theta), 1e3 * points.z
+    ax = style.axes(ax, 4.4)
+    _unrolled(ax, z_mm)
+    ax.set_xlim(-187.0, 187.0)
+    top = float(size[longest]) or 1.0
+    pad = 0.06 * float(np.ptp(z_mm))
+    ax.set_ylim(z_mm.min() - pad, z_mm.max() + pad)
+    arrows = ax.quiver(degrees[keep], z_mm[keep], hoop[keep], axial[keep], size[keep], cmap=colormaps["viridis_r"],
+                       clim=(0.0, top), angles="uv", scale_units="inches", scale=top / 0.42, width=0.0026,
+                       headwidth=3.5, minlength=0.4)  # fmt: skip
+    nice = float(f"{0.7 * top:.1g}")
+    ax.quiverkey(arrows, 0.9, -0.16, nice, f"{nice:g} {unit}", labelpos="E", coordinates="axes", color="black",
+                 fontproperties={"size": 9})  # fmt: skip
+    bar = style.figure_of(ax).colorbar(arrows, ax=ax, pad=0.02)
+    bar.set_label(f"Largest relative displacement ({unit})")
+    angle = abs(degrees[longest])
+    share = "axial" if abs(axial[longest]) >= abs(hoop[longest]) else "hoop"
+    style.title(
+        ax,
+        f"Largest relative displacement between {interface_name(interface)}: {size[longest]:.3g} {unit}, mostly "
+        f"{share}, at {'±' if 0.5 < angle < 179.5 else ''}{angle:.0f}°, {z_mm[longest]:.0f} mm above the base",
+    )
+    return ax

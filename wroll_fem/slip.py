@@ -1,0 +1,172 @@
+"""Slip on the interfaces: whole circumference, unrolled raster, slipping area.
+
+Point data of a result (dims `interface`, `point`) may cover half a roll, theta in [0, pi], when the run
+used the symmetry plane of the excitation: areas then already stand for the whole roll, fields are even in
+theta and the hoop components odd. The functions here give the whole circumference either way.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
+from scipy.spatial import Delaunay
+
+from wroll_fem.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+ODD_FIELDS = frozenset({"peak_slip_hoop", "traction_hoop"})  # change sign under theta -> -theta
+_ANGLE_DIGITS = 6  # points whose angles agree to 1e-6 rad stand above each other
+
+
+class Surface(NamedTuple):
+    """Points of one interface around the whole circumference.
+
+    Attributes
+    ----------
+    theta
+        (n,) rad in (-pi, pi].
+    z
+        (n,) m.
+    values
+        Field name -> (n,) values.
+    """
+
+    theta: FloatArray
+    z: FloatArray
+    values: dict[str, FloatArray]
+
+
+def _require(dataset: xr.Dataset, *names: str) -> None:
+    missing = [name for name in names if name not in dataset.variables]
+    if missing:
+        raise InputError(
+            f"the results hold no {', '.join(missing)}",
+            remedy="run an analysis with interfaces (coil.model: layers; sweep or dwell)",
+        )
+
+
+def _along_interface(dataset: xr.Dataset, name: str, interface: int) -> npt.NDArray:
+    variable = dataset[name]
+    if "interface" not in variable.dims:
+        return variable.values
+    count = variable.sizes["interface"]
+    if not 0 <= interface < count:
+        raise InputError(f"no interface {interface}", remedy=f"choose 0 (innermost) to {count - 1}")
+    return variable.isel(interface=interface).values
+
+
+def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
+    """Fields of one interface on the whole circumference, mirrored from half a roll if need be.
+
+    Parameters
+    ----------
+    dataset
+        Has `theta_rad`, `z_m` over `point` and the fields over (`interface`, `point`).
+    interface
+        0 is the innermost.
+    names
+        Fields wanted.
+
+    Raises
+    ------
+    InputError
+        For a missing field or interface.
+    """
+    _require(dataset, "theta_rad", "z_m", *names)
+    theta, z = dataset["theta_rad"].values.astype(float), dataset["z_m"].values.astype(float)
+    values = {name: _along_interface(dataset, name, interface).astype(float) for name in names}
+    near = 1e-6
+    theta = np.where(theta <= -np.pi + near, theta + 2.0 * np.pi, theta)
+    if theta.min() > -near and np.ptp(theta) <= np.pi + near:
+        off_plane = (theta > near) & (theta < np.pi - near)
+        for name, field in values.items():
+            mirrored = field[off_plane] * (-1.0 if name in ODD_FIELDS else 1.0)
+            values[name] = np.concatenate([field, mirrored])
+        theta, z = np.concatenate([theta, -theta[off_plane]]), np.concatenate([z, z[off_plane]])
+    return Surface(theta, z, values)
+
+
+def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:
+    """Angles (n_t,), heights (n_z,) and point numbers (n_z, n_t) when points form a full grid, else None."""
+    angles, column = np.unique(np.round(theta, _ANGLE_DIGITS), return_inverse=True)
+    span = max(float(np.ptp(z)), 1e-12)
+    levels, row = np.unique(np.round(z / span, _ANGLE_DIGITS), return_inverse=True)
+    if angles.size * levels.size != theta.size or angles.size < 3 or levels.size < 2:
+        return None
+    numbers = np.full((levels.size, angles.size), -1, dtype=np.int64)
+    numbers[row, column] = np.arange(theta.size)
+    if np.any(numbers < 0):
+        return None
+    return theta[numbers[0]], z[numbers[:, 0]], numbers
+
+
+def wrapped(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    """Points with copies one turn to either side (half a turn of each), and the number each copies; (m,) each."""
+    number = np.arange(theta.size)
+    left, right = theta < 0.0, theta >= 0.0
+    angle = np.concatenate([theta, theta[left] + 2.0 * np.pi, theta[right] - 2.0 * np.pi])
+    copies = np.concatenate([number, number[left], number[right]])
+    return angle, z[copies], copies
+
+
+def raster(
+    points: Surface, name: str, *, n_theta: int = 361, n_z: int = 241, radius: float = 1.0
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """One field on a uniform raster of the unrolled surface, seamless at +-180 degrees.
+
+    Returns
+    -------
+    theta, z, values
+        (n_theta,) rad from -pi to pi, (n_z,) m, (n_z, n_theta). Bilinear between the points of a grid,
+        linear on triangles between scattered ones; nan outside the points.
+    """
+    angle = np.linspace(-np.pi, np.pi, n_theta)
+    height = np.linspace(points.z.min(), points.z.max(), n_z)
+    where = np.stack(np.meshgrid(height, angle, indexing="ij"), axis=-1)
+    grid = structured(points.theta, points.z)
+    if grid is not None:
+        theta, z, numbers = grid
+        values = points.values[name][numbers]
+        theta = np.concatenate([[theta[-1] - 2.0 * np.pi], theta, [theta[0] + 2.0 * np.pi]])
+        values = np.concatenate([values[:, -1:], values, values[:, :1]], axis=1)
+        inside = np.clip(where, [z[0], theta[0]], [z[-1], theta[-1]])
+        return angle, height, RegularGridInterpolator((z, theta), values)(inside)
+    theta, z, copies = wrapped(points.theta, points.z)
+    nodes = np.stack([z, radius * theta], axis=1)
+    values = LinearNDInterpolator(nodes, points.values[name][copies])(where * [1.0, radius])
+    return angle, height, values
+
+
+def cylinder_cells(points: Surface, radius: float) -> npt.NDArray[np.int64]:
+    """Cells that join the points of an interface around the cylinder: (m, 4) quads of a grid or (m, 3) triangles."""
+    grid = structured(points.theta, points.z)
+    if grid is not None:
+        numbers = grid[2]
+        next_column = np.roll(numbers, -1, axis=1)
+        corners = [numbers[:-1], next_column[:-1], next_column[1:], numbers[1:]]
+        return np.stack([c.ravel() for c in corners], axis=1)
+    theta, z, copies = wrapped(points.theta, points.z)
+    triangles = Delaunay(np.stack([radius * theta, z], axis=1)).simplices
+    centre = theta[triangles].mean(axis=1)
+    cells = copies[triangles[(centre >= -np.pi) & (centre < np.pi)]]
+    _, first = np.unique(np.sort(cells, axis=1), axis=0, return_index=True)  # no triangle twice at the seam
+    return np.asarray(cells[np.sort(first)])
+
+
+def interface_radius(dataset: xr.Dataset, interface: int) -> float:
+    """Radius (m) of an interface: the coordinate `radius` if the results hold it, else area / (2 pi height)."""
+    if "radius" in dataset.variables:
+        return float(np.mean(_along_interface(dataset, "radius", interface)))
+    _require(dataset, "area", "z_m")
+    return float(_along_interface(dataset, "area", interface).sum() / (2.0 * np.pi * np.ptp(dataset["z_m"].values)))
+
+
+def slipping_area_fraction(dataset: xr.Dataset) -> xr.DataArray:
+    """Fraction of each interface's area that slipped at any time, over `interface`."""
+    _require(dataset, "slipped", "area")
+    fraction = (dataset["slipped"] * dataset["area"]).sum("point") / dataset["area"].sum("point")
+    return fraction.rename("slipping_area_fraction")
