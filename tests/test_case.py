@@ -100,7 +100,7 @@ def test_every_number_has_a_unit_in_its_description() -> None:
         ("geometry.lenght=1", "geometry.lenght: unknown key, got 1; did you mean length?"),
         ("contact.mu=0.3", "contact.mu: unknown key, got 0.3; did you mean contact.friction.mu?"),
         ("excitation.frequency=3", "excitation.frequency: unknown key, got 3; known here: amplitude, direction, kind"),
-        ("geometry.mandrel_thickness=-1e-3", "mandrel_thickness: must be greater than 0, got -1e-3; give the wall"),
+        ("geometry.mandrel_thickness=-1e-3", "mandrel_thickness: must be greater than 0, got -0.001; give the wall"),
         ("geometry.mandrel_thickness=0.05", "the wall is thicker than the radius, got 0.05; use less than"),
         ("coil.total_thickness=0", "coil.total_thickness: must be greater than 0, got 0"),
         ("mandrel.material.nu=0.5", "mandrel.material.nu: must be less than 0.5, got 0.5; give the Poisson's ratio"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterator, Sequence
 from typing import Any, get_args
 
@@ -11,9 +10,6 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ..errors import InputError
-
-#: Numbers that PyYAML reads as text, such as 1e-3: shown without quotes.
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 _BOUNDS = {
     "greater_than": ("must be greater than {gt:g}"),
@@ -147,5 +143,5 @@ def _show(value: Any) -> str:
     """Spell a value as YAML does, shortened."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
-    text = value if isinstance(value, str) and _NUMBER.fullmatch(value) else repr(value)
+    text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
