@@ -11,13 +11,17 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import gmsh
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from wroll_fem.errors import InputError
+
+if TYPE_CHECKING:
+    from wroll_fem.case import Case
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -66,7 +70,7 @@ def part_name(index: int) -> str:
     return "mandrel" if index == 0 else f"layer_{index:02d}"
 
 
-def shell_layout(case: Any) -> list[tuple[str, float, float]]:
+def shell_layout(case: Case) -> list[tuple[str, float, float]]:
     """Name, mid-surface radius (m) and thickness (m) of each shell of a case, inner first."""
     outer, thickness = 0.5 * case.geometry.mandrel_outer_diameter, case.geometry.mandrel_thickness
     layout = [("mandrel", outer - 0.5 * thickness, thickness)]
@@ -86,7 +90,7 @@ def axial_stations(length: float, divisions: int, grading: float = 1.0) -> Float
     return length * np.concatenate([[0.0], np.cumsum(heights) / heights.sum()])
 
 
-def build_mesh(case: Any) -> CylinderMesh:
+def build_mesh(case: Case) -> CylinderMesh:
     """Mesh of a case: read from `case.mesh.file` if given, else made by gmsh.
 
     Raises
@@ -174,7 +178,7 @@ def _snap(mesh: CylinderMesh, radii: dict[str, float], stations: FloatArray, cir
 
 @contextlib.contextmanager
 def _gmsh_model(name: str) -> Iterator[None]:
-    """A fresh gmsh model without terminal output; gmsh is left as it was found."""
+    """Open a fresh gmsh model without terminal output; leave gmsh as it was found."""
     started = not gmsh.isInitialized()
     if started:
         gmsh.initialize([], readConfigFiles=False, interruptible=False)
@@ -199,8 +203,9 @@ def _extract(source: str, required: Sequence[str] = ()) -> CylinderMesh:
     wanted = [name for part in required for name in (part, f"{part}_base", f"{part}_tip")] or list(found)
     missing = [name for name in wanted if name not in found]
     if missing:
+        lacks = f"group{'s' * (len(missing) > 1)} {', '.join(missing)}"
         raise InputError(
-            f"mesh lacks the group{'s' * (len(missing) > 1)} {', '.join(missing)} (it has: {', '.join(found) or 'none'})",
+            f"mesh lacks the {lacks} (it has: {', '.join(found) or 'none'})",
             key="mesh.file",
             file=source,
             remedy="name the surfaces (physical surfaces) and their end rings (physical curves) like that",
@@ -288,9 +293,7 @@ def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> Cylin
         return _extract(str(path), required)
 
 
-def check_geometry(
-    mesh: CylinderMesh, layout: Sequence[tuple[str, float, float]], length: float, source: str
-) -> None:
+def check_geometry(mesh: CylinderMesh, layout: Sequence[tuple[str, float, float]], length: float, source: str) -> None:
     """Compare a user's own mesh with the mid-surfaces and the length of the case.
 
     Raises
@@ -343,19 +346,19 @@ def canonical_vertices(part: CylinderMesh) -> tuple[IntArray, FloatArray]:
     x, y, z = part.nodes[vertices].T
     theta = np.arctan2(y, x)
     theta[theta < -np.pi + 1e-6] = np.pi
-    level = np.rint(z / max(float(np.ptp(part.nodes[:, 2])), 1e-300) * 1e6)
-    order = np.lexsort((np.rint(theta * 1e6), level))
+    by_height = np.argsort(z, kind="stable")
+    level = np.empty(len(z), np.int64)  # heights that differ by rounding errors only are one level
+    level[by_height] = np.cumsum(np.diff(z[by_height], prepend=z.min()) > 1e-7 * np.ptp(z))
+    order = np.lexsort((theta, level))
     return vertices[order], np.column_stack([theta, z, np.hypot(x, y)])[order]
 
 
 def mirror_nodes(nodes: FloatArray) -> IntArray | None:
     """For each node the node mirrored about the x-z plane, or None if the mesh is not symmetric."""
-    size = float(np.abs(nodes).max())
-    key = np.rint(nodes / size * 1e7).astype(np.int64)
-    mirrored = key * np.array([1, -1, 1])
-    index = {tuple(k): i for i, k in enumerate(key.tolist())}
-    partner = [index.get(tuple(k), -1) for k in mirrored.tolist()]
-    return None if -1 in partner else np.array(partner, np.int64)
+    distance, partner = cKDTree(nodes).query(nodes * np.array([1.0, -1.0, 1.0]))
+    if distance.max() > 1e-7 * np.abs(nodes).max() or (partner[partner] != np.arange(len(nodes))).any():
+        return None
+    return np.asarray(partner, np.int64)
 
 
 def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh") -> list[Path]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,12 +16,15 @@ from wroll_fem.fem.shell import Section, ShellModel, drop_small, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.meshing import CylinderMesh, build_mesh, canonical_vertices, ring_edges, shell_layout
 
+if TYPE_CHECKING:
+    from wroll_fem.case import Case
+
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 
 def assemble_bodies(
-    case: Any, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
+    case: Case, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
 ) -> list[Body]:
     """Assemble the shells of a case, inner first: mandrel, layer_01, ...
 
@@ -64,7 +67,7 @@ def assemble_bodies(
     ]
 
 
-def section_of(case: Any, index: int, thickness: float) -> Section:
+def section_of(case: Case, index: int, thickness: float) -> Section:
     """Shell section of the mandrel (index 0) or of a layer."""
     if index > 0:
         m = case.coil.material
@@ -78,14 +81,14 @@ def section_of(case: Any, index: int, thickness: float) -> Section:
     return Section(m.E, m.nu, m.rho, thickness, extra_mass=extra)
 
 
-def _base_is_clamped(case: Any, index: int) -> bool:
+def _base_is_clamped(case: Case, index: int) -> bool:
     if index == 0:
         return bool(case.mandrel.base == "clamped")
     return bool(case.coil.base == "clamped" or (case.coil.base == "inner_edge" and index == 1))
 
 
 def _assemble_shell(
-    case: Any, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
+    case: Case, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
 ) -> Body:
     section = section_of(case, index, thickness)
     model = ShellModel(part.nodes, part.cells, radial_director)

@@ -8,10 +8,10 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Iterator
+from importlib.metadata import version
 from typing import Any
 
 import basix
-import dolfinx
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
@@ -22,7 +22,8 @@ from petsc4py import PETSc
 
 from wroll_fem.errors import WrollError
 
-VERSION: tuple[int, int] = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])  # type: ignore[assignment]
+_major, _minor = version("fenics-dolfinx").split(".")[:2]
+VERSION = (int(_major), int(_minor))
 """(major, minor) of the dolfinx in use."""
 
 _BASIX_UFL = VERSION >= (0, 7)  # elements come from basix.ufl instead of ufl
@@ -88,7 +89,7 @@ def piecewise_constant(cell: str) -> Any:
 
 
 def function_space(domain: mesh.Mesh, element: Any) -> fem.FunctionSpace:
-    """Function space of `element` on `domain`."""
+    """Make the function space of `element` on `domain`."""
     make = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
     with quiet_compiler():
         return make(domain, element)
@@ -127,6 +128,15 @@ def cell_dofs(space: fem.FunctionSpace) -> npt.NDArray[np.int64]:
     return np.asarray(table, np.int64)
 
 
+def hexahedron_points() -> npt.NDArray[np.float64]:
+    """(27, 3) reference coordinates of the nodes of a quadratic hexahedron in basix's local order."""
+    element: Any = basix
+    made = element.create_element(
+        element.ElementFamily.P, element.CellType.hexahedron, 2, element.LagrangeVariant.equispaced
+    )
+    return np.asarray(made.points, float)
+
+
 def assemble_csr(form: Any) -> sp.csr_matrix:
     """Assemble a compiled bilinear form (square or rectangular) without boundary conditions, as scipy CSR."""
     matrix = fem_petsc.assemble_matrix(form)
@@ -146,7 +156,7 @@ def assemble_array(form: Any) -> npt.NDArray[np.float64]:
 def versions() -> dict[str, str]:
     """Versions of the finite-element stack, for provenance."""
     return {
-        "dolfinx": dolfinx.__version__,
-        "basix": basix.__version__,
+        "dolfinx": version("fenics-dolfinx"),
+        "basix": version("fenics-basix"),
         "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
     }

@@ -175,7 +175,7 @@ def _has_mumps() -> bool:
 
 
 def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: float) -> int:
-    """Number of eigenvalues missing among the lowest found (Sylvester's law of inertia), from mode 1 to `count`.
+    """Count the eigenvalues missing among the lowest found, by Sylvester's law of inertia.
 
     Counts the negative pivots of K - s M with s in the widest relative gap behind mode `count`. Only for shifts
     below the spectrum, and where MUMPS tells the inertia.

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import basix
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
@@ -55,10 +54,7 @@ def thicken(
         raise ValueError(f"{len(heights)} offsets; k quadratic cells through the thickness need 2 k + 1")
     d, n = director(nodes), len(nodes)
     stacked = np.concatenate([nodes + h * d for h in heights])
-    element = basix.create_element(
-        basix.ElementFamily.P, basix.CellType.hexahedron, 2, basix.LagrangeVariant.equispaced
-    )
-    grid = np.rint(2 * element.points).astype(int)
+    grid = np.rint(2 * compat.hexahedron_points()).astype(int)
     blocks = [
         np.column_stack([cells[:, _GRID[a, b]] + (2 * layer + c) * n for a, b, c in grid])
         for layer in range(len(heights) // 2)

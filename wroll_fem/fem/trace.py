@@ -28,7 +28,7 @@ _DEGREE = 4
 
 
 def cylinder_frame(x: Any) -> list[Any]:
-    """Unit vectors (normal, hoop, axial) of the roll at a UFL position, from the roll's axis z.
+    """Build the roll's unit vectors (normal, hoop, axial) at a UFL position, from the axis z.
 
     The frame follows from the axis alone: one chosen from the normal's components changes sign around the roll.
     """
