@@ -198,7 +198,7 @@ def test_a_mesh_of_another_geometry_is_refused(mesh):
     layout = [("mandrel", 0.03925, 1.5e-3), ("layer_01", 0.040625, 1.25e-3), ("layer_02", 0.041875, 1.25e-3)]
     check_geometry(mesh, layout, LENGTH, "own.msh")
     millimetres = changed(mesh, nodes=mesh.nodes * 1e3)
-    with pytest.raises(InputError, match="mandrel are up to .* off its mid-surface radius 0.03925 m"):
+    with pytest.raises(InputError, match=r"mandrel are up to .* off its mid-surface radius 0\.03925 m"):
         check_geometry(millimetres, layout, LENGTH, "own.msh")
     with pytest.raises(InputError, match=r"mandrel_tip is up to 0.02 m off z = 0.32 m"):
         check_geometry(mesh, layout, 0.32, "own.msh")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import scipy.linalg as la
-import scipy.optimize
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
+from beam_theory import beam_frequency, beam_tip_deflection
 from shell_patches import mask, patch, solve_static
 
 from wroll_fem.errors import WrollError
@@ -167,35 +167,6 @@ def test_a_layer_without_bending_has_no_zero_modes_but_the_six():
 # ---- a cantilever tube: beam theory and solids -----------------------------------------------------------------------
 
 
-def timoshenko(section, radius, length):
-    """EI, kappa G A, rho A, rho I of a thin ring (Cowper 1966, doi:10.1115/1.3625046: shear factor)."""
-    area = 2 * np.pi * radius * section.thickness
-    inertia = np.pi * radius * section.thickness * (radius**2 + section.thickness**2 / 4)
-    kappa = 2 * (1 + section.nu) / (4 + 3 * section.nu)
-    G = section.E / (2 * (1 + section.nu))
-    return section.E * inertia, kappa * G * area, section.rho * area, section.rho * inertia
-
-
-def beam_tip_deflection(section, radius, length):
-    EI, GA, _, _ = timoshenko(section, radius, length)
-    return length**3 / (3 * EI) + length / GA
-
-
-def beam_frequency(section, radius, length, tip_mass):
-    """First frequency, Hz, of a clamped Timoshenko beam with a tip mass, by its transfer matrix."""
-    EI, GA, rho_A, rho_I = timoshenko(section, radius, length)
-
-    def determinant(frequency):
-        w2 = (2 * np.pi * frequency) ** 2  # state [w, psi, M, Q]: w' = psi + Q/GA, psi' = M/EI, M' = -Q - w2 rho_I psi
-        A = np.array([[0, 1, 0, 1 / GA], [0, 0, 1 / EI, 0], [0, -w2 * rho_I, 0, -1], [-w2 * rho_A, 0, 0, 0]])
-        T = la.expm(A * length)
-        end = np.array([[0, 0, 1, 0], [-w2 * tip_mass, 0, 0, 1]])  # M = 0, Q = w2 m w
-        return np.linalg.det((end @ T)[:, 2:])
-
-    bernoulli = np.sqrt(3 * EI / length**3 / (tip_mass + 0.2427 * rho_A * length)) / (2 * np.pi)
-    return scipy.optimize.brentq(determinant, 0.5 * bernoulli, 1.1 * bernoulli)
-
-
 def cantilever(section, radius, length, circumferential, axial, tip_mass=0.0):
     """Reduced K, M and the column of U_x of a clamped tube with a rigid tip."""
     part, model = tube(circumferential, axial, section, radius, length)
@@ -211,8 +182,9 @@ def cantilever(section, radius, length, circumferential, axial, tip_mass=0.0):
 
 def test_cantilever_tube_agrees_with_timoshenko_beam():
     # Poisson's ratio 0 keeps the clamped base and the rigid tip from squeezing the section, as beam theory assumes
+    # measured: deflection +0.018 % and +0.032 %, frequency -0.015 % both
     section = Section(2.7e9, 0.0, 1200.0, 1.5e-3)
-    for length, tolerance in ((0.3, 0.004), (0.8, 0.001)):
+    for length, tolerance in ((0.3, 5e-4), (0.8, 5e-4)):
         K, M, column = cantilever(section, RADIUS, length, 16, 8, tip_mass=0.05)
         force = np.zeros(K.shape[0])
         force[column] = 1.0
@@ -249,6 +221,7 @@ def test_cantilever_tube_agrees_with_27_node_solids():
     shell_deflection = spla.spsolve(K_shell.tocsc(), force_shell)[column_shell]
     assert shell_deflection == pytest.approx(deflection, rel=2e-3)
     solid_modes, shell_modes = solve_modes(K, M, 8)[0], solve_modes(K_shell, M_shell, 8)[0]
+    # measured: bending 150.50 and 150.60 Hz, ovalling-2 467.7 and 468.0 Hz
     # bending pair, ovalling-2 pair, ovalling-3 pair, torsion, ovalling-3
     np.testing.assert_allclose(shell_modes[:2], solid_modes[:2], rtol=1e-3)
     np.testing.assert_allclose(shell_modes, solid_modes, rtol=0.01)
