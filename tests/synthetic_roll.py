@@ -16,7 +16,7 @@ from wroll_fem.signals.transmissibility import transmissibility
 MOTION = Chirp(5.0, 125.0, 175.0, 6.0, ramp_cycles=10.0)
 
 
-def history(motion: Chirp = MOTION, f_n: float = 150.0, slip_limit: float = 0.25, per_cycle: int = 50) -> xr.Dataset:
+def history(motion: Chirp = MOTION, f_n: float = 150.0, slip_limit: float = 5.0, per_cycle: int = 50) -> xr.Dataset:
     """1 kg, stiffness of `f_n` when stuck, a fifth of it through a slider of `slip_limit` (N per kg)."""
     dt = 1.0 / (per_cycle * f_n)
     time, base = motion.samples(dt)
@@ -32,8 +32,7 @@ def history(motion: Chirp = MOTION, f_n: float = 150.0, slip_limit: float = 0.25
         slider += moved
         work += force[i] * moved
         friction[i] = work
-        drag = 2.0 * 0.004 * np.sqrt(k) * (u[i] - u[i - 1]) / dt if i else 0.0
-        u[i + 1] = 2.0 * u[i] - (u[i - 1] if i else 0.0) + dt**2 * (-base[i] - spring * u[i] - force[i] - drag)
+        u[i + 1] = 2.0 * u[i] - (u[i - 1] if i else 0.0) + dt**2 * (-base[i] - spring * u[i] - force[i])
     force[-1], friction[-1] = force[-2], work
     v, a = np.gradient(u, dt), np.gradient(np.gradient(u, dt), dt)
     given = np.concatenate([[0.0], np.cumsum(0.5 * (base[1:] + base[:-1]) * -np.diff(u))])

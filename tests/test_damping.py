@@ -9,7 +9,8 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.damping import half_power
+from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.damping import half_power, sweep_warning
 
 
 def curve(r, zeta):
@@ -129,3 +130,14 @@ def test_independent_peak_formula_is_itself_right():
             lambda r, z=zeta: -curve(r, z), bounds=(0.5, 1.2), method="bounded", options={"xatol": 1e-10}
         )
         assert exact_half_power(zeta)[0] == pytest.approx(found.x, abs=1e-6)
+
+
+def test_too_fast_sweep_is_named_with_the_rate_that_would_do():
+    frequency = np.linspace(130.0, 170.0, 4001)
+    read = half_power(frequency, curve(frequency / 150.0, 0.01))
+    limit = sweep_rate_limit(150.0, 0.01)
+    assert limit == pytest.approx(312.0 * 0.01**2 * 150.0)
+    assert sweep_warning(Chirp(5.0, 130.0, 170.0, 0.24 * limit), read) is None
+    assert "to 1.2 or less" in (sweep_warning(Chirp(5.0, 130.0, 170.0, 0.5 * limit), read) or "")
+    unreadable = half_power(frequency[:1990], curve(frequency[:1990] / 150.0, 0.01))
+    assert sweep_warning(Chirp(5.0, 130.0, 170.0, 10 * limit), unreadable) is None

@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
-from wroll_fem.plotting.slip import interface_name
+from wroll_fem.plotting import style
+from wroll_fem.plotting.slip import in_small_unit, interface_name
 from wroll_fem.results import label
-from wroll_fem.slip import cylinder_cells, interface_radius, slipping_area_fraction, surface
+from wroll_fem.slip import cylinder_cells, interface_radius, raster, slipping_area_fraction, surface
 
 FloatArray = npt.NDArray[np.float64]
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")
@@ -96,21 +100,67 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
+def _render(
+    meshes: Sequence[tuple[Any, dict[str, Any]]], centre: FloatArray, direction: Sequence[float], extent: float
+) -> npt.NDArray[np.uint8]:
+    """Picture (rows, columns, 3) of meshes with their `add_mesh` options on white."""
+    plotter = _pyvista().Plotter(off_screen=True, window_size=(1000, 1000))
+    try:
+        plotter.set_background("white")
+        for mesh, options in meshes:
+            plotter.add_mesh(mesh, show_scalar_bar=False, **options)
+        plotter.camera.focal_point = centre
+        plotter.camera.position = centre + 8.0 * extent * np.asarray(direction) / np.linalg.norm(direction)
+        plotter.camera.up = (0.0, 0.0, 1.0)
+        plotter.camera.parallel_projection = True
+        plotter.camera.parallel_scale = 0.75 * extent
+        plotter.enable_anti_aliasing("ssaa")
+        picture = np.asarray(plotter.screenshot(return_img=True))
+    finally:
+        plotter.close()
+    return picture
+
+
+def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8]]:
+    """Crop all pictures to the one box that holds whatever is not white in any: same scale in each."""
+    seen = np.argwhere(np.any([(picture < 250).any(axis=2) for picture in pictures], axis=0))
+    if seen.size == 0:
+        return pictures
+    (top, left), (bottom, right) = seen.min(axis=0), seen.max(axis=0)
+    return [picture[top : bottom + 1, left : right + 1] for picture in pictures]
+
+
+def _cylinder_mesh(dataset: xr.Dataset, interface: int, quantity: str) -> tuple[Any, float, str]:
+    """Fine mesh of the interface coloured by `quantity` (nan where it stuck), its largest value and the unit."""
+    pv = _pyvista()
+    points = surface(dataset, interface, quantity, "slipped")
+    radius = interface_radius(dataset, interface)
+    theta, z, values = raster(points, quantity, radius=radius)
+    slipped = raster(points, "slipped", radius=radius)[2]
+    shown, unit = in_small_unit(values)
+    if quantity == "cumulative_slip":
+        shown = np.where(slipped >= 0.5, shown, np.nan)
+    angle, height = np.meshgrid(theta, z)
+    grid = pv.StructuredGrid(radius * np.cos(angle), radius * np.sin(angle), height)
+    grid["value"] = shown.ravel(order="F")
+    return grid, float(np.nanmax(shown, initial=0.0)) or 1.0, unit
+
+
 def plot_slip_on_cylinder(
     dataset: xr.Dataset, path: str | os.PathLike[str], interface: int = 0, quantity: str = "cumulative_slip"
 ) -> Path:
-    """Render an interface with its slip in space, seen from the excitation direction, slightly above.
+    """Render an interface with its slip in space, from the excitation direction and from across.
 
     Parameters
     ----------
     dataset
-        Per-point data over (`interface`, `point`).
+        Per-point data over (`interface`, `point`): `quantity`, `slipped`, `theta_rad`, `z_m`, `area`.
     path
         PNG to write; parents are made.
     interface
         0 is the innermost.
     quantity
-        Length to colour by, shown in micrometres.
+        "cumulative_slip" (grey where the interface stuck) or another length of the field table.
 
     Returns
     -------
@@ -120,55 +170,36 @@ def plot_slip_on_cylinder(
     Raises
     ------
     InputError
-        When pyvista is missing, or the Dataset lacks the field or the interface.
-
-    Notes
-    -----
-    Two views: the face at theta = 0 (excitation direction) and the side at theta = 90 degrees.
+        When pyvista is missing, or the Dataset lacks a field or the interface.
     """
-    pv = _pyvista()
-    xyz, cells, fields = slip_surface(dataset, interface)
-    if quantity not in fields:
-        raise InputError(f"the results hold no {quantity}", remedy=f"choose one of {', '.join(fields)}")
-    mesh = pv.PolyData(xyz, faces=np.insert(cells, 0, cells.shape[1], axis=1).ravel())
-    name = label(quantity, "µm")
-    mesh[name] = 1e6 * fields[quantity]
-    largest = float(np.max(mesh[name])) or 1.0
-    height, radius = float(np.ptp(xyz[:, 2])), interface_radius(dataset, interface)
-    middle = np.array([0.0, 0.0, float(xyz[:, 2].mean())])
-    plotter = pv.Plotter(off_screen=True, shape=(1, 2), window_size=(1100, 820), border=False)
-    for column, (heading, direction) in enumerate(
-        (("Excitation side, 0°", (1.0, 0.0, 0.22)), ("Across, 90°", (0.0, 1.0, 0.22)))
-    ):
-        plotter.subplot(0, column)
-        plotter.set_background("white")
-        bar = {"title": name, "color": "black", "fmt": "%.3g", "n_labels": 5, "width": 0.76, "height": 0.07,
-               "position_x": 0.12, "position_y": 0.03, "title_font_size": 20, "label_font_size": 17}  # fmt: skip
-        plotter.add_mesh(
-            mesh.copy(), scalars=name, cmap="viridis", clim=(0.0, largest), smooth_shading=True, specular=0.1,
-            ambient=0.35, show_scalar_bar=column == 0, scalar_bar_args=bar,
-        )  # fmt: skip
-        edge = pv.Disc(center=(0.0, 0.0, float(xyz[:, 2].min())), inner=1.0 * radius, outer=1.35 * radius, c_res=96)
-        plotter.add_mesh(edge, color="#BBBBBB")
-        plotter.add_text(heading, position=(0.3, 0.9), viewport=True, color="black", font_size=13)
-        plotter.camera.focal_point = middle - [0.0, 0.0, 0.09 * height]
-        plotter.camera.position = middle + 6.0 * height * np.asarray(direction)
-        plotter.camera.up = (0.0, 0.0, 1.0)
-        plotter.camera.parallel_projection = True
-        plotter.camera.parallel_scale = 0.68 * max(height, 2.0 * radius)
+    mesh, largest, unit = _cylinder_mesh(dataset, interface, quantity)
+    extent = float(np.ptp(mesh.points, axis=0).max())
+    centre = np.asarray(mesh.center)
+    options = {
+        "scalars": "value", "cmap": "viridis", "clim": (0.0, largest), "nan_color": "#D2D2D2",
+        "smooth_shading": True, "ambient": 0.6, "diffuse": 0.42, "specular": 0.0,
+    }  # fmt: skip
+    views = {"seen from 0° (excitation direction)": (1.0, 0.0, 0.25), "seen from 45°": (1.0, 1.0, 0.35),
+             "seen from 90° (across)": (0.0, 1.0, 0.25)}  # fmt: skip
+    figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
+    panels = figure.subplots(1, len(views))
+    pictures = [_render([(mesh.copy(), options)], centre, direction, extent) for direction in views.values()]
+    for ax, heading, picture in zip(panels, views, _cropped(pictures), strict=True):
+        ax.imshow(picture)
+        ax.set_title(heading, fontsize=9)
+        ax.axis("off")
+    scale = ScalarMappable(Normalize(0.0, largest), "viridis")
+    bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.6, aspect=35, pad=0.02)
+    grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
+    bar.set_label(label(quantity, unit) + grey)
     fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
-    plotter.subplot(0, 0)
-    text = f"Between {interface_name(interface)}: {100 * fraction:.0f} % slipped, at most {largest:.3g} µm"
-    plotter.add_text(text, position=(0.03, 0.955), viewport=True, color="black", font_size=13)
-    return _screenshot(plotter, path)
-
-
-def _screenshot(plotter: Any, path: str | os.PathLike[str]) -> Path:
+    found = f"Nothing slipped between {interface_name(interface)}"
+    if fraction > 0.0:
+        most = f"{style.three_digits(largest)} {unit}"
+        found = f"Between {interface_name(interface)}, {100 * fraction:.0f} % of the area slipped, at most {most}"
+    figure.suptitle(found, fontsize=10)
     target = _target(path)
-    try:
-        plotter.screenshot(str(target))
-    finally:
-        plotter.close()
+    figure.savefig(target)
     return target
 
 
@@ -179,7 +210,7 @@ def plot_mode_shapes(
     titles: Sequence[str],
     path: str | os.PathLike[str],
     *,
-    columns: int = 4,
+    columns: int = 5,
 ) -> Path:
     r"""Render deformed mode shapes side by side, coloured by displacement over its largest value.
 
@@ -219,38 +250,35 @@ def plot_mode_shapes(
             f"{len(titles)} titles and shapes {shapes.shape} for points {points.shape}",
             remedy="pass (k, n, 3) shapes, (n, 3) points and k titles, k >= 1",
         )
-    size = float(np.ptp(points, axis=0).max())
-    grid = pv.UnstructuredGrid(
-        np.insert(cells, 0, cells.shape[1], axis=1).ravel(), np.full(len(cells), _VTK_QUAD9, dtype=np.uint8), points
-    )
     used = np.unique(cells)
+    extent = float(np.ptp(points[used], axis=0).max())
+    kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
+    grid = pv.UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
+    rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
+    options = {"scalars": "size", "cmap": "viridis", "clim": (0.0, 1.0), "smooth_shading": True, "ambient": 0.35}
     columns = min(columns, len(shapes))
     rows = -(-len(shapes) // columns)
-    plotter = pv.Plotter(off_screen=True, shape=(rows, columns), window_size=(290 * columns, 400 * rows), border=False)
-    name = "displacement over its largest (-)"
-    for k in range(rows * columns):
-        plotter.subplot(*divmod(k, columns))
-        plotter.set_background("white")
-        if k >= len(shapes):
-            continue
-        length = np.linalg.norm(shapes[k], axis=1)
+    figure = Figure(figsize=(style.WIDTH, 0.7 + 2.5 * rows), dpi=style.DPI, layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for ax in panels:
+        ax.axis("off")
+    pictures = []
+    for shape in shapes:
+        length = np.linalg.norm(shape, axis=1)
         largest = float(length[used].max()) or 1.0
         deformed = grid.copy()
-        deformed.points = points + 0.12 * size / largest * shapes[k]
-        deformed[name] = length / largest
+        deformed.points = points + 0.12 * extent / largest * shape
+        deformed["size"] = length / largest
         skin = deformed.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
-        plotter.add_mesh(
-            skin, scalars=name, cmap="viridis", clim=(0.0, 1.0), smooth_shading=True, split_sharp_edges=True,
-            ambient=0.3, show_scalar_bar=False,
-        )  # fmt: skip
-        rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
-        plotter.add_mesh(rest, color="#888888", line_width=1.5)
-        plotter.add_text(titles[k], position="upper_edge", color="black", font_size=9)
-        plotter.camera_position = "xz"
-        centre = np.asarray(grid.center)
-        plotter.camera.focal_point = centre
-        plotter.camera.position = centre + size * np.array([2.6, -4.6, 2.0])
-        plotter.camera.up = (0.0, 0.0, 1.0)
-        plotter.camera.parallel_projection = True
-        plotter.camera.parallel_scale = 0.72 * size
-    return _screenshot(plotter, path)
+        edges = {"color": "#777777", "line_width": 2.0}
+        parts = [(skin, options), (rest.copy(), edges)]
+        pictures.append(_render(parts, np.asarray(grid.center), (0.5, -1.0, 0.45), extent))
+    for ax, picture, text in zip(panels, _cropped(pictures), titles, strict=False):
+        ax.imshow(picture)
+        ax.set_title(text, fontsize=9)
+    scale = ScalarMappable(Normalize(0.0, 1.0), "viridis")
+    bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.5, aspect=35, pad=0.02)
+    bar.set_label("Displacement over its largest (–); grey rings: at rest")
+    target = _target(path)
+    figure.savefig(target)
+    return target

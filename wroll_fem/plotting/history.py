@@ -102,7 +102,8 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     peak = int(np.abs(tip).argmax())
     law = chirp_law(dataset)
     where = f"t = {time[peak]:.3g} s" if law is None else f"{law[0] * exp(law[1] * time[peak]):.1f} Hz"
-    text = f"Tip reaches {abs(tip[peak]):.3g} m/s² at {where}; friction takes {style.engineering(work[-1], 'J')}"
+    most, taken = f"{style.three_digits(abs(tip[peak]))} m/s²", style.engineering(work[-1], "J")
+    text = f"Tip reaches {most} at {where}; friction takes {taken}"
     if law is not None and work[-1] > 0.0:
         quarter, three = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
         text += (
@@ -135,7 +136,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         When the Dataset lacks a term of the ledger.
     """
     style.require(dataset, _LEDGER, "energy ledger")
-    ax = style.axes(ax)
+    ax = style.axes(ax, 4.6)
     time = dataset["time"].values
     given, friction = dataset["input_work"].values, dataset["friction_energy"].values
     numerical = dataset["numerical_dissipation"].values
@@ -157,13 +158,15 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlim(time[0], time[-1])
     ax.set_xlabel(label("time"))
     ax.set_ylabel(f"Energy since the start ({unit})")
-    ax.legend(loc="upper left", fontsize=8, framealpha=0.9)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8, frameon=False)
     total = given[-1] if given[-1] != 0.0 else np.inf
     error = (given - stored - friction - numerical)[-1] / total
+    closes = (
+        "the balance closes to rounding" if abs(error) < 1e-9 else f"the balance is off by {100 * abs(error):.1g} %"
+    )
     style.title(
         ax,
         f"Of {style.engineering(given[-1], 'J')} put in, friction takes {100 * friction[-1] / total:.1f} %, "
-        f"{100 * stored[-1] / total:.1f} % is still stored, {100 * numerical[-1] / total:.1f} % is numerical; "
-        f"the balance closes to {100 * abs(error):.2g} %",
+        f"{100 * stored[-1] / total:.1f} % is still stored, {100 * numerical[-1] / total:.1f} % is numerical; {closes}",
     )
     return ax

@@ -21,7 +21,7 @@ def _mass_fraction(dataset: xr.Dataset) -> tuple[style.FloatArray, list[str]] | 
     table = fraction.transpose("mode", others[0]).values
     names = [str(n) for n in dataset[others[0]].values] if others[0] in dataset.coords else list("xyz")
     best = table.argmax(axis=1)
-    return table[np.arange(len(best)), best], [f" {names[k]}" for k in best]
+    return table[np.arange(len(best)), best], [f" along {names[k]}" for k in best]
 
 
 def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -63,7 +63,7 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.annotate(text, (f, row), xytext=(7, 0), textcoords="offset points", va="center", fontsize=8)
     ax.set_yticks(rows, [f"{row}  {kind}" for row, kind in zip(rows, kinds, strict=True)])
     ax.set_ylim(len(kinds) + 0.6, 0.4)
-    ax.set_xlim(0.0, 1.32 * float(frequency.max()))
+    ax.set_xlim(0.0, 1.62 * float(frequency.max()))
     ax.grid(False, axis="y")
     ax.set_xlabel(label("mode_frequency", "Hz"))
     bending = [f for f, kind in zip(frequency, kinds, strict=True) if kind.startswith("bending")]

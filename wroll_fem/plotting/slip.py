@@ -31,8 +31,8 @@ def _unrolled(ax: Axes, z_mm: style.FloatArray) -> None:
         ax.spines[side].set_visible(True)
 
 
-def _scaled(values_m: style.FloatArray) -> tuple[style.FloatArray, str]:
-    """Lengths in the unit that suits the largest: micrometres or nanometres."""
+def in_small_unit(values_m: style.FloatArray) -> tuple[style.FloatArray, str]:
+    """Return lengths in the unit that suits the largest, micrometres or nanometres, and the unit."""
     largest = float(np.nanmax(np.abs(values_m), initial=0.0))
     return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")
 
@@ -79,7 +79,7 @@ def plot_slip_map(
     _unrolled(ax, z_mm)
     ax.set_facecolor(_STUCK)
     stuck = Patch(facecolor=_STUCK, edgecolor="#B5B5B5", hatch="////", label="never slipped")
-    shown, unit = _scaled(values)
+    shown, unit = in_small_unit(values)
     if fraction > 0.0 or quantity != "cumulative_slip":
         if quantity == "cumulative_slip":
             shown = np.where(slipped >= 0.5, shown, np.nan)
@@ -108,11 +108,12 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
     k = int(np.argmax(values))
     angle, height = abs(np.degrees(points.theta[k])), 1e3 * points.z[k]
     side = f"±{angle:.0f}°" if 0.5 < angle < 179.5 else f"{angle:.0f}°"
-    most = f"{style.engineering(values[k], 'm')} at {side}, {height:.0f} mm above the base"
+    shown, unit = in_small_unit(values)
+    most = f"{style.three_digits(shown[k])} {unit} at {side}, {height:.0f} mm above the base"
     if quantity == "cumulative_slip":
         if fraction == 0.0:
             return f"Nothing slipped between {name}"
-        return f"{100 * fraction:.0f} % of the interface between {name} slipped; most, {most}"
+        return f"{100 * fraction:.0f} % of the interface between {name} slipped, at most {most}"
     what = field(quantity).long_name
     return f"{what[0].upper()}{what[1:]} between {name}: {most}; {100 * fraction:.0f} % of the area slipped"
 
@@ -144,8 +145,8 @@ def plot_peak_slip_vectors(
         When the Dataset lacks a field or the interface.
     """
     points = surface(dataset, interface, "peak_slip_hoop", "peak_slip_axial")
-    hoop, unit = _scaled(points.values["peak_slip_hoop"])
-    axial, unit_axial = _scaled(points.values["peak_slip_axial"])
+    hoop, unit = in_small_unit(points.values["peak_slip_hoop"])
+    axial, unit_axial = in_small_unit(points.values["peak_slip_axial"])
     if unit != unit_axial:  # one of the two is tiny: same unit for both
         hoop, axial, unit = 1e6 * points.values["peak_slip_hoop"], 1e6 * points.values["peak_slip_axial"], "µm"
     size = np.hypot(hoop, axial)
@@ -155,25 +156,29 @@ def plot_peak_slip_vectors(
     if longest not in keep:
         keep = np.append(keep, longest)
     degrees, z_mm = np.degrees(points.theta), 1e3 * points.z
+    seam = keep[degrees[keep] > 180.0 - 1e-3]  # drawn at -180 too
+    x = np.concatenate([degrees[keep], degrees[seam] - 360.0])
+    drawn = np.concatenate([keep, seam])
     ax = style.axes(ax, 4.4)
     _unrolled(ax, z_mm)
-    ax.set_xlim(-187.0, 187.0)
+    ax.set_xlim(-192.0, 192.0)
     top = float(size[longest]) or 1.0
-    pad = 0.06 * float(np.ptp(z_mm))
+    pad = 0.15 * float(np.ptp(z_mm))
     ax.set_ylim(z_mm.min() - pad, z_mm.max() + pad)
-    arrows = ax.quiver(degrees[keep], z_mm[keep], hoop[keep], axial[keep], size[keep], cmap=colormaps["viridis_r"],
-                       clim=(0.0, top), angles="uv", scale_units="inches", scale=top / 0.42, width=0.0026,
-                       headwidth=3.5, minlength=0.4)  # fmt: skip
+    arrows = ax.quiver(
+        x, z_mm[drawn], hoop[drawn], axial[drawn], size[drawn], cmap=colormaps["viridis_r"], clim=(0.0, top),
+        angles="uv", scale_units="inches", scale=top / 0.42, width=0.0026, headwidth=3.5, minlength=0.4,
+    )  # fmt: skip
     nice = float(f"{0.7 * top:.1g}")
-    ax.quiverkey(arrows, 0.9, -0.16, nice, f"{nice:g} {unit}", labelpos="E", coordinates="axes", color="black",
-                 fontproperties={"size": 9})  # fmt: skip
+    ax.quiverkey(arrows, 0.86, 0.94, nice, f"{nice:g} {unit}", labelpos="E", color="black", fontproperties={"size": 9})
     bar = style.figure_of(ax).colorbar(arrows, ax=ax, pad=0.02)
     bar.set_label(f"Largest relative displacement ({unit})")
     angle = abs(degrees[longest])
     share = "axial" if abs(axial[longest]) >= abs(hoop[longest]) else "hoop"
     style.title(
         ax,
-        f"Largest relative displacement between {interface_name(interface)}: {size[longest]:.3g} {unit}, mostly "
+        f"Largest relative displacement between {interface_name(interface)}: "
+        f"{style.three_digits(size[longest])} {unit}, mostly "
         f"{share}, at {'±' if 0.5 < angle < 179.5 else ''}{angle:.0f}°, {z_mm[longest]:.0f} mm above the base",
     )
     return ax

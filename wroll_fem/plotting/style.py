@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,9 +44,13 @@ def axes(ax: Axes | None, height: float = 4.2) -> Axes:
     return ax
 
 
-def title(ax: Axes, sentence: str, width: int = 84) -> None:
-    """Left-aligned title sentence, broken into lines that fit the figure."""
-    ax.set_title(textwrap.fill(sentence, width), loc="left", fontsize=10)
+def title(ax: Axes, sentence: str, width: int = 92) -> None:
+    """Left-aligned title sentence in lines of even length that fit the figure."""
+    sentence = re.sub(r"(?<=\d) (?=[nµmkM]?(?:%|Hz|m|J|s|m/s²)(?![\w/]))|(?<=layer) (?=\d)", "\u00a0", sentence)
+    sentence = sentence.replace(" -", " −")
+    lines = len(textwrap.wrap(sentence, width))
+    even = next(w for w in range(width // 2, width + 1) if len(textwrap.wrap(sentence, w)) <= lines)
+    ax.set_title(textwrap.fill(sentence, even), loc="left", fontsize=10)
 
 
 def figure_of(ax: Axes) -> Figure:
@@ -76,12 +81,22 @@ def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
         )
 
 
-def line_envelope(x: FloatArray, y: FloatArray, bins: int = 1500) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Lowest and highest value of a long oscillating series per bin: (x, low, high), at most `bins` each."""
-    if x.size <= 2 * bins:
+def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Lowest and highest value of a long oscillating series per bin of more than a cycle: (x, low, high).
+
+    A series of fewer than 400 oscillations, which a picture can show, comes back as it is (low is high).
+    """
+    oscillations = np.count_nonzero(np.diff(np.signbit(np.diff(y)))) // 2
+    if oscillations < 400:
         return x, y, y
+    bins = min(1500, int(oscillations / 1.3))
     edges = np.linspace(0, x.size, bins + 1).astype(int)[:-1]
     return x[edges], np.minimum.reduceat(y, edges), np.maximum.reduceat(y, edges)
+
+
+def three_digits(value: float) -> str:
+    """Three significant digits without an exponent: "1800", "12.3", "0.0123"."""
+    return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}"
 
 
 def engineering(value: float, unit: str) -> str:
@@ -92,4 +107,4 @@ def engineering(value: float, unit: str) -> str:
     if abs(value) / 10.0**exponent >= 999.5:
         exponent += 3
     prefix = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[exponent]
-    return f"{value / 10.0**exponent:.3g} {prefix}{unit}"
+    return f"{three_digits(value / 10.0**exponent)} {prefix}{unit}"

@@ -59,8 +59,10 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     read = reading(dataset)
     ax = style.axes(ax)
     frequency, size = dataset["frequency"].values, _magnitude(dataset)
+    top = float(size.max())
     if "transmissibility_spectrum_real" in dataset:
         spectrum = _magnitude(dataset, "transmissibility_spectrum")
+        top = max(top, min(float(np.nanmax(spectrum)), 1.6 * top))
         ax.plot(frequency, spectrum, color=style.GREY, lw=1.0, ls=":", label="spectrum ratio (FFT)")
     ax.plot(frequency, size, color=style.BLUE, lw=1.8, label="demodulated envelope")
     ax.plot(read.f_n, read.peak, "o", color=style.RED, ms=5, zorder=5)
@@ -85,7 +87,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         zorder=6,
     )
     ax.set_xlim(frequency[0], frequency[-1])
-    ax.set_ylim(0.0, 1.12 * float(size.max()))
+    ax.set_ylim(0.0, 1.12 * top)
     ax.set_xlabel(label("frequency"))
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(loc=f"center {side}", fontsize=8, framealpha=0.9)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
+from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -160,3 +161,37 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
     note = f"rises above half power again at {f[again][0]:.5g} Hz" if again.any() else ""
     zeta, skewness = (f_high - f_low) / (2.0 * f_n), (f_high - f_n) / (f_n - f_low) - 1.0
     return HalfPower(f_n, peak, f_low, f_high, zeta, skewness, True, note=note)
+
+
+def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
+    """Say when a sweep was too fast for the resonance it crossed.
+
+    Parameters
+    ----------
+    motion
+        The sweep.
+    read
+        Half-power reading of its demodulated envelope.
+
+    Returns
+    -------
+    str or None
+        A sentence with the rate that would do; None below a quarter of the ISO 7626-2 limit, where the lag makes
+        zeta at most 2 % too high (table in `wroll_fem.signals.transmissibility`), or without a zeta.
+
+    Notes
+    -----
+    A too fast sweep reads a zeta that is too high, so the limit computed from it is too generous: repeat the question
+    after slowing down.
+    """
+    if not read.complete:
+        return None
+    limit = sweep_rate_limit(read.f_n, read.zeta)
+    share = motion.rate_oct_per_min / limit
+    if share <= 0.25:
+        return None
+    return (
+        f"sweep of {motion.rate_oct_per_min:.3g} oct/min runs at {100 * share:.0f} % of the ISO 7626-2 limit for "
+        f"{read.f_n:.1f} Hz and zeta = {100 * read.zeta:.2f} %: the peak lags, and zeta and skewness are biased; "
+        f"set excitation.rate_oct_per_min to {0.25 * limit:.2g} or less"
+    )
