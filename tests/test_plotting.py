@@ -170,7 +170,7 @@ def test_response_reads_the_sweep_frequency_on_its_second_axis(sweep):
     (top,) = (child for child in ax.child_axes if child.get_xlabel() == "Frequency of the base (Hz)")
     np.testing.assert_allclose(top.get_xlim(), synthetic_roll.MOTION.frequency(np.array(ax.get_xlim())), rtol=1e-9)
     tip = np.abs(sweep["tip_acceleration"] + sweep["base_acceleration"])
-    assert f"{float(synthetic_roll.MOTION.frequency(sweep['time'][int(tip.argmax())])):.1f} Hz" in texts(ax)
+    assert f"{float(synthetic_roll.MOTION.frequency(sweep['time'][int(tip.values.argmax())])):.1f} Hz" in texts(ax)
     partial = plotting.plot_response(sweep.isel(time=slice(0, 9000)))  # a run that stopped keeps its frequencies
     partial.figure.canvas.draw()
     expected = synthetic_roll.MOTION.frequency(np.array(partial.get_xlim()))
@@ -209,6 +209,12 @@ def test_slip_map_shows_colour_only_where_it_slipped_near_the_root_along_x(sweep
     fraction = float(slipping_area_fraction(sweep)[0])
     assert f"{100 * fraction:.0f} % of the interface between mandrel and layer 1 slipped" in texts(ax)
     assert np.isfinite(shown).mean() == pytest.approx(fraction, abs=0.03)
+
+
+def test_axes_say_which_faces_the_excitation_hits(sweep):
+    assert "0° and ±180° face the excitation" in plotting.plot_slip_map(sweep).get_xlabel()
+    across = sweep.assign_attrs(excitation_direction="y")
+    assert "±90° face the excitation" in plotting.plot_peak_slip_vectors(across).get_xlabel()
 
 
 def test_slip_map_of_a_stuck_interface_says_so():

@@ -46,7 +46,7 @@ FIELDS: dict[str, Field] = {
     "node": Field("1", "node"),
     "step": Field("1", "step"),
     "load_factor": Field("1", "fraction of the preload applied"),
-    "theta_rad": Field("rad", "angle from the excitation direction x"),
+    "theta_rad": Field("rad", "angle from the x axis"),
     "z_m": Field("m", "height above the base"),
     "radius": Field("m", "radius of the interface"),
     "area": Field("m2", "area that a contact point stands for"),

@@ -20,11 +20,12 @@ def interface_name(interface: int) -> str:
     return "mandrel and layer 1" if interface == 0 else f"layer {interface} and layer {interface + 1}"
 
 
-def _unrolled(ax: Axes, z_mm: style.FloatArray) -> None:
+def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: style.FloatArray) -> None:
+    faces = "±90°" if dataset.attrs.get("excitation_direction") == "y" else "0° and ±180°"
     ax.set_xlim(-180.0, 180.0)
     ax.set_xticks(range(-180, 181, 45))
     ax.set_ylim(float(z_mm.min()), float(z_mm.max()))
-    ax.set_xlabel("Angle around the roll (°); 0° and ±180° face the excitation direction")
+    ax.set_xlabel(f"Angle around the roll from x (°); {faces} face the excitation")
     ax.set_ylabel(label("z_m", "mm"))
     ax.grid(False)
     for side in ("top", "right"):
@@ -76,7 +77,7 @@ def plot_slip_map(
     slipped = raster(points, "slipped", radius=radius)[2]
     degrees, z_mm = np.degrees(theta), 1e3 * z
     ax = style.axes(ax, 4.4)
-    _unrolled(ax, z_mm)
+    _unrolled(ax, dataset, z_mm)
     ax.set_facecolor(_STUCK)
     stuck = Patch(facecolor=_STUCK, edgecolor="#B5B5B5", hatch="////", label="never slipped")
     shown, unit = in_small_unit(values)
@@ -160,7 +161,7 @@ def plot_peak_slip_vectors(
     x = np.concatenate([degrees[keep], degrees[seam] - 360.0])
     drawn = np.concatenate([keep, seam])
     ax = style.axes(ax, 4.4)
-    _unrolled(ax, z_mm)
+    _unrolled(ax, dataset, z_mm)
     ax.set_xlim(-192.0, 192.0)
     top = float(size[longest]) or 1.0
     pad = 0.15 * float(np.ptp(z_mm))
