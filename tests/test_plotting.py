@@ -144,7 +144,8 @@ def test_transmissibility_figure_states_the_half_power_reading(sweep):
     size = np.hypot(sweep["transmissibility_real"], sweep["transmissibility_imag"])
     read = half_power(sweep["frequency"], size)
     for number in (f"{read.f_n:.2f} Hz", f"{100 * read.zeta:.2f} %", f"{read.peak:.2f}", f"{read.skewness:+.2f}"):
-        assert number in texts(ax)
+        assert number in ax.texts[0].get_text()
+    assert f"{100 * read.zeta:.2f} % damping" in texts(ax)
     marks = [line for line in ax.lines if line.get_label() == "half power"]
     np.testing.assert_allclose(marks[0].get_xdata(), [read.f_low, read.f_high])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 
 import numpy as np
@@ -121,8 +122,24 @@ def test_provenance_names_versions_machine_and_time_without_heavy_imports():
 
 
 def test_git_revision_is_that_of_the_checkout_that_tracks_the_package(tmp_path):
-    """A folder inside no repository, or untracked in one, has no revision."""
-    (tmp_path / "__init__.py").touch()
-    assert git_revision(tmp_path) == {"revision": None, "modified": None}
-    here = git_revision()
-    assert here["revision"] is None or len(str(here["revision"])) == 40
+    """Installed, untracked, into a folder inside some repository it has none; tracked, it has that repository's."""
+
+    def git(*arguments):
+        name = ("-c", "user.name=test", "-c", "user.email=test@example.org", "-c", "commit.gpgsign=false")
+        done = subprocess.run(["git", *name, *arguments], cwd=tmp_path, check=True, capture_output=True, text=True)
+        return done.stdout.strip()
+
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (tmp_path / "other").touch()
+    assert git_revision(package) == {"revision": None, "modified": None}
+    git("init")
+    git("add", "other")
+    git("commit", "-m", "other")
+    assert git_revision(package) == {"revision": None, "modified": None}
+    git("add", "package")
+    git("commit", "-m", "package")
+    assert git_revision(package) == {"revision": git("rev-parse", "HEAD"), "modified": False}
+    (package / "__init__.py").write_text("changed = True")
+    assert git_revision(package)["modified"] is True
