@@ -66,6 +66,8 @@ class Body:
         Mass of the body with its tip mass, whole circumference, kg.
     symmetric
         True when only motions symmetric about the x-z plane are left.
+    unknown_node, unknown_component
+        (n,) node of each DOF (-1: a rigid tip's) and which of [ux, uy, uz, rx, ry, rz] it is; None when unknown.
     """
 
     name: str
@@ -80,6 +82,8 @@ class Body:
     probes: dict[str, sp.csr_matrix] = field(default_factory=dict)
     mass_total: float = 0.0
     symmetric: bool = False
+    unknown_node: npt.NDArray[np.int64] | None = None
+    unknown_component: npt.NDArray[np.int64] | None = None
 
     @property
     def n_dofs(self) -> int:

@@ -125,6 +125,8 @@ def _assemble_shell(
         probes={"tip": tip},
         mass_total=section.mass_per_area * model.area + tip_mass,
         symmetric=symmetric,
+        unknown_node=constraints.node,
+        unknown_component=constraints.component,
     )
 
 

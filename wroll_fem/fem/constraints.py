@@ -39,11 +39,14 @@ class Constraints:
         or None without a rigid tip.
     component
         (n,) which of the six components each unknown is.
+    node
+        (n,) node that each unknown belongs to, -1 for those of the rigid tip.
     """
 
     expand: sp.csr_matrix
     master: IntArray | None
     component: IntArray
+    node: IntArray
 
 
 def build_constraints(
@@ -97,7 +100,7 @@ def build_constraints(
     own = free & ~tied[:, None] & (source == np.arange(n))[:, None]
     column = np.full((n, 6), -1, np.int64)
     column[own] = np.arange(own.sum())
-    component = np.nonzero(own)[1]
+    node, component = np.nonzero(own)
 
     follows = column[source]
     rows, comps = np.nonzero((follows >= 0) & free & ~tied[:, None])
@@ -107,11 +110,12 @@ def build_constraints(
         alive = _MIRROR_SIGN > 0 if symmetric else np.ones(6, bool)
         master = np.where(alive, count + np.cumsum(alive) - 1, -1)
         component = np.concatenate([component, np.flatnonzero(alive)])
+        node = np.concatenate([node, np.full(int(alive.sum()), -1)])
         count += int(alive.sum())
         entries.append(_rigid_entries(nodes, np.flatnonzero(tied), np.zeros(3) if centre is None else centre, master))
     row, col, value = (np.concatenate(part) for part in zip(*entries, strict=True))
     expand = sp.csr_matrix((value, (row, col)), shape=(6 * n, count))
-    return Constraints(expand, master, component)
+    return Constraints(expand, master, component, node)
 
 
 def rigid_motions(nodes: FloatArray, centre: FloatArray) -> FloatArray:

@@ -1,0 +1,136 @@
+"""Two facing surfaces with matching points: relative displacement, areas and laws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import FloatArray, Trace
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class PenaltyCoulomb:
+    """Coulomb friction with an elastic slip (penalty) branch.
+
+    The traction is ``tau = (mu p / elastic_slip) e`` with the elastic slip ``e`` clipped to the
+    disc ``|e| <= elastic_slip``; limit and stick stiffness follow the current pressure ``p``.
+
+    Attributes
+    ----------
+    mu
+        Coefficient of friction.
+    elastic_slip
+        Largest elastic relative displacement, gamma* in m.
+    """
+
+    mu: float
+    elastic_slip: float
+
+    def __post_init__(self) -> None:
+        if self.mu < 0:
+            raise InputError(f"coefficient of friction {self.mu} is negative", key="contact.friction.mu")
+        if self.elastic_slip <= 0:
+            raise InputError(f"elastic slip {self.elastic_slip} m is not positive", key="contact.friction.elastic_slip")
+
+
+@dataclass(frozen=True)
+class NormalPenalty:
+    """Penalty normal contact.
+
+    Attributes
+    ----------
+    stiffness
+        Pressure per penetration, Pa/m.
+    separation
+        True: no tension, surfaces open; False: bilateral.
+    """
+
+    stiffness: float
+    separation: bool = True
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Relative motion (outer minus inner body) at matching points.
+
+    Attributes
+    ----------
+    name
+        For messages and results, inner interface first.
+    operator
+        (3 * n_points, n_dofs of the system) sparse; row 3 k + c is component c of (normal, hoop, axial), m.
+    areas
+        (n_points,) area per point, m^2.
+    points
+        (n_points, 3) cylindrical coordinates (theta rad, z m, r m).
+    friction, normal
+        The laws.
+    """
+
+    name: str
+    operator: sp.csr_matrix
+    areas: FloatArray
+    points: FloatArray
+    friction: PenaltyCoulomb
+    normal: NormalPenalty
+
+    def __post_init__(self) -> None:
+        if self.operator.shape[0] != 3 * len(self.areas) or self.points.shape != (len(self.areas), 3):
+            raise InputError(
+                f"interface {self.name}: operator has {self.operator.shape[0]} rows, {len(self.areas)} areas, "
+                f"points {self.points.shape}; needs 3 rows and 3 coordinates per point"
+            )
+
+    @property
+    def n_points(self) -> int:
+        return len(self.areas)
+
+
+def facing(
+    name: str,
+    inner: Trace,
+    outer: Trace,
+    columns: tuple[slice, slice],
+    n_dofs: int,
+    friction: PenaltyCoulomb,
+    normal: NormalPenalty,
+) -> Interface:
+    """Interface between the outer surface of one body and the inner surface of the next.
+
+    Parameters
+    ----------
+    inner, outer
+        Trace of the inner body's outer surface and of the outer body's inner surface.
+    columns
+        Columns of the system that belong to the inner and to the outer body.
+    n_dofs
+        DOFs of the system.
+
+    Raises
+    ------
+    InputError
+        If the points of the two surfaces do not match (1e-6 of the radius; angle, height).
+    """
+    radius = float(np.mean(inner.points[:, 2]))
+    if inner.points.shape != outer.points.shape:
+        raise InputError(
+            f"interface {name}: surfaces have {len(inner.points)} and {len(outer.points)} points",
+            key="mesh",
+            remedy="mesh both with the same circumferential and axial divisions",
+        )
+    offset = np.abs(inner.points - outer.points) * np.array([radius, 1.0, 1.0])
+    if offset.max() > 1e-6 * radius:
+        raise InputError(
+            f"interface {name}: facing points are up to {offset.max():.3g} m apart",
+            key="mesh",
+            remedy="mesh both with the same circumferential and axial divisions",
+        )
+    rows = sp.coo_matrix(outer.operator), sp.coo_matrix(inner.operator)
+    row = np.concatenate([rows[0].row, rows[1].row])
+    col = np.concatenate([rows[0].col + columns[1].start, rows[1].col + columns[0].start])
+    data = np.concatenate([rows[0].data, -rows[1].data])
+    operator = sp.csr_matrix((data, (row, col)), shape=(inner.operator.shape[0], n_dofs))
+    return Interface(name, operator, inner.areas, inner.points, friction, normal)

@@ -1,0 +1,70 @@
+"""Sparse direct solves: SuperLU for small systems, MUMPS (through PETSc) for the rest."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from ..body import FloatArray
+
+SMALL = 1000
+"""Below this many DOFs SuperLU is as fast as MUMPS and needs no PETSc."""
+
+
+class Factorisation(Protocol):
+    """A factored matrix: `solve` takes (n,) or (n, k)."""
+
+    def solve(self, rhs: FloatArray) -> FloatArray: ...
+
+
+class _Mumps:
+    """LU by MUMPS; PETSc keeps the factors, the wrapper only moves arrays."""
+
+    def __init__(self, matrix: sp.csr_matrix):
+        from petsc4py import PETSc
+
+        self._petsc = PETSc
+        csr = sp.csr_matrix(matrix)
+        csr.sort_indices()
+        index = PETSc.IntType
+        self._matrix = PETSc.Mat().createAIJ(
+            csr.shape, csr=(csr.indptr.astype(index), csr.indices.astype(index), csr.data), comm=PETSc.COMM_SELF
+        )
+        ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+        ksp.setOperators(self._matrix)
+        ksp.setType("preonly")
+        ksp.getPC().setType("lu")
+        ksp.getPC().setFactorSolverType("mumps")
+        ksp.setUp()
+        self._ksp = ksp
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        n = rhs.shape[0]
+        if rhs.ndim == 1:
+            b = self._petsc.Vec().createWithArray(np.ascontiguousarray(rhs), comm=self._petsc.COMM_SELF)
+            x = b.duplicate()
+            self._ksp.solve(b, x)
+            return np.array(x.getArray())
+        dense = self._petsc.Mat().createDense((n, rhs.shape[1]), array=np.asfortranarray(rhs), comm=self._petsc.COMM_SELF)
+        result = self._petsc.Mat().createDense((n, rhs.shape[1]), comm=self._petsc.COMM_SELF)
+        result.setUp()
+        dense.assemble()
+        result.assemble()
+        self._ksp.getPC().getFactorMatrix().matSolve(dense, result)
+        return np.array(result.getDenseArray())
+
+
+def factorise(matrix: sp.spmatrix) -> Factorisation:
+    """Factor a square sparse matrix once for many solves.
+
+    Raises
+    ------
+    RuntimeError
+        If the matrix is exactly singular (SuperLU).
+    """
+    if matrix.shape[0] <= SMALL:
+        return spla.splu(sp.csc_matrix(matrix))  # type: ignore[no-any-return]
+    return _Mumps(matrix)

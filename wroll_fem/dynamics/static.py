@@ -1,0 +1,228 @@
+"""Nonlinear static equilibrium with friction: the preload step and load paths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import FloatArray
+from ..contact import kernels
+from ..errors import ConvergenceError
+from .linear import Factorisation, factorise
+from .system import System
+
+
+KEEP_RATE = 0.1
+"""A factorisation is kept while each iteration reduces the residual by this."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Committed state of a system at rest or between two steps.
+
+    Attributes
+    ----------
+    displacement
+        (n_dofs,) m.
+    jump
+        (3 n_points,) relative displacement in slot order, m.
+    elastic_slip
+        (2 n_points,) m.
+    traction
+        (3 n_points,) Pa; tangential slots first, the normal is negative in compression.
+    status
+        (n_points,) `contact.kernels.STICK`, ``SLIP`` or ``OPEN``.
+    """
+
+    displacement: FloatArray
+    jump: FloatArray
+    elastic_slip: FloatArray
+    traction: FloatArray
+    status: np.ndarray
+
+    @property
+    def pressure(self) -> FloatArray:
+        """(n_points,) contact pressure, Pa, positive in compression."""
+        n = len(self.status)
+        return np.maximum(0.0, -self.traction[2 * n :])
+
+    @classmethod
+    def unloaded(cls, system: System) -> ContactState:
+        """State of a system that nothing has touched yet: no gap, no pressure."""
+        n = system.n_points
+        return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
+
+
+def slot_blocks(d: FloatArray) -> sp.csr_matrix:
+    """(n, 3, 3) point tangents (hoop, axial, normal) as a (3 n, 3 n) sparse matrix in slot order."""
+    n = len(d)
+    k = np.arange(n)
+    slots = np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
+    rows = np.repeat(slots, 3, axis=1).ravel()
+    cols = np.tile(slots, (1, 3)).ravel()
+    return sp.csr_matrix((d.ravel(), (rows, cols)), shape=(3 * n, 3 * n))
+
+
+class TrialContact:
+    """Trial evaluation of all interfaces from a committed state (which it never changes)."""
+
+    def __init__(self, system: System):
+        self.laws = system.laws
+        n = self.laws.n
+        self.traction, self.elastic_slip = np.zeros(3 * n), np.zeros(2 * n)
+        self.status, self.tangent = np.zeros(n, np.int64), np.zeros((n, 3, 3))
+
+    def __call__(self, jump: FloatArray, state: ContactState) -> FloatArray:
+        """Trial traction (3 n_points,), Pa; also fills ``elastic_slip`` and ``status``."""
+        law = self.laws
+        kernels.trial_traction(
+            jump, state.jump, state.elastic_slip, law.kn, law.separation, law.mu, law.gamma,
+            self.traction, self.elastic_slip, self.status,
+        )  # fmt: skip
+        return self.traction
+
+    def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0) -> sp.csr_matrix:
+        """Consistent tangent (3 n, 3 n) in slot order; ``floor`` is the least stiffness per slot, Pa/m."""
+        law = self.laws
+        kernels.consistent_tangent(
+            jump, state.jump, state.elastic_slip, law.kn, law.separation, law.mu, law.gamma, self.tangent
+        )
+        if floor > 0.0:
+            for c in range(3):
+                self.tangent[:, c, c] = np.maximum(self.tangent[:, c, c], floor)
+        return slot_blocks(self.tangent)
+
+    def committed(self, displacement: FloatArray, jump: FloatArray) -> ContactState:
+        """The state that results when the last trial is accepted."""
+        return ContactState(
+            displacement, jump.copy(), self.elastic_slip.copy(), self.traction.copy(), self.status.copy()
+        )
+
+
+def solve_static(
+    system: System,
+    force: FloatArray,
+    state: ContactState,
+    *,
+    tolerance: float = 1e-9,
+    max_iterations: int = 40,
+    load_factor: float = 1.0,
+) -> ContactState:
+    """Equilibrium K u + G^T W t(u) = force, friction starting from ``state``.
+
+    Newton's method with the consistent tangent and a backtracking line search. Where nothing yet
+    holds a body (no pressure, hence no stick stiffness) the tangent alone, never the residual,
+    gets a small stiffness.
+
+    Raises
+    ------
+    ConvergenceError
+        With ``load_factor`` in place of the time.
+    """
+    trial, jump_operator, weights = TrialContact(system), system.jump, system.weights
+    u = state.displacement.copy()
+    history: list[float] = []
+    floor = 1e-6 * float(system.laws.kn.max(initial=0.0))
+
+    def residual(u: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        jump = jump_operator @ u
+        internal = system.stiffness @ u
+        contact = jump_operator.T @ (weights * trial(jump, state))
+        scale = np.linalg.norm(force) + np.linalg.norm(contact) + np.linalg.norm(internal)
+        r = internal + contact - force
+        return r, jump, float(np.linalg.norm(r) / scale) if scale > 0 else 0.0
+
+    r, jump, size = residual(u)
+    factor: Factorisation | None = None
+    for _ in range(max_iterations):
+        history.append(size)
+        if size <= tolerance:
+            return trial.committed(u, jump)
+        fresh = factor is None
+        if factor is None:
+            tangent = trial.stiffness(jump, state, floor)
+            factor = factorise(
+                system.stiffness + jump_operator.T @ sp.diags(weights) @ tangent @ jump_operator
+            )
+        step = factor.solve(r)
+        damping, best = 1.0, (np.inf, 0.0)
+        for _ in range(8):
+            size_new = residual(u - damping * step)[2]
+            if size_new < best[0]:
+                best = (size_new, damping)
+            if size_new < (1.0 - 0.1 * damping) * size or not fresh:
+                break
+            damping *= 0.5
+        if best[0] > KEEP_RATE * size:
+            factor = None
+            if not fresh and best[0] >= size:
+                r, jump, size = residual(u)
+                continue
+        u = u - best[1] * step
+        r, jump, size = residual(u)
+    raise ConvergenceError(
+        f"static step did not converge (load factor {load_factor:.4g})",
+        time_s=load_factor,
+        iterations=max_iterations,
+        residual_history=history,
+        advice="raise preload.steps, or check that friction or a support holds every body",
+    )
+
+
+def solve_load_path(
+    system: System,
+    forces: Sequence[FloatArray],
+    state: ContactState | None = None,
+    *,
+    max_cuts: int = 6,
+    progress: Callable[[int], None] | None = None,
+) -> list[ContactState]:
+    """Quasi-static path through a sequence of force vectors, committing friction at each.
+
+    A step that does not converge is cut in halves up to ``max_cuts`` times.
+
+    Returns
+    -------
+    list of ContactState
+        One per force vector.
+    """
+    current = ContactState.unloaded(system) if state is None else state
+    previous = np.zeros(system.n_dofs) if state is None else equilibrium_force(system, current)
+    path = []
+    for i, target in enumerate(forces):
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            step = min(step, 1.0 - done)
+            try:
+                current = solve_static(
+                    system, previous + (done + step) * (target - previous), current, load_factor=i + done + step
+                )
+            except ConvergenceError:
+                step *= 0.5
+                if step < 0.5**max_cuts:
+                    raise
+                continue
+            done += step
+        previous = target
+        path.append(current)
+        if progress is not None:
+            progress(i + 1)
+    return path
+
+
+def equilibrium_force(system: System, state: ContactState) -> FloatArray:
+    """External force (n_dofs,) in N that holds ``state`` in equilibrium."""
+    return system.stiffness @ state.displacement + system.jump.T @ (system.weights * state.traction)
+
+
+def solve_preload(
+    system: System, *, steps: int = 10, progress: Callable[[int], None] | None = None
+) -> ContactState:
+    """Ramp the load "preload" in equal steps with friction; the state it leaves starts the dynamics."""
+    force = system.loads.get("preload", np.zeros(system.n_dofs))
+    if not np.any(force):
+        return ContactState.unloaded(system)
+    return solve_load_path(system, [force * (i + 1) / steps for i in range(steps)], progress=progress)[-1]

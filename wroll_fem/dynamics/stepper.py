@@ -1,0 +1,173 @@
+"""What every time stepper shares: record columns, slip accumulators, step cutting."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..body import FloatArray
+from ..errors import ConvergenceError
+from .hht import Scheme
+from .static import ContactState
+from .system import System
+
+RECORDS = (
+    "tip_displacement",
+    "tip_velocity",
+    "tip_acceleration",
+    "input_work",
+    "kinetic_energy",
+    "strain_energy",
+    "contact_energy",
+    "friction_energy",
+    "pressure_modulation_work",
+    "numerical_dissipation",
+    "interface_work",
+    "newton_iterations",
+    "open_fraction",
+    "slipping_fraction",
+)
+"""Columns of a step record; energies in J since the start of the run."""
+INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING = range(3, 14)
+
+
+@dataclass
+class SlipRecord:
+    """Slip accumulated since the start, per interface point.
+
+    Attributes
+    ----------
+    path : (n,) length of the plastic slip path, m
+    peak : (n,) largest tangential displacement relative to the preload state, m
+    peak_vector : (2 n,) its hoop and axial components, m
+    """
+
+    path: FloatArray
+    peak: FloatArray
+    peak_vector: FloatArray
+
+    @classmethod
+    def zeros(cls, n: int) -> SlipRecord:
+        return cls(np.zeros(n), np.zeros(n), np.zeros(2 * n))
+
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """Controls of the nonlinear solve of a step.
+
+    Attributes
+    ----------
+    tolerance
+        Largest interface residual relative to the smallest elastic slip.
+    max_iterations
+        Newton iterations before a step is cut.
+    max_cuts
+        Halvings of a step before `ConvergenceError`.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 30
+    max_cuts: int = 6
+
+
+class StepFailed(Exception):
+    """A step did not converge; the committed state is untouched."""
+
+    def __init__(self, iterations: int, history: list[float]):
+        self.iterations, self.history = iterations, history
+        super().__init__("step did not converge")
+
+
+class Stepper(ABC):
+    """Advances a system step by step from its preload state.
+
+    Motions are relative to the base and to the preload state. Subclasses keep the whole
+    history-dependent state in attributes named by ``state_names`` (arrays), so that a checkpoint
+    restores a run bit by bit.
+    """
+
+    state_names: tuple[str, ...] = ()
+
+    def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions):
+        self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
+        self.slip = SlipRecord.zeros(system.n_points)
+        self.totals = np.zeros(4)  # friction, contact, modulation, interface work
+        self.flows = np.zeros(2)  # input work, numerical dissipation
+        self.cuts = 0
+        gamma = system.laws.gamma
+        self.residual_limit = options.tolerance * (float(gamma.min()) if gamma.size else 1.0)
+
+    @abstractmethod
+    def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
+        """Advance through ``acceleration`` (k + 1,) in m/s^2, first entry the current time's.
+
+        Fills ``records`` (k, len(RECORDS)) and returns the number of steps done; fewer than k when a
+        step failed (`last_history` then holds its residuals).
+        """
+
+    last_history: list[float]
+
+    def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
+        """Advance k steps of size ``dt``, cutting those that do not converge.
+
+        Parameters
+        ----------
+        acceleration
+            (k + 1,) base acceleration at the step ends, m/s^2, the first at the current time.
+        dt
+            Step in s.
+        time
+            Current time in s, for messages.
+
+        Returns
+        -------
+        (k, len(RECORDS)) array
+        """
+        k = len(acceleration) - 1
+        records = np.zeros((k, len(RECORDS)))
+        done = 0
+        while done < k:
+            done += self.try_steps(acceleration[done:], dt, records[done:])
+            if done < k:
+                self._cut_step(acceleration[done : done + 2], dt, time + done * dt, records[done : done + 1])
+                done += 1
+        return records
+
+    def _cut_step(self, ends: FloatArray, dt: float, time: float, record: FloatArray) -> None:
+        """One nominal step in 2, 4, ... substeps; base acceleration is linear within it."""
+        start = self.snapshot()
+        for cut in range(1, self.options.max_cuts + 1):
+            parts = 2**cut
+            sub = np.zeros((parts, len(RECORDS)))
+            inner = np.linspace(ends[0], ends[1], parts + 1)
+            if self.try_steps(inner, dt / parts, sub) == parts:
+                record[0] = sub[-1]
+                record[0, ITERATIONS] = sub[:, ITERATIONS].sum()
+                self.cuts += 1
+                return
+            history = self.last_history
+            self.restore(start)
+        raise ConvergenceError(
+            "time step did not converge",
+            time_s=time,
+            iterations=self.options.max_iterations,
+            residual_history=history,
+            advice=f"the step was cut {self.options.max_cuts} times; raise integrator.steps_per_cycle or the preload, "
+            "or lower the excitation",
+        )
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Copy of everything the future depends on."""
+        state = {name: np.array(getattr(self, name)) for name in (*self.state_names, "totals", "flows", "cuts")}
+        state |= {f"slip_{f.name}": np.array(getattr(self.slip, f.name)) for f in fields(SlipRecord)}
+        return state
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Return to a `snapshot`."""
+        for name in (*self.state_names, "totals", "flows"):
+            getattr(self, name)[...] = state[name]
+        self.cuts = int(state["cuts"])
+        for f in fields(SlipRecord):
+            getattr(self.slip, f.name)[...] = state[f"slip_{f.name}"]

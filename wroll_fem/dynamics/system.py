@@ -1,0 +1,178 @@
+"""A linear structure with nonlinear interfaces; knows nothing of the finite-element library."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import Body, FloatArray
+from ..contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class PointLaws:
+    """Law parameters of every point of all interfaces, stacked (inner interface first).
+
+    Attributes
+    ----------
+    area : (n,) m^2; kn : (n,) Pa/m; separation : (n,) bool; mu : (n,); gamma : (n,) elastic slip in m
+    """
+
+    area: FloatArray
+    kn: FloatArray
+    separation: np.ndarray
+    mu: FloatArray
+    gamma: FloatArray
+
+    @property
+    def n(self) -> int:
+        return len(self.area)
+
+
+@dataclass(frozen=True)
+class System:
+    """Matrices, interfaces and probes: everything the dynamics needs.
+
+    It can be assembled from bodies (`System.from_bodies`) or from a user's own matrices.
+
+    Attributes
+    ----------
+    stiffness, mass
+        (n, n) sparse symmetric, N/m and kg.
+    influence
+        (n,) displacement of the DOFs under a unit base translation along the excitation.
+    interfaces
+        Inner interface first; may be empty.
+    probes
+        Name -> (n,) row that gives a displacement in m, "tip" along the excitation.
+    loads
+        Name -> (n,) static force vectors, N; "preload" is applied by the preload step.
+    """
+
+    stiffness: sp.csr_matrix
+    mass: sp.csr_matrix
+    influence: FloatArray
+    interfaces: tuple[Interface, ...] = ()
+    probes: Mapping[str, FloatArray] = field(default_factory=dict)
+    loads: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n = self.stiffness.shape[0]
+        if self.stiffness.shape != (n, n) or self.mass.shape != (n, n) or self.influence.shape != (n,):
+            raise InputError(
+                f"stiffness {self.stiffness.shape}, mass {self.mass.shape} and influence {self.influence.shape} "
+                "do not belong together"
+            )
+        for interface in self.interfaces:
+            if interface.operator.shape[1] != n:
+                raise InputError(f"interface {interface.name} has {interface.operator.shape[1]} columns, system {n}")
+
+    @property
+    def n_dofs(self) -> int:
+        return int(self.stiffness.shape[0])
+
+    @property
+    def n_points(self) -> int:
+        return sum(interface.n_points for interface in self.interfaces)
+
+    @cached_property
+    def laws(self) -> PointLaws:
+        def stacked(values: Sequence[tuple[float, int]], dtype: type = float) -> np.ndarray:
+            return np.concatenate([np.full(count, value, dtype) for value, count in values] or [np.zeros(0, dtype)])
+
+        parts = self.interfaces
+        return PointLaws(
+            area=np.concatenate([i.areas for i in parts] or [np.zeros(0)]),
+            kn=stacked([(i.normal.stiffness, i.n_points) for i in parts]),
+            separation=stacked([(i.normal.separation, i.n_points) for i in parts], bool),
+            mu=stacked([(i.friction.mu, i.n_points) for i in parts]),
+            gamma=stacked([(i.friction.elastic_slip, i.n_points) for i in parts]),
+        )
+
+    @cached_property
+    def jump(self) -> sp.csr_matrix:
+        """(3 n_points, n) relative-displacement operator in slot order (see `contact.kernels`)."""
+        tangential, normal = [], []
+        for interface in self.interfaces:
+            k = np.arange(interface.n_points)
+            rows = np.column_stack([3 * k + 1, 3 * k + 2]).ravel()
+            tangential.append(interface.operator[rows])
+            normal.append(interface.operator[3 * k])
+        if not tangential:
+            return sp.csr_matrix((0, self.n_dofs))
+        return sp.vstack(tangential + normal, format="csr")
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """(3 n_points,) area of each slot, m^2."""
+        area = self.laws.area
+        return np.concatenate([np.repeat(area, 2), area])
+
+    def with_interface_springs(self, stiffness: FloatArray) -> sp.csc_matrix:
+        """K + G^T W diag(stiffness) G for springs of ``stiffness`` (3 n_points,) Pa/m per slot."""
+        if not self.interfaces:
+            return self.stiffness.tocsc()
+        return (self.stiffness + self.jump.T @ sp.diags(self.weights * stiffness) @ self.jump).tocsc()
+
+    @classmethod
+    def from_bodies(
+        cls,
+        bodies: Sequence[Body],
+        *,
+        direction: int = 0,
+        friction: PenaltyCoulomb | None = None,
+        normal: NormalPenalty | None = None,
+        pressures: Sequence[float] = (),
+    ) -> System:
+        """Stack bodies (inner first) and put an interface between each pair.
+
+        Parameters
+        ----------
+        direction
+            Excitation, 0 for x, 1 for y.
+        friction, normal
+            Laws of every interface; needed with two or more bodies.
+        pressures
+            (n_bodies - 1,) external pressure on each layer in Pa, inner first.
+        """
+        starts = np.concatenate([[0], np.cumsum([b.n_dofs for b in bodies])])
+        columns = [slice(int(a), int(b)) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        n = int(starts[-1])
+        interfaces = []
+        if len(bodies) > 1:
+            if friction is None or normal is None:
+                raise InputError("several bodies need a friction law and a normal law", key="contact")
+            for i in range(len(bodies) - 1):
+                interfaces.append(
+                    facing(
+                        f"{bodies[i].name}/{bodies[i + 1].name}",
+                        bodies[i].traces["outer"],
+                        bodies[i + 1].traces["inner"],
+                        (columns[i], columns[i + 1]),
+                        n,
+                        friction,
+                        normal,
+                    )
+                )
+        preload = np.zeros(n)
+        for pressure, body, cols in zip(pressures, bodies[1:], columns[1:], strict=False):
+            preload[cols] += pressure * body.pressure_force
+        probes = {}
+        for body, cols in zip(bodies, columns, strict=True):
+            for name, operator in body.probes.items():
+                row = np.zeros(n)
+                row[cols] = np.asarray(operator[direction].todense()).ravel()
+                probes[name] = row
+        return cls(
+            stiffness=sp.block_diag([b.stiffness for b in bodies], format="csr"),
+            mass=sp.block_diag([b.mass for b in bodies], format="csr"),
+            influence=np.concatenate([b.influence[:, direction] for b in bodies]),
+            interfaces=tuple(interfaces),
+            probes=probes,
+            loads={"preload": preload},
+        )

@@ -1,0 +1,61 @@
+"""From a case to bodies and a system: the one place where both meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .body import Body
+from .contact.interface import NormalPenalty, PenaltyCoulomb
+from .dynamics.system import System
+
+if TYPE_CHECKING:
+    from .case.case import Case
+
+DIRECTIONS = {"x": 0, "y": 1}
+
+
+def normal_penalty(case: Case) -> float:
+    """Normal contact stiffness in Pa/m: the case's, or the through-thickness one of the facing half shells.
+
+    ``auto`` is physical: two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is some
+    thousand times the hoop stiffness E t / R^2 of a lab layer, so that the pressure split does not feel it.
+    """
+    penalty = case.contact.normal.penalty
+    if not isinstance(penalty, str):
+        return float(penalty)
+    mandrel, layer = case.mandrel.material.E, case.coil.material.E
+    return 2.0 / (case.geometry.mandrel_thickness / mandrel + case.coil.layer_thickness / layer)
+
+
+def uses_symmetry(case: Case) -> bool:
+    """Half the circumference suffices: allowed by the case, excitation along x; the mesh decides the rest."""
+    return bool(case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full")
+
+
+def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
+    """Mesh and assemble the bodies of a case, inner first.
+
+    A user's mesh that is not symmetric about the x-z plane is taken whole.
+    """
+    from .fem.body import assemble_bodies
+    from .meshing import build_mesh, mirror_nodes
+
+    mesh = build_mesh(case)
+    half = uses_symmetry(case) if symmetric is None else symmetric
+    if half and symmetric is None and mirror_nodes(mesh.nodes) is None:
+        half = False
+    return assemble_bodies(case, mesh, symmetric=half)
+
+
+def build_system(case: Case, bodies: Sequence[Body]) -> System:
+    """Stack the bodies and their interfaces with the laws and loads of the case."""
+    friction, normal = case.contact.friction, case.contact.normal
+    layers = len(bodies) - 1
+    return System.from_bodies(
+        bodies,
+        direction=DIRECTIONS[case.excitation.direction],
+        friction=PenaltyCoulomb(friction.mu, friction.elastic_slip),
+        normal=NormalPenalty(normal_penalty(case), normal.separation),
+        pressures=case.preload.per_layer(layers) if layers else (),
+    )
