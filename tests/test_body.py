@@ -11,6 +11,7 @@ from beam_theory import beam_frequency
 
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError, WrollError
+from wroll_fem.fem import eigen
 from wroll_fem.fem.body import assemble_bodies, section_of
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
@@ -314,6 +315,14 @@ def test_modes_are_mass_normalised_and_converged(whole):
     assert pairs.residuals.max() < 1e-7
     assert (np.sqrt(np.abs(pairs.values[:6])) / (2 * np.pi) < 0.01).all()
     assert pairs.values[6] > 1e5
+
+
+def test_a_missed_mode_is_counted(whole):
+    body = whole[0]
+    K, M = eigen._petsc(body.stiffness), eigen._petsc(body.mass)
+    values = solve_pairs(body.stiffness, body.mass, 12, DEFAULT_SHIFT).values
+    assert eigen._missed(K, M, values, 10, DEFAULT_SHIFT) == 0
+    assert eigen._missed(K, M, np.delete(values, [1, 6]), 8, DEFAULT_SHIFT) == 2
 
 
 def test_negative_stiffness_is_reported_not_hidden():

@@ -34,11 +34,12 @@ def mesh():
     return make_cylinders(SHELLS, LENGTH, 14, 5, grading=3.0)
 
 
-def own_mesh(folder, *, order=2, recombine=True, drop=(), incomplete=False):
+def own_mesh(folder, *, quarter=3, order=2, recombine=True, drop=(), incomplete=False):
     """A mesh as a user makes it: own_roll.geo through gmsh, with changes."""
     text = (ROOT / "meshes" / "own_roll.geo").read_text()
     if not recombine:
         text = text.replace(" Recombine;", "")
+    text = text.replace("quarter = 3", f"quarter = {quarter}")
     text = text.replace("Mesh.ElementOrder = 2", f"Mesh.ElementOrder = {order}")
     if incomplete:
         text += "Mesh.SecondOrderIncomplete = 1;\n"
@@ -149,13 +150,15 @@ def test_shipped_mesh_is_what_its_case_makes():
 
 
 def test_a_users_own_mesh_takes_the_place_of_the_made_one(tmp_path):
-    path = own_mesh(tmp_path)
+    path = own_mesh(tmp_path, quarter=4)
     case = load_case(ROOT / "configs" / "tiny.yaml", [f"mesh.file={path}"])
     mesh = build_mesh(case)
-    assert len(mesh.cells) == 2 * 12 * 4
-    assert len(mesh.nodes) == 2 * 24 * 9  # the arcs' centre is a point of the script but no node of a quad
+    assert len(mesh.cells) == 2 * 16 * 4
+    assert len(mesh.nodes) == 2 * 32 * 9  # the arcs' centre is a point of the script but no node of a quad
     assert mirror_nodes(mesh.nodes) is not None
-    made = canonical_vertices(build_mesh(load_case(ROOT / "configs" / "tiny.yaml")).part("layer_01"))[1]
+    made = canonical_vertices(
+        build_mesh(load_case(ROOT / "configs" / "tiny.yaml", ["mesh.circumferential=16"])).part("layer_01")
+    )[1]
     np.testing.assert_allclose(canonical_vertices(mesh.part("layer_01"))[1], made, atol=1e-9)
 
 
@@ -234,6 +237,8 @@ def test_an_open_gmsh_session_survives(mesh, tmp_path):
         gmsh.model.add("mine")
         gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
         gmsh.model.occ.synchronize()
+        gmsh.model.add("other")
+        gmsh.model.setCurrent("mine")
         make_cylinders(SHELLS[:1], LENGTH, 8, 2)
         write_mesh(mesh, tmp_path)
         assert gmsh.model.getCurrent() == "mine"

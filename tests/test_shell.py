@@ -128,6 +128,15 @@ def test_constant_curvature_is_reproduced_on_a_distorted_mesh(thickness):
     assert 0.5 * u @ K @ u == pytest.approx(energy, rel=1e-7)
 
 
+def test_constant_transverse_shear_stores_five_sixths_of_its_energy():
+    nodes, cells, _ = distorted_plate()
+    model = ShellModel(nodes, cells, flat)
+    field = np.zeros((len(nodes), 6))
+    field[:, 2], field[:, 4] = 1e-3 * nodes[:, 0], 4e-4  # gamma_xz = dw/dx + theta_y
+    K, G = model.stiffness(Section(1e9, 0.3, 1.0, 0.1)), 1e9 / 2.6
+    assert field.ravel() @ K @ field.ravel() == pytest.approx(5 / 6 * G * 0.1 * 1.4e-3**2, rel=1e-9)
+
+
 def test_free_tube_has_exactly_six_zero_modes_and_the_others_converge():
     spectra = []
     for circumferential, axial in ((12, 4), (20, 8)):

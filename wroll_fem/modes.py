@@ -60,7 +60,8 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
     local = np.column_stack([-sin * u[:, 0] + cos * u[:, 1], u[:, 2], cos * u[:, 0] + sin * u[:, 1]])
     levels, ring_of = np.unique(np.rint(z / max(float(np.ptp(z)), 1e-300) * 1e6).astype(np.int64), return_inverse=True)
     height = np.array([z[ring_of == k].mean() for k in range(len(levels))])
-    weight = np.gradient(height) if len(height) > 1 else np.ones(1)
+    step = np.diff(height)
+    weight = 0.5 * (np.append(step, 0.0) + np.append(0.0, step)) if step.size else np.ones(1)
     content = np.zeros((highest + 1, 3))
     for k in range(len(levels)):
         ring = np.flatnonzero(ring_of == k)
