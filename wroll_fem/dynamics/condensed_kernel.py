@@ -27,18 +27,76 @@ def _correction(g, t, g_0, t_0, springs, s):
 
 
 @numba.njit(cache=True)
-def _interface_residual(g, g_hat, compliance, tangential, s, n, rho):
-    """rho = g - g_hat + F s; normal columns only where a normal correction exists. Returns max |rho|, m."""
-    rho[:] = np.dot(tangential, s[: 2 * n])
-    for j in range(2 * n, 3 * n):
-        if s[j] != 0.0:
-            for i in range(3 * n):
-                rho[i] += compliance[i, j] * s[j]
+def _gather(s, area, profiles, n, amplitudes):
+    """Amplitudes (n_blocks, 3 n_rows) of the point forces area * s, component by component."""
+    n_blocks, n_theta = profiles.shape[1], profiles.shape[2]
+    rows = n // n_theta
+    force = np.empty((rows, n_theta))
+    for c in range(3):
+        for row in range(rows):
+            for i in range(n_theta):
+                k = row * n_theta + i
+                slot = 2 * k + c if c < 2 else 2 * n + k
+                force[row, i] = area[k] * s[slot]
+        projected = np.dot(force, profiles[c].T)
+        for b in range(n_blocks):
+            for row in range(rows):
+                amplitudes[b, c * rows + row] = projected[row, b]
+
+
+@numba.njit(cache=True)
+def _scatter(amplitudes, profiles, n, out):
+    """Add the point values (3 n,) of amplitudes (n_blocks, 3 n_rows) to ``out``."""
+    n_blocks, n_theta = profiles.shape[1], profiles.shape[2]
+    rows = n // n_theta
+    part = np.empty((rows, n_blocks))
+    for c in range(3):
+        for b in range(n_blocks):
+            for row in range(rows):
+                part[row, b] = amplitudes[b, c * rows + row]
+        values = np.dot(part, profiles[c])
+        for row in range(rows):
+            for i in range(n_theta):
+                k = row * n_theta + i
+                slot = 2 * k + c if c < 2 else 2 * n + k
+                out[slot] += values[row, i]
+
+
+@numba.njit(cache=True)
+def _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho):
+    """rho = g - g_hat + F s. Returns max |rho|, m."""
+    for i in range(3 * n):
+        rho[i] = g[i] - g_hat[i]
+    _gather(s, area, profiles, n, amplitudes)
+    for b in range(blocks.shape[0]):
+        amplitudes[b] = np.dot(blocks[b], amplitudes[b])
+    _scatter(amplitudes, profiles, n, rho)
     largest = 0.0
     for i in range(3 * n):
-        rho[i] += g[i] - g_hat[i]
         largest = max(largest, abs(rho[i]))
     return largest
+
+
+@numba.njit(cache=True)
+def _free_jump(q, starts, modal_jump, profiles, n, amplitudes, out):
+    """Add the jump of modal coordinates q to ``out`` (3 n,)."""
+    size = amplitudes.shape[1]
+    for b in range(amplitudes.shape[0]):
+        first, last = starts[b], starts[b + 1]
+        block = modal_jump[size * first : size * last].reshape(size, last - first)
+        amplitudes[b] = np.dot(block, q[first:last])
+    _scatter(amplitudes, profiles, n, out)
+
+
+@numba.njit(cache=True)
+def _modal_force(s, area, starts, modal_jump, profiles, n, amplitudes, force):
+    """Modal force (r,) of the interface correction s: G^T W s in modal coordinates."""
+    _gather(s, area, profiles, n, amplitudes)
+    size = amplitudes.shape[1]
+    for b in range(amplitudes.shape[0]):
+        first, last = starts[b], starts[b + 1]
+        block = modal_jump[size * first : size * last].reshape(size, last - first)
+        force[first:last] = np.dot(amplitudes[b], block)
 
 
 @numba.njit(cache=True)
@@ -81,11 +139,11 @@ def _factor(active, tangent, springs, compliance, n):
             a = active[j]
             matrix[i, j] = c0 * f0[a] + c1 * f1[a] + c2 * f2[a]
         matrix[i, i] += 1.0
-    return change, np.linalg.inv(matrix)
+    return change, np.ascontiguousarray(np.linalg.inv(matrix))
 
 
 @numba.njit(cache=True)
-def _newton_step(active, change, inverse, compliance, rho, n, delta):
+def _newton_step(active, change, inverse, blocks, profiles, area, rho, n, amplitudes, delta):
     """delta = -(I + F Delta D)^{-1} rho with Delta D restricted to the active rows."""
     m = active.shape[0]
     rhs = np.empty(m)
@@ -97,23 +155,18 @@ def _newton_step(active, change, inverse, compliance, rho, n, delta):
     full = np.zeros(3 * n)
     for i in range(m):
         full[active[i]] = y[i]
-    if m > n // 4:
-        delta[:] = np.dot(compliance, full)
-    else:
-        for i in range(3 * n):
-            total = 0.0
-            for j in range(m):
-                total += compliance[i, active[j]] * y[j]
-            delta[i] = total
-    for i in range(3 * n):
-        delta[i] = -rho[i] - delta[i]
+    delta[:] = -rho
+    _gather(full, area, profiles, n, amplitudes)
+    for b in range(blocks.shape[0]):
+        amplitudes[b] = -np.dot(blocks[b], amplitudes[b])
+    _scatter(amplitudes, profiles, n, delta)
 
 
 @numba.njit(cache=True)
 def advance_steps(
     acceleration, dt, alpha, beta, gamma_n,
-    eigenvalues, modal_jump, base, tip, springs, inverse, compliance, tangential,
-    g_0, t_0, e_0,
+    eigenvalues, starts, modal_jump, profiles, base, tip, springs, inverse, blocks, compliance,
+    g_0, t_0,
     area, kn, separation, mu, gamma,
     q, v, a, residual, residual_change,
     jump, jump_before, elastic_slip, traction,
@@ -122,12 +175,14 @@ def advance_steps(
 ):  # fmt: skip
     """Advance len(acceleration) - 1 steps; returns the number done (state is that of the last good step).
 
-    ``tangential`` is a contiguous copy of the first 2 n columns of ``compliance``.
+    ``starts`` (n_blocks + 1,), flat ``modal_jump``, ``profiles`` (3, n_blocks, n_theta) and ``blocks``
+    (n_blocks, 3 n_rows, 3 n_rows) hold the harmonics; ``compliance`` (3 n, 3 n) is F itself, for Newton's matrix.
     """
     n = area.shape[0]
     t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
     s, rho, delta, g, g_try = np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n)
-    weighted = np.zeros(3 * n)
+    amplitudes = np.zeros((blocks.shape[0], blocks.shape[1]))
+    g_hat, force = np.zeros(3 * n), np.zeros(q.shape[0])
     tangent = np.zeros((n, 3, 3))
     active = np.empty(0, np.int64)
     change, factor = np.empty((0, 3)), np.empty((0, 0))
@@ -140,12 +195,13 @@ def advance_steps(
         iterations = 0
         converged = True
         if n > 0:
-            g_hat = g_0 + np.dot(modal_jump, q_hat)
+            g_hat[:] = g_0
+            _free_jump(q_hat, starts, modal_jump, profiles, n, amplitudes, g_hat)
             for i in range(3 * n):
                 g[i] = 2.0 * jump[i] - jump_before[i]
             trial_traction(g, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
             _correction(g, t, g_0, t_0, springs, s)
-            size = _interface_residual(g, g_hat, compliance, tangential, s, n, rho)
+            size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
             history[:] = 0.0
             history[0] = size
             fresh = False
@@ -160,7 +216,7 @@ def advance_steps(
                     change, factor = _factor(active, tangent, springs, compliance, n)
                     have_factor = True
                     fresh = True
-                _newton_step(active, change, factor, compliance, rho, n, delta)
+                _newton_step(active, change, factor, blocks, profiles, area, rho, n, amplitudes, delta)
                 iterations += 1
                 damping = 1.0
                 while True:
@@ -168,7 +224,7 @@ def advance_steps(
                         g_try[i] = g[i] + damping * delta[i]
                     trial_traction(g_try, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
                     _correction(g_try, t, g_0, t_0, springs, s)
-                    new = _interface_residual(g_try, g_hat, compliance, tangential, s, n, rho)
+                    new = _interface_residual(g_try, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     if new < size or not fresh or damping < 0.1:
                         break
                     damping *= 0.5
@@ -177,7 +233,7 @@ def advance_steps(
                     # a kept factor failed: go back and renew it where we were
                     trial_traction(g, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
                     _correction(g, t, g_0, t_0, springs, s)
-                    size = _interface_residual(g, g_hat, compliance, tangential, s, n, rho)
+                    size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     have_factor = False
                     continue
                 g[:] = g_try
@@ -189,11 +245,7 @@ def advance_steps(
                 fresh = False
             if not converged:
                 return step
-            for i in range(3 * n):
-                weighted[i] = s[i] * area[i // 2 if i < 2 * n else i - 2 * n]
-            force = np.dot(weighted, modal_jump)
-        else:
-            force = np.zeros(q.shape[0])
+            _modal_force(s, area, starts, modal_jump, profiles, n, amplitudes, force)
         _commit(
             step, ag, ag_new, dt, alpha, beta, gamma_n, eigenvalues, base, tip, inverse, q_hat, h, force,
             q, v, a, residual, residual_change, flows, records,

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 from ..body import Body, FloatArray
 from ..contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
 from ..errors import InputError
+from .cyclic import Subspace, cyclic_subspaces
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class System:
         Name -> (n,) row that gives a displacement in m, "tip" along the excitation.
     loads
         Name -> (n,) static force vectors, N; "preload" is applied by the preload step.
+    subspaces
+        Invariant subspaces of a rotationally symmetric structure (see `cyclic`); empty when there are none.
     """
 
     stiffness: sp.csr_matrix
@@ -60,6 +63,7 @@ class System:
     interfaces: tuple[Interface, ...] = ()
     probes: Mapping[str, FloatArray] = field(default_factory=dict)
     loads: Mapping[str, FloatArray] = field(default_factory=dict)
+    subspaces: tuple[Subspace, ...] = ()
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -175,4 +179,5 @@ class System:
             interfaces=tuple(interfaces),
             probes=probes,
             loads={"preload": preload},
+            subspaces=cyclic_subspaces(bodies),
         )
