@@ -12,7 +12,7 @@ from beam_theory import beam_frequency
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError, WrollError
 from wroll_fem.fem import eigen
-from wroll_fem.fem.body import assemble_bodies, section_of
+from wroll_fem.fem.body import assemble_bodies, ring_weights, section_of
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
 from wroll_fem.fem.shell import Section
@@ -164,6 +164,15 @@ def test_free_tip_spreads_the_tip_mass_over_its_ring_and_probes_the_mean():
     touched = np.abs((body.mass - without.mass) @ r) > 1e-9
     z = body.nodes[(body.expand[:, touched].tocoo().row // 6), 2]
     np.testing.assert_allclose(z, 0.3)
+
+
+def test_ring_mean_integrates_quadratic_edges_exactly():
+    part = make_cylinders([("mandrel", 1.0)], 0.3, 8, 2).part("mandrel")
+    weights = ring_weights(part, part.groups["tip"])
+    ring = part.groups["tip"]
+    at_corner = np.isin(ring, part.cells[:, :4])
+    np.testing.assert_allclose(weights[ring], np.where(at_corner, 1 / 3, 2 / 3) / 8, rtol=1e-12)  # Simpson
+    assert weights.sum() == pytest.approx(1.0, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -112,7 +112,7 @@ def create_mesh(comm: Any, nodes: npt.NDArray[np.float64], cells: npt.NDArray[np
 
 def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
     """(n_cells, nodes per cell) local geometry nodes of each cell."""
-    table = domain.geometry.dofmap
+    table = domain.geometry.dofmaps[0] if VERSION >= (0, 11) else domain.geometry.dofmap
     if hasattr(table, "array"):
         n_cells = domain.topology.index_map(domain.topology.dim).size_local
         return np.asarray(table.array.reshape(n_cells, -1), np.int64)
