@@ -58,6 +58,8 @@ FIELDS: dict[str, Field] = {
     "tip_acceleration": Field(_ACCELERATION, "tip acceleration relative to the base"),
     "tip_acceleration_absolute": Field(_ACCELERATION, "absolute tip acceleration"),
     "newton_iterations": Field("1", "Newton iterations of the step"),
+    "open_fraction": Field("1", "fraction of the contact points that are open"),
+    "slipping_fraction": Field("1", "fraction of the contact points that slip"),
     "residual": Field("1", "relative residual of the step"),
     "step_cuts": Field("1", "step cuts of the step"),
     # energy ledger, cumulative from the start of the motion
@@ -66,6 +68,8 @@ FIELDS: dict[str, Field] = {
     "strain_energy": Field(_ENERGY, "strain energy of the bodies"),
     "contact_energy": Field(_ENERGY, "energy stored in the contact springs"),
     "friction_energy": Field(_ENERGY, "energy dissipated by friction"),
+    "pressure_modulation_work": Field(_ENERGY, "work exchanged with the pressure-dependent stick stiffness"),
+    "interface_work": Field(_ENERGY, "work done on the interfaces"),
     "viscous_energy": Field(_ENERGY, "energy dissipated by viscous damping"),
     "numerical_dissipation": Field(_ENERGY, "energy dissipated by the time integration scheme"),
     # interfaces
@@ -85,6 +89,9 @@ FIELDS: dict[str, Field] = {
     "slipping_area_fraction": Field("1", "fraction of the interface's area that slipped at any time"),
     "friction_energy_interface": Field(_ENERGY, "energy dissipated by friction on the interface"),
     "contact_force": Field("N", "resultant normal force"),
+    "snapshot_time": Field("s", "time of a kept field"),
+    "relative_displacement_hoop": Field("m", "hoop relative displacement since the preload"),
+    "relative_displacement_axial": Field("m", "axial relative displacement since the preload"),
     # frequency domain; "transmissibility" alone is the demodulated envelope
     "transmissibility_real": Field("1", "transmissibility, real part (demodulated envelope)"),
     "transmissibility_imag": Field("1", "transmissibility, imaginary part (demodulated envelope)"),
@@ -99,6 +106,10 @@ FIELDS: dict[str, Field] = {
     "mode_residual": Field("1", "relative residual of the eigenpair"),
     "effective_mass_fraction": Field("1", "effective mass over total mass"),
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
+    "node_position": Field("m", "node coordinates"),
+    "cell_nodes": Field("1", "nodes of each quadratic quad"),
+    "cell": Field("1", "cell"),
+    "corner": Field("1", "node of a cell"),
     # statics
     "static_displacement": Field("m", "displacement under the preload"),
 }

@@ -24,10 +24,5 @@ class Solver(Section):
     symmetry: Switch = Field(
         default=True, description="solve half the circumference when case and mesh share the x-z plane"
     )
-    cutoff_hz: Real | None = Field(
-        default=None,
-        gt=0,
-        description="drop fixed-interface modes above this frequency, Hz; null keeps everything (exact)",
-    )
     checkpoint_seconds: Real = Field(default=60.0, gt=0, description="wall time between checkpoints, s")
     allow_coarse: Switch = Field(default=False, description="accept fewer than 20 steps per cycle")

@@ -108,16 +108,9 @@ def condense(system: System, state: ContactState, scheme: Scheme, dt: float) -> 
         Used by the projection of a large structure without rotational symmetry only.
     """
     springs = stick_springs(system, state)
-    n_theta = _points_per_row(system) if system.subspaces else 1
-    if n_theta > 1:
-        mean = springs.reshape(-1)
-        n = system.n_points
-        tangential = mean[: 2 * n].reshape(-1, n_theta, 2).mean(axis=(1, 2), keepdims=True)
-        rows = len(tangential)
-        normal = np.where((springs[2 * n :] > 0).reshape(rows, n_theta).all(axis=1), system.laws.kn[::n_theta], 0.0)
-        level = np.concatenate(
-            [np.broadcast_to(tangential, (rows, n_theta, 2)).ravel(), np.repeat(normal, n_theta)]
-        )
+    n_theta = _points_per_row(system)
+    if system.subspaces and (n_theta > 1 or not system.interfaces):
+        level = _level_springs(system, springs, n_theta)
         stiffness = system.with_interface_springs(level)
         if _decoupled(system, stiffness):
             return _condense_cyclic(system, stiffness, level, n_theta)
@@ -139,6 +132,16 @@ def condense(system: System, state: ContactState, scheme: Scheme, dt: float) -> 
         tip=vectors.T @ system.probes["tip"],
         springs=springs,
         exact=exact,
+    )
+
+
+def _level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
+    """Springs (3 n_points,) that are the same all around each row of points: means, or none where a point is open."""
+    n = system.n_points
+    tangential = springs[: 2 * n].reshape(-1, 2 * n_theta).mean(axis=1)
+    closed = (springs[2 * n :] > 0).reshape(-1, n_theta).all(axis=1)
+    return np.concatenate(
+        [np.repeat(tangential, 2 * n_theta), np.repeat(np.where(closed, system.laws.kn[::n_theta], 0.0), n_theta)]
     )
 
 
@@ -167,7 +170,7 @@ def _decoupled(system: System, stiffness: sp.spmatrix) -> bool:
 
 def _condense_cyclic(system: System, stiffness: sp.spmatrix, springs: FloatArray, n_theta: int) -> Condensation:
     n, inertia, tip = system.n_points, system.mass @ system.influence, system.probes["tip"]
-    theta = system.interfaces[0].points[:n_theta, 0]
+    theta = system.interfaces[0].points[:n_theta, 0] if n else np.zeros(1)
     area = system.laws.area.reshape(-1, n_theta)
     values, vectors, jumps, profiles, base, probe = [], [], [], [], [], []
     for space in system.subspaces:

@@ -73,6 +73,8 @@ def _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
     _scatter(amplitudes, profiles, n, rho)
     largest = 0.0
     for i in range(3 * n):
+        if not np.isfinite(rho[i]):
+            return np.inf
         largest = max(largest, abs(rho[i]))
     return largest
 

@@ -1,0 +1,172 @@
+"""What can be said before a run: size, time and warnings, from closed forms alone."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..case import Case
+
+SECONDS_PER_UNIT = {"condensed": 3.0e-8, "full": 1.2e-5}
+"""Time per step: `condensed` x contact points x modes per harmonic, `full` x DOFs; measured on one 2.5 GHz core."""
+
+
+def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
+    """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
+
+    The end mass takes 33/140 of the beam's mass. Good to some per cent: for warnings, not for results.
+    """
+    g, m, coil = case.geometry, case.mandrel, case.coil
+    tubes = [(m.material, 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness, g.mandrel_thickness, True)]
+    if coil.model != "none":
+        radius = 0.5 * g.mandrel_outer_diameter + 0.5 * coil.total_thickness
+        stiff = bonded and coil.model != "nonstructural_mass"
+        tubes.append((coil.material, radius, coil.total_thickness, stiff))
+    bending = shear = mass = 0.0
+    for material, radius, thickness, stiff in tubes:
+        area = 2 * math.pi * radius * thickness
+        if stiff or material is m.material:
+            bending += material.E * math.pi * radius**3 * thickness
+            shear += material.E / (2 * (1 + material.nu)) * area / 2
+        if added_mass or material is m.material:
+            mass += material.rho * area * g.length
+    compliance = g.length**3 / (3 * bending) + g.length / shear
+    return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
+
+
+def buckling_pressure(case: Case) -> float:
+    """Linear hoop-buckling pressure in Pa of mandrel plus layers, each a short tube with round ends.
+
+    Windenburg and Trilling's formula, p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)), summed.
+    """
+    g, coil = case.geometry, case.coil
+    tubes = [(case.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
+    if coil.bending:
+        tubes.append(
+            (coil.material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
+        )
+    total = 0.0
+    for material, diameter, thickness, count in tubes:
+        slender = thickness / diameter
+        length = g.length / diameter - 0.45 * math.sqrt(slender)
+        if length > 0:
+            total += count * 2.42 * material.E * slender**2.5 / ((1 - material.nu**2) ** 0.75 * length)
+    return total
+
+
+def interface_pressures(case: Case) -> list[float]:
+    """Estimated pressure in Pa at each interface, inner first: the rings share the load by their E t / R^2."""
+    g, coil = case.geometry, case.coil
+    pressures = case.preload.per_layer(coil.layers)
+    core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
+    ring = coil.material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
+    inner_stiffness = [core + k * ring for k in range(coil.layers)]
+    result = [0.0] * coil.layers
+    for loaded, pressure in enumerate(pressures):
+        share = pressure / (inner_stiffness[loaded] + ring)
+        for k in range(loaded + 1):
+            result[k] += share * inner_stiffness[k]
+    return result
+
+
+def shear_lag_length(case: Case, pressure: float) -> float:
+    """Length in m over which friction hands axial force from layer to mandrel, sqrt((E t)_series / k_t)."""
+    mandrel = case.mandrel.material.E * case.geometry.mandrel_thickness
+    layer = case.coil.material.E * case.coil.layer_thickness
+    stick = case.contact.friction.mu * pressure / case.contact.friction.elastic_slip
+    return math.sqrt(mandrel * layer / (mandrel + layer) / stick) if stick > 0 else math.inf
+
+
+def root_element_height(case: Case) -> float:
+    """Height in m of the element row at the base of the generated mesh."""
+    n, grading = case.mesh.axial, case.mesh.grading
+    if n < 2 or grading == 1:
+        return case.geometry.length / n
+    ratio = grading ** (1 / (n - 1))
+    return case.geometry.length * (ratio - 1) / (ratio**n - 1)
+
+
+def case_warnings(case: Case) -> list[str]:
+    """What a user should know before the run, each with what to change."""
+    warnings = []
+    contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "preload")
+    if case.analysis == "sweep":
+        warnings += _missed_resonance(case)
+    if contact and any(interface_pressures(case)):
+        warnings += _contact_warnings(case)
+    integrator = case.integrator
+    if case.analysis in ("sweep", "dwell") and integrator.scheme in ("moderate_dissipation", "quasi_static"):
+        warnings.append(
+            f"integrator.scheme {integrator.scheme} takes a visible part of the energy itself; use hht with alpha -0.05, "
+            "and read numerical_dissipation_j next to friction_energy_j"
+        )
+    return warnings
+
+
+def _missed_resonance(case: Case) -> list[str]:
+    low = beam_frequency(case, bonded=False)
+    high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded"))
+    start, end = case.excitation.f_start, case.excitation.f_end  # type: ignore[union-attr]
+    if start < 1.05 * high and end > 0.95 * low:
+        return []
+    return [
+        f"the chirp of {start:g} to {end:g} Hz misses the resonance, expected between {low:.0f} Hz (frictionless) and "
+        f"{high:.0f} Hz (bonded); set excitation.f_start and f_end around it"
+    ]
+
+
+def _contact_warnings(case: Case) -> list[str]:
+    warnings = []
+    pressures = interface_pressures(case)
+    lag, height = shear_lag_length(case, max(pressures)), root_element_height(case)
+    if case.mesh.file is None and height > 0.5 * lag:
+        need = math.ceil(case.mesh.axial * height / (0.5 * lag))
+        warnings.append(
+            f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag length "
+            f"at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm and wants two elements; peak and f_n can be off by "
+            f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
+        )
+    total, limit = sum(case.preload.per_layer(case.coil.layers)), buckling_pressure(case)
+    if total > limit:
+        warnings.append(
+            f"preload.pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, about "
+            f"{limit / 1e3:.0f} kPa: kinematics are linear and do not see it; real winding pressure is balanced by web tension"
+        )
+    if 0 < min(pressures) < 2e3:
+        warnings.append(
+            f"the estimated interface pressure of {min(pressures):.0f} Pa is low: surfaces may open widely; "
+            "watch for step cuts, and raise integrator.steps_per_cycle if the run stops"
+        )
+    return warnings
+
+
+def estimate(case: Case) -> dict[str, Any]:
+    """Size of the job and a rough time, for ``--dry-run``.
+
+    Returns
+    -------
+    dict
+        dofs, interface_points, steps, time_step_s, duration_s, estimated_seconds (one core, set-up included).
+    """
+    shells = 1 + (case.coil.layers if case.coil.model in ("layers", "bonded") else 0)
+    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method == "condensed"
+    around, along = case.mesh.circumferential, case.mesh.axial
+    columns = around // 2 + 1 if half else around
+    nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
+    result: dict[str, Any] = {
+        "dofs": 6 * nodes * shells,
+        "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
+    }
+    seconds = 10.0 + 2e-3 * result["dofs"]
+    if case.analysis in ("sweep", "dwell"):
+        from ..signals.base_motion import base_motion
+
+        duration = base_motion(case.excitation).duration
+        steps = math.ceil(duration / case.time_step - 1e-9)
+        result |= {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}
+        per_harmonic = 2.0 * result["dofs"] / around
+        unit = {"condensed": result["interface_points"] * per_harmonic, "full": result["dofs"]}[case.solver.method]
+        seconds += steps * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)
+    result["estimated_seconds"] = seconds
+    return result

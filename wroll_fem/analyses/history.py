@@ -1,0 +1,144 @@
+"""Time histories of a case: preload, then sweep or dwell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from ..dynamics.condensed import CondensedStepper
+from ..dynamics.hht import Scheme
+from ..dynamics.simulate import Checkpointing, interface_fields, make_stepper, simulate
+from ..dynamics.static import ContactState, solve_preload
+from ..dynamics.stepper import NewtonOptions, Stepper
+from ..dynamics.system import System
+from ..errors import ConvergenceError
+from ..model import build_bodies, build_system
+from ..results import annotate
+from ..signals.base_motion import base_motion
+from ..signals.damping import half_power, sweep_warning
+from ..signals.transmissibility import dwell_response, magnitude, transmissibility
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+
+def prepare(case: Case, progress: Progress) -> tuple[System, ContactState]:
+    """Mesh, assemble and preload a case; reports the interface pressure."""
+    with progress.stage("mesh and matrices", 2) as stage:
+        bodies = build_bodies(case)
+        stage.update(1, "bodies assembled")
+        system = build_system(case, bodies)
+        stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
+    with progress.stage("preload", case.preload.steps, "load steps") as stage:
+        state = solve_preload(system, steps=case.preload.steps, progress=lambda done: stage.update(done))
+    for name, mean, low, high in _pressures(system, state):
+        progress.info(
+            f"interface {name}: pressure {mean / 1e3:.4g} kPa (mean), {low / 1e3:.4g} to {high / 1e3:.4g} kPa"
+        )
+    return system, state
+
+
+def _pressures(system: System, state: ContactState) -> list[tuple[str, float, float, float]]:
+    rows, start = [], 0
+    for interface in system.interfaces:
+        part = state.pressure[start : start + interface.n_points]
+        mean = float(part @ interface.areas / interface.areas.sum())
+        rows.append((interface.name, mean, float(part.min()), float(part.max())))
+        start += interface.n_points
+    return rows
+
+
+def run_preload(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Static preload alone: pressure, tractions, and which points slipped while the layer was pressed on."""
+    system, state = prepare(case, progress)
+    dataset = interface_fields(system, state)
+    dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points}
+    return annotate(dataset)
+
+
+def run_history(
+    case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
+    """Sweep or dwell: time history with energy ledger, slip fields, and for a sweep the transmissibility."""
+    motion = base_motion(case.excitation)
+    system, state = prepare(case, progress)
+    integrator, solver = case.integrator, case.solver
+    scheme = Scheme.named(integrator.scheme, integrator.alpha)
+    options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
+    with progress.stage("condensation" if solver.method == "condensed" else "set-up", 1) as stage:
+        stepper = make_stepper(
+            system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step
+        )
+        stage.update(1)
+    _remarks(stepper, progress)
+    try:
+        history = simulate(
+            system,
+            state,
+            motion,
+            dt=case.time_step,
+            scheme=scheme,
+            options=options,
+            progress=progress,
+            checkpoint=None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume),
+            every=case.output.every,
+            stepper=stepper,
+        )
+    except ConvergenceError as error:
+        partial = getattr(error, "partial", None)
+        if partial is not None:
+            error.partial = _described(partial, case)  # type: ignore[attr-defined]
+        raise
+    return _with_response(_described(history, case), case, progress)
+
+
+def _remarks(stepper: Stepper, progress: Progress) -> None:
+    if not isinstance(stepper, CondensedStepper):
+        return
+    condensation = stepper.condensation
+    participation = np.abs(condensation.base * condensation.tip)
+    main = int(np.argmax(participation))
+    frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
+    progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes kept")
+    if not condensation.exact:
+        progress.warning(
+            "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "
+            "displacement; use solver.method: full for the exact answer"
+        )
+
+
+def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+    excitation = case.excitation
+    attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": excitation.direction}
+    if excitation.kind == "chirp":
+        attrs |= {
+            "f_start_hz": excitation.f_start,
+            "f_end_hz": excitation.f_end,
+            "rate_oct_per_min": excitation.rate_oct_per_min,
+        }
+    else:
+        attrs["frequency_hz"] = excitation.frequency
+    return dataset.assign_attrs(attrs | {"amplitude_m_s2": excitation.amplitude, "method": case.solver.method})
+
+
+def _with_response(history: xr.Dataset, case: Case, progress: Progress) -> xr.Dataset:
+    """Add transmissibility and its readings (sweep), or the steady response (dwell)."""
+    motion = base_motion(case.excitation)
+    if case.analysis == "dwell":
+        steady = int(case.excitation.cycles - case.excitation.ramp_cycles)  # type: ignore[union-attr]
+        if steady >= 2:
+            tip = history["tip_acceleration"] + history["base_acceleration"]
+            response = dwell_response(history["time"].values, tip.values, motion, cycles=min(5, steady))  # type: ignore[arg-type]
+            history.attrs |= {f"steady_{key}": value for key, value in response.items()}
+        return history
+    curve = transmissibility(history, motion)  # type: ignore[arg-type]
+    dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
+    read = half_power(curve["frequency"].values, magnitude(curve).values)
+    for text in (sweep_warning(motion, read), "" if read.complete else read.reason, read.note):  # type: ignore[arg-type]
+        if text:
+            progress.warning(text)
+    return dataset.assign_attrs(history.attrs | read.as_attrs() | {"zeta_method": "half power, demodulated envelope"})

@@ -1,0 +1,102 @@
+"""Natural frequencies and modes of a case."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+
+from ..body import Body, FloatArray
+from ..dynamics.condensed import stick_springs
+from ..dynamics.static import solve_preload
+from ..dynamics.system import System
+from ..model import build_bodies, build_system
+from ..modes import align_pairs, classify_mode, effective_mass_fractions
+from ..results import annotate
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+TIE_FACTOR = 100.0
+"""Bonded: springs of this many times the normal penalty in all directions; tied to 1e-4 in frequency."""
+
+
+def interface_springs(case: Case, system: System) -> FloatArray:
+    """(3 n_points,) spring per slot that stands for the interface in a linear analysis, Pa/m.
+
+    frictionless: normal contact (bilateral) alone; bonded: no relative motion; stuck: the preloaded interface,
+    normal penalty and elastic-slip stiffness mu p / gamma*.
+    """
+    kn, n = system.laws.kn, system.n_points
+    kind = "bonded" if case.coil.model == "bonded" else case.modal.interface
+    if kind == "frictionless":
+        return np.concatenate([np.zeros(2 * n), kn])
+    if kind == "bonded":
+        return TIE_FACTOR * np.concatenate([np.repeat(kn, 2), kn])
+    return stick_springs(system, solve_preload(system, steps=case.preload.steps))
+
+
+def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Lowest modes of the whole roll, named and weighed.
+
+    Returns
+    -------
+    xr.Dataset
+        `mode_frequency`, `mode_kind`, `mode_harmonic`, `effective_mass_fraction` (mode, component), `mode_residual`,
+        `mode_shape` (mode, node, component) with the mesh it lives on.
+    """
+    from ..fem.eigen import solve_pairs
+
+    with progress.stage("mesh and matrices", 2) as stage:
+        bodies = build_bodies(case, symmetric=False)
+        stage.update(1)
+        system = build_system(case, bodies)
+        stage.update(2, f"{system.n_dofs} DOFs")
+    with progress.stage("modes", 2) as stage:
+        stiffness = system.stiffness
+        if system.interfaces:
+            stiffness = sp.csr_matrix(system.with_interface_springs(interface_springs(case, system)))
+        stage.update(1, "matrices ready")
+        pairs = solve_pairs(stiffness, system.mass, case.modal.count, sigma=-((2 * np.pi * 10.0) ** 2))
+        stage.update(2)
+    hertz = np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi)
+    influence = np.vstack([body.influence for body in bodies])
+    vectors = align_pairs(hertz, pairs.vectors, system.mass, influence)
+    kinds = [classify_mode(bodies, vector) for vector in vectors.T]
+    total = sum(body.mass_total for body in bodies)
+    dataset = xr.Dataset(
+        {
+            "mode_frequency": ("mode", hertz),
+            "mode_kind": ("mode", np.array([k.kind for k in kinds])),
+            "mode_harmonic": ("mode", np.array([k.wave_number for k in kinds])),
+            "mode_residual": ("mode", pairs.residuals),
+            "effective_mass_fraction": (
+                ("mode", "component"),
+                effective_mass_fractions(system.mass, influence, vectors, total),
+            ),
+            "mode_shape": (("mode", "node", "component"), _shapes(bodies, vectors)),
+            "node_position": (("node", "component"), np.vstack([body.nodes for body in bodies])),
+            "cell_nodes": (("cell", "corner"), _cells(bodies)),
+        },
+        coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
+    )
+    dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": total}
+    return annotate(dataset)
+
+
+def _shapes(bodies: list[Body], vectors: FloatArray) -> FloatArray:
+    """(n_modes, n_nodes, 3) displacement of every node, largest 1."""
+    ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
+    parts = [body.expand @ part for body, part in zip(bodies, np.split(vectors, ends), strict=True)]
+    nodal = np.vstack([part.reshape(-1, 6, vectors.shape[1])[:, :3] for part in parts])
+    shapes = np.moveaxis(nodal, 2, 0)
+    largest = np.linalg.norm(shapes, axis=2).max(axis=1)
+    return np.asarray(shapes / largest[:, None, None])
+
+
+def _cells(bodies: list[Body]) -> np.ndarray:
+    starts = np.concatenate([[0], np.cumsum([len(body.nodes) for body in bodies])])
+    return np.vstack([body.cells + start for body, start in zip(bodies, starts, strict=False)])

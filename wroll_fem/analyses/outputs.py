@@ -1,0 +1,150 @@
+"""What a run leaves behind: summary, fields, figures; everything from the Dataset alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+if TYPE_CHECKING:
+    from ..case import Case
+
+_READINGS = (
+    "f_n_hz",
+    "zeta",
+    "zeta_method",
+    "peak_transmissibility",
+    "half_power_low_hz",
+    "half_power_high_hz",
+    "skewness",
+)
+_COUNTS = ("dofs", "interface_points", "steps", "step_cuts", "newton_iterations_mean", "mass_total_kg")
+
+
+def energy_balance_error(dataset: xr.Dataset) -> float:
+    """|input - kinetic - strain - contact - friction - modulation - numerical| / largest input, at its worst time.
+
+    Dimensionless; every term is computed on its own (the scheme's dissipation from its closed form), so this
+    sees unconverged steps, lost slip and wrong bookkeeping.
+    """
+    stored = dataset["kinetic_energy"] + dataset["strain_energy"] + dataset["contact_energy"]
+    spent = dataset["friction_energy"] + dataset["pressure_modulation_work"] + dataset["numerical_dissipation"]
+    gap = np.abs((dataset["input_work"] - stored - spent).values)
+    scale = float(np.abs(dataset["input_work"].values).max())
+    return float(gap.max() / scale) if scale > 0 else 0.0
+
+
+def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
+    """Flat summary in SI, the unit in the name; lists run over interfaces (inner first) or modes."""
+    attrs = dataset.attrs
+    summary: dict[str, Any] = {"analysis": case.analysis}
+    summary |= {key: attrs[key] for key in (*_READINGS, *_COUNTS) if key in attrs}
+    summary |= {key: value for key, value in attrs.items() if str(key).startswith("steady_")}
+    if "pressure" in dataset:
+        area = dataset["area"].values
+        pressure = dataset["pressure"].values
+        summary["interface_pressure_mean_pa"] = ((pressure * area).sum(axis=1) / area.sum(axis=1)).tolist()
+    if "input_work" in dataset:
+        last = dataset.isel(time=-1)
+        names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
+        summary |= {f"{name}_j": float(last[name]) for name in names}
+        summary["energy_balance_error"] = energy_balance_error(dataset)
+    if "cumulative_slip" in dataset:
+        from ..slip import slipping_area_fraction
+
+        summary["max_slip_m"] = float(dataset["max_slip"].max())
+        summary["slipping_area_fraction"] = slipping_area_fraction(dataset).values.tolist()
+    if "mode_frequency" in dataset:
+        direction = "xyz".index(case.excitation.direction)
+        summary["modes_hz"] = dataset["mode_frequency"].values.tolist()
+        summary["mode_kinds"] = [str(kind) for kind in dataset["mode_kind"].values]
+        summary["effective_mass_fraction"] = dataset["effective_mass_fraction"].values[:, direction].tolist()
+    return summary
+
+
+def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Write .vtu files: slip.vtu (all interfaces), slip_<step>.vtu for kept fields, mode_shapes.vtu."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    if "pressure" in dataset:
+        from ..plotting import write_slip_vtu
+
+        written.append(write_slip_vtu(dataset, folder / "slip.vtu"))
+        if "snapshot_time" in dataset.coords:
+            for number in range(dataset.sizes["snapshot_time"]):
+                step = (number + 1) * case.output.every
+                kept = dataset.isel(snapshot_time=number)
+                written.append(write_slip_vtu(kept, folder / f"slip_{step:08d}.vtu"))
+    if "mode_shape" in dataset:
+        written.append(_write_modes(dataset, folder / "mode_shapes.vtu"))
+    return written
+
+
+def _write_modes(dataset: xr.Dataset, path: Path) -> Path:
+    import meshio
+
+    shapes = {
+        f"mode_{k + 1:02d}_{float(f):.1f}Hz_{kind}": shape
+        for k, (f, kind, shape) in enumerate(
+            zip(
+                dataset["mode_frequency"].values, dataset["mode_kind"].values, dataset["mode_shape"].values, strict=True
+            )
+        )
+    }
+    cells = [("quad9", dataset["cell_nodes"].values)]
+    meshio.Mesh(dataset["node_position"].values, cells, point_data=shapes).write(path, file_format="vtu")
+    return path
+
+
+def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Draw what the results hold; pictures in space need pyvista and are left out without it."""
+    from .. import plotting
+
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn: list[tuple[str, Callable[..., Any], dict[str, Any]]] = []
+    if "transmissibility_real" in dataset:
+        drawn.append(("transmissibility", plotting.plot_transmissibility, {}))
+    if "tip_acceleration" in dataset:
+        drawn.append(("response", plotting.plot_response, {}))
+        drawn.append(("energy_ledger", plotting.plot_energy_ledger, {}))
+    if "cumulative_slip" in dataset:
+        for number in range(dataset.sizes["interface"]):
+            drawn.append((f"slip_map_{number + 1:02d}", plotting.plot_slip_map, {"interface": number}))
+            drawn.append((f"peak_slip_{number + 1:02d}", plotting.plot_peak_slip_vectors, {"interface": number}))
+    elif "pressure" in dataset:
+        for number in range(dataset.sizes["interface"]):
+            options = {"interface": number, "quantity": "pressure"}
+            drawn.append((f"pressure_{number + 1:02d}", plotting.plot_slip_map, options))
+    if "mode_frequency" in dataset:
+        drawn.append(("modes", plotting.plot_modes, {}))
+    paths = [plotting.save_figure(draw(dataset, **options), folder / f"{name}.png") for name, draw, options in drawn]
+    if find_spec("pyvista") is not None:
+        paths += _draw_in_space(dataset, folder)
+    return paths
+
+
+def _draw_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    from .. import plotting
+
+    if "mode_shape" in dataset:
+        count = min(10, dataset.sizes["mode"])
+        titles = [
+            f"{float(f):.1f} Hz  {kind}"
+            for f, kind in zip(dataset["mode_frequency"].values, dataset["mode_kind"].values, strict=True)
+        ]
+        return [
+            plotting.plot_mode_shapes(
+                dataset["node_position"].values,
+                dataset["cell_nodes"].values,
+                dataset["mode_shape"].values[:count],
+                titles[:count],
+                folder / "mode_shapes.png",
+            )
+        ]
+    if "cumulative_slip" in dataset and float(dataset["cumulative_slip"].max()) > 0:
+        return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
+    return []

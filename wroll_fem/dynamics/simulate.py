@@ -1,0 +1,257 @@
+"""Time histories: drive a stepper through a base motion, with checkpoints, and collect a Dataset."""
+
+from __future__ import annotations
+
+import os
+import time as clock
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import xarray as xr
+
+from ..body import FloatArray
+from ..errors import ConvergenceError, InputError
+from ..progress import Progress, SilentProgress
+from ..results import annotate
+from .condensed import CondensedStepper
+from .full import FullStepper
+from .hht import Scheme
+from .static import ContactState
+from .stepper import ITERATIONS, RECORDS, NewtonOptions, Stepper
+from .system import System
+
+CHUNK = 200
+"""Steps between two looks at progress, checkpoint and interrupt; a resumed run keeps these borders."""
+
+
+class Motion(Protocol):
+    """Base motion; see `signals.base_motion`."""
+
+    @property
+    def duration(self) -> float: ...
+    def acceleration(self, time: FloatArray) -> FloatArray: ...
+    def frequency(self, time: FloatArray) -> FloatArray: ...
+
+
+@dataclass(frozen=True)
+class Checkpointing:
+    """Where and how often a run saves itself.
+
+    Attributes
+    ----------
+    path
+        Checkpoint file (.npz).
+    seconds
+        Wall time between checkpoints.
+    resume
+        Go on from ``path``.
+    """
+
+    path: Path
+    seconds: float = 60.0
+    resume: bool = False
+
+
+def make_stepper(
+    system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float
+) -> Stepper:
+    """Stepper by the name of `solver.method`: "condensed" or "full"."""
+    if method == "condensed":
+        return CondensedStepper(system, preload, scheme, options, dt=dt)
+    if method == "full":
+        return FullStepper(system, preload, scheme, options)
+    raise InputError(f"unknown method {method!r}", key="solver.method", remedy="use condensed or full")
+
+
+def simulate(
+    system: System,
+    preload: ContactState,
+    motion: Motion,
+    *,
+    dt: float,
+    scheme: Scheme,
+    method: str = "condensed",
+    options: NewtonOptions | None = None,
+    progress: Progress | None = None,
+    checkpoint: Checkpointing | None = None,
+    every: int = 0,
+    stepper: Stepper | None = None,
+) -> xr.Dataset:
+    """Time history of a preloaded system whose base moves.
+
+    Parameters
+    ----------
+    motion
+        Base acceleration over time (signals.base_motion).
+    dt
+        Time step, s.
+    every
+        Keep the relative displacement of all points every this many steps; 0 keeps none.
+    stepper
+        A stepper made before by `make_stepper` (to look at its modes first); made here when None.
+
+    Returns
+    -------
+    xr.Dataset
+        `time` dimension (first entry: the state at rest), ledger in J cumulative from 0, interface fields.
+
+    Raises
+    ------
+    ConvergenceError
+        With everything computed before in its ``partial`` attribute.
+    """
+    options = options or NewtonOptions()
+    progress = progress or SilentProgress()
+    if stepper is None:
+        stepper = make_stepper(system, preload, method=method, scheme=scheme, options=options, dt=dt)
+    steps = int(np.ceil(motion.duration / dt - 1e-9))
+    times = dt * np.arange(steps + 1)
+    base = np.asarray(motion.acceleration(times))
+    run = _Run(stepper, np.zeros((steps, len(RECORDS))), 0, [], [])
+    fingerprint = np.array([dt, steps, every, system.n_dofs, system.n_points, float(np.abs(base).sum())])
+    if checkpoint is not None and checkpoint.resume:
+        run.load(checkpoint.path, fingerprint)
+    chunk = min(every, CHUNK) if every else CHUNK
+    saved = clock.monotonic()
+    with progress.stage("time integration", steps, "steps") as stage:
+        while run.done < steps:
+            before = stepper.snapshot()
+            count = min(chunk, steps - run.done)
+            if every:
+                count = min(count, every - run.done % every)
+            try:
+                part = stepper.advance(base[run.done : run.done + count + 1], dt, times[run.done])
+            except (ConvergenceError, KeyboardInterrupt) as stop:
+                stepper.restore(before)
+                if checkpoint is not None:
+                    run.save(checkpoint.path, fingerprint)
+                if isinstance(stop, ConvergenceError):
+                    stop.partial = run.dataset(system, preload, times, base, motion)  # type: ignore[attr-defined]
+                raise
+            run.records[run.done : run.done + count] = part
+            run.done += count
+            if every and run.done % every == 0:
+                run.keep_slip(times[run.done])
+            stage.update(run.done, f"{motion.frequency(times[run.done : run.done + 1])[0]:.1f} Hz")
+            if checkpoint is not None and clock.monotonic() - saved > checkpoint.seconds:
+                run.save(checkpoint.path, fingerprint)
+                saved = clock.monotonic()
+    return run.dataset(system, preload, times, base, motion)
+
+
+@dataclass
+class _Run:
+    """Progress of a time history: stepper, records (steps, columns) and kept slip fields."""
+
+    stepper: Stepper
+    records: FloatArray
+    done: int
+    kept: list[FloatArray]
+    kept_times: list[float]
+
+    def keep_slip(self, time: float) -> None:
+        n = self.stepper.system.n_points
+        jump = self.stepper.jump - self.stepper.preload.jump  # type: ignore[attr-defined]
+        self.kept.append(jump[: 2 * n].copy())
+        self.kept_times.append(time)
+
+    def save(self, path: Path, fingerprint: FloatArray) -> None:
+        """Write the checkpoint; the old one is replaced only by a complete one."""
+        n = 2 * self.stepper.system.n_points
+        partial = path.with_name(path.name + ".partial.npz")
+        np.savez(
+            partial,
+            fingerprint=fingerprint,
+            done=self.done,
+            records=self.records[: self.done],
+            kept=np.array(self.kept).reshape(-1, n),
+            kept_times=np.array(self.kept_times),
+            **{f"state_{name}": value for name, value in self.stepper.snapshot().items()},
+        )
+        os.replace(partial, path)
+
+    def load(self, path: Path, fingerprint: FloatArray) -> None:
+        """Go on from a checkpoint of the same run.
+
+        Raises
+        ------
+        InputError
+            If the file is missing, damaged or belongs to another run.
+        """
+        try:
+            with np.load(path) as data:
+                if not np.array_equal(data["fingerprint"], fingerprint):
+                    raise InputError(
+                        "the checkpoint belongs to another run", file=str(path), remedy="run without --resume"
+                    )
+                self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
+                self.done = int(data["done"])
+                self.records[: self.done] = data["records"]
+                self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError(
+                f"the checkpoint cannot be read ({error})", file=str(path), remedy="run without --resume"
+            ) from None
+
+    def dataset(
+        self, system: System, preload: ContactState, times: FloatArray, base: FloatArray, motion: Motion
+    ) -> xr.Dataset:
+        """Everything computed so far."""
+        m = self.done + 1
+        columns = np.vstack([np.zeros(len(RECORDS)), self.records[: self.done]])
+        columns[0, RECORDS.index("tip_acceleration")] = 0.0
+        data: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
+            name: (("time",), columns[:m, i]) for i, name in enumerate(RECORDS)
+        }
+        data["base_acceleration"] = (("time",), base[:m])
+        data["instantaneous_frequency"] = (("time",), np.asarray(motion.frequency(times[:m])))
+        dataset = xr.Dataset(data, coords={"time": times[:m]})
+        if system.interfaces:
+            dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper)])
+        if self.kept:
+            n = system.n_points
+            kept = np.array(self.kept).reshape(len(self.kept), len(system.interfaces), n // len(system.interfaces), 2)
+            for c, name in enumerate(("hoop", "axial")):
+                dataset[f"relative_displacement_{name}"] = (("snapshot_time", "interface", "point"), kept[..., c])
+            dataset = dataset.assign_coords(snapshot_time=np.array(self.kept_times))
+        iterations = self.records[: self.done, ITERATIONS]
+        dataset.attrs |= {
+            "steps": self.done,
+            "step_cuts": self.stepper.cuts,
+            "newton_iterations_mean": float(iterations.mean()) if self.done else 0.0,
+            "dofs": system.n_dofs,
+            "interface_points": system.n_points,
+        }
+        return annotate(dataset)
+
+
+def interface_fields(system: System, preload: ContactState, stepper: Stepper | None = None) -> xr.Dataset:
+    """Per-point fields over (interface, point): preload pressure and traction, and the slip a stepper gathered."""
+    count = len(system.interfaces)
+    shape = (count, system.n_points // count)
+    dims = ("interface", "point")
+    points = system.interfaces[0].points
+    traction = preload.traction[: 2 * system.n_points].reshape(*shape, 2)
+    data = {
+        "area": system.laws.area.reshape(shape),
+        "pressure": preload.pressure.reshape(shape),
+        "traction_hoop": traction[..., 0],
+        "traction_axial": traction[..., 1],
+    }
+    if stepper is not None:
+        slip = stepper.slip
+        vector = slip.peak_vector.reshape(*shape, 2)
+        data |= {
+            "cumulative_slip": slip.path.reshape(shape),
+            "max_slip": slip.peak.reshape(shape),
+            "slipped": slip.path.reshape(shape) > 0.0,
+            "peak_slip_hoop": vector[..., 0],
+            "peak_slip_axial": vector[..., 1],
+        }
+    radius = np.array([float(np.mean(i.points[:, 2])) for i in system.interfaces])
+    return xr.Dataset(
+        {name: (dims, values) for name, values in data.items()} | {"radius": (("interface",), radius)},
+        coords={"interface": np.arange(count), "theta_rad": ("point", points[:, 0]), "z_m": ("point", points[:, 1])},
+    )
