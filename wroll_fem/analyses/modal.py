@@ -9,8 +9,7 @@ import scipy.sparse as sp
 import xarray as xr
 
 from ..body import Body, FloatArray
-from ..dynamics.condensed import stick_springs
-from ..dynamics.static import solve_preload
+from ..dynamics.static import solve_preload, stick_springs
 from ..dynamics.system import System
 from ..model import build_bodies, build_system
 from ..modes import align_pairs, classify_mode, effective_mass_fractions

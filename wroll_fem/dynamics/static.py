@@ -6,17 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 
 from ..body import FloatArray
 from ..contact import kernels
 from ..errors import ConvergenceError
+from .condensation import Condensation, condense_cyclic
 from .linear import Factorisation, factorise
 from .system import System
 
 
 KEEP_RATE = 0.1
 """A factorisation is kept while each iteration reduces the residual by this."""
+
+LEAST_TANGENT = 1e-6
+"""Share of the normal penalty that Newton's matrix (never the residual) gives to a point that holds nothing yet."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +130,7 @@ def solve_static(
     trial, jump_operator, weights = TrialContact(system), system.jump, system.weights
     u = state.displacement.copy()
     history: list[float] = []
-    floor = 1e-6 * float(system.laws.kn.max(initial=0.0))
+    floor = LEAST_TANGENT * float(system.laws.kn.max(initial=0.0))
 
     def residual(u: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         jump = jump_operator @ u
@@ -163,10 +168,88 @@ def solve_static(
                 continue
         u = u - best[1] * step
         r, jump, size = residual(u)
-    raise ConvergenceError(
+    raise _unconverged(load_factor, max_iterations, history)
+
+
+def stick_springs(system: System, state: ContactState) -> FloatArray:
+    """(3 n_points,) stiffness per slot of the contact that sticks at ``state``, Pa/m; open points have none."""
+    law, pressure = system.laws, state.pressure
+    closed = (pressure > 0) | ~law.separation
+    return np.concatenate([np.repeat(law.mu * pressure / law.gamma, 2), np.where(closed, law.kn, 0.0)])
+
+
+class CondensedStatic:
+    """`solve_static` on the interfaces alone, for a roll with rotational symmetry: exact, dense, much faster.
+
+    With springs D in the interfaces, u = (K + G^T W D G)^{-1} (f - G^T W s) and s = t(g) - D g, so that
+    g = g_f - F s is a dense system of interface size.
+    """
+
+    @classmethod
+    def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
+        """Solver for ``system``, or None when it has no interfaces or no rotational symmetry.
+
+        ``traction_scale``: pressure in Pa near which the solver's built-in springs are chosen; any positive
+        value gives the same solution.
+        """
+        law = system.laws
+        if not system.interfaces:
+            return None
+        stick = np.maximum(law.mu * traction_scale / law.gamma, LEAST_TANGENT * law.kn)
+        condensation = condense_cyclic(system, np.concatenate([np.repeat(stick, 2), law.kn]))
+        return None if condensation is None else cls(system, condensation)
+
+    def __init__(self, system: System, condensation: Condensation):
+        self.system, self.condensation = system, condensation
+        self.springs = condensation.springs
+        self.flexibility = 1.0 / condensation.eigenvalues
+        self.compliance = condensation.compliance(self.flexibility, system.laws.area)[1]
+
+    def __call__(
+        self,
+        force: FloatArray,
+        state: ContactState,
+        *,
+        tolerance: float = 1e-12,
+        max_iterations: int = 40,
+        load_factor: float = 1.0,
+    ) -> ContactState:
+        """Equilibrium under ``force`` (n_dofs,); arguments and errors as `solve_static`."""
+        system, trial = self.system, TrialContact(self.system)
+        free = self.condensation.coordinates(force) * self.flexibility
+        g_free = system.jump @ self.condensation.displacement(free)
+        floor = LEAST_TANGENT * float(system.laws.kn.max())
+        limit = tolerance * max(float(np.abs(g_free).max(initial=0.0)), float(system.laws.gamma.min()))
+
+        def residual(g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+            s = trial(g, state) - self.springs * g
+            rho = g - g_free + self.compliance @ s
+            return rho, s, float(np.abs(rho).max())
+
+        g = state.jump.copy()
+        rho, s, size = residual(g)
+        history = [size]
+        for _ in range(max_iterations):
+            if size <= limit:
+                q = free - self.flexibility * self.condensation.coordinates(system.jump.T @ (system.weights * s))
+                return trial.committed(self.condensation.displacement(q), g)
+            change = trial.stiffness(g, state, floor) - sp.diags(self.springs)
+            matrix = np.eye(len(g)) + self.compliance @ change
+            step = la.solve(matrix, rho, overwrite_a=True, check_finite=False)
+            damping = 1.0
+            while damping > 0.01 and not residual(g - damping * step)[2] < size:
+                damping *= 0.5
+            g = g - damping * step
+            rho, s, size = residual(g)
+            history.append(size)
+        raise _unconverged(load_factor, max_iterations, history)
+
+
+def _unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:
+    return ConvergenceError(
         f"static step did not converge (load factor {load_factor:.4g})",
         time_s=load_factor,
-        iterations=max_iterations,
+        iterations=iterations,
         residual_history=history,
         advice="raise preload.steps, or check that friction or a support holds every body",
     )
@@ -179,10 +262,12 @@ def solve_load_path(
     *,
     max_cuts: int = 6,
     progress: Callable[[int], None] | None = None,
+    condensed: CondensedStatic | None = None,
 ) -> list[ContactState]:
     """Quasi-static path through a sequence of force vectors, committing friction at each.
 
-    A step that does not converge is cut in halves up to ``max_cuts`` times.
+    A step that does not converge is cut in halves up to ``max_cuts`` times. ``condensed`` solves on the interfaces
+    alone; without it the whole structure is solved.
 
     Returns
     -------
@@ -197,9 +282,11 @@ def solve_load_path(
         while done < 1.0:
             step = min(step, 1.0 - done)
             try:
-                current = solve_static(
-                    system, previous + (done + step) * (target - previous), current, load_factor=i + done + step
-                )
+                force = previous + (done + step) * (target - previous)
+                if condensed is None:
+                    current = solve_static(system, force, current, load_factor=i + done + step)
+                else:
+                    current = condensed(force, current, load_factor=i + done + step)
             except ConvergenceError:
                 step *= 0.5
                 if step < 0.5**max_cuts:
@@ -219,10 +306,19 @@ def equilibrium_force(system: System, state: ContactState) -> FloatArray:
 
 
 def solve_preload(
-    system: System, *, steps: int = 10, progress: Callable[[int], None] | None = None
+    system: System, *, steps: int = 10, progress: Callable[[int], None] | None = None, condensed: bool = True
 ) -> ContactState:
-    """Ramp the load "preload" in equal steps with friction; the state it leaves starts the dynamics."""
+    """Ramp the load "preload" in equal steps with friction; the state it leaves starts the dynamics.
+
+    Parameters
+    ----------
+    condensed
+        Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
+    """
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):
         return ContactState.unloaded(system)
-    return solve_load_path(system, [force * (i + 1) / steps for i in range(steps)], progress=progress)[-1]
+    scale = float(np.abs(force).sum() / max(system.laws.area.sum(), 1e-300)) / np.sqrt(3.0)
+    solver = CondensedStatic.of(system, scale) if condensed else None
+    path = [force * (i + 1) / steps for i in range(steps)]
+    return solve_load_path(system, path, progress=progress, condensed=solver)[-1]
