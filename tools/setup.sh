@@ -10,6 +10,7 @@ stamp=.venv/.wroll-setup
 packages=(
     python3-dolfinx-real python3-petsc4py-real python3-slepc4py-real python3-mpi4py python3-scipy
     python3-h5py python3-h5py-mpi python3-venv python3-dev gcc libc6-dev make ca-certificates
+    libopenblas0-pthread # three times the speed of the reference BLAS in the time loop
     libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1
 )
 

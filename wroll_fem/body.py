@@ -87,4 +87,5 @@ class Body:
 
     @property
     def n_dofs(self) -> int:
+        """Number of unknowns."""
         return int(self.stiffness.shape[0])

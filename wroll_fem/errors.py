@@ -57,9 +57,7 @@ class ConvergenceError(WrollError):
 
     exit_code = 3
 
-    def __init__(
-        self, message: str, *, time_s: float, iterations: int, residual_history: Sequence[float], advice: str
-    ):
+    def __init__(self, message: str, *, time_s: float, iterations: int, residual_history: Sequence[float], advice: str):
         self.time_s, self.iterations = time_s, iterations
         self.residual_history, self.advice = list(residual_history), advice
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])

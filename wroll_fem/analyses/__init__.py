@@ -44,9 +44,7 @@ ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
 """Name in the case file -> function of the case, returning an annotated Dataset."""
 
 
-def run_analysis(
-    case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
-) -> xr.Dataset:
+def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
     """Run the analysis that the case asks for.
 
     Parameters

@@ -98,8 +98,8 @@ def case_warnings(case: Case) -> list[str]:
     integrator = case.integrator
     if case.analysis in ("sweep", "dwell") and integrator.scheme in ("moderate_dissipation", "quasi_static"):
         warnings.append(
-            f"integrator.scheme {integrator.scheme} takes a visible part of the energy itself; use hht with alpha -0.05, "
-            "and read numerical_dissipation_j next to friction_energy_j"
+            f"integrator.scheme {integrator.scheme} takes a visible part of the energy itself; use hht with alpha "
+            "-0.05, and read numerical_dissipation_j next to friction_energy_j"
         )
     return warnings
 
@@ -123,15 +123,16 @@ def _contact_warnings(case: Case) -> list[str]:
     if case.mesh.file is None and height > 0.5 * lag:
         need = math.ceil(case.mesh.axial * height / (0.5 * lag))
         warnings.append(
-            f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag length "
-            f"at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm and wants two elements; peak and f_n can be off by "
-            f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
+            f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
+            f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm and wants two elements; peak and f_n "
+            f"can be off by some per cent; raise mesh.axial (about {need}) or mesh.grading"
         )
     total, limit = sum(case.preload.per_layer(case.coil.layers)), buckling_pressure(case)
     if total > limit:
         warnings.append(
-            f"preload.pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, about "
-            f"{limit / 1e3:.0f} kPa: kinematics are linear and do not see it; real winding pressure is balanced by web tension"
+            f"preload.pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, "
+            f"about {limit / 1e3:.0f} kPa: kinematics are linear and do not see it; real winding pressure is balanced "
+            "by web tension"
         )
     if 0 < min(pressures) < 2e3:
         warnings.append(

@@ -60,9 +60,7 @@ def run_preload(case: Case, *, progress: Progress) -> xr.Dataset:
     return annotate(dataset)
 
 
-def run_history(
-    case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
-) -> xr.Dataset:
+def run_history(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
     """Sweep or dwell: time history with energy ledger, slip fields, and for a sweep the transmissibility."""
     motion = base_motion(case.excitation)
     system, state = prepare(case, progress)
@@ -70,9 +68,7 @@ def run_history(
     scheme = Scheme.named(integrator.scheme, integrator.alpha)
     options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
     with progress.stage("condensation" if solver.method == "condensed" else "set-up", 1) as stage:
-        stepper = make_stepper(
-            system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step
-        )
+        stepper = make_stepper(system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step)
         stage.update(1)
     _remarks(stepper, progress)
     try:

@@ -1,0 +1,1 @@
+"""Interfaces between bodies and the laws that act in them."""

@@ -86,6 +86,7 @@ class Interface:
 
     @property
     def n_points(self) -> int:
+        """Number of contact points."""
         return len(self.areas)
 
 

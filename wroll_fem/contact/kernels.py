@@ -128,14 +128,13 @@ def interface_work(g_c, e_c, t_c, g, e, t, area, kn, mu, gamma, work):
 
 
 @numba.njit(cache=True)
-def record_slip(g_c, e_c, g, e, g_0, t, area_slip, peak, peak_vector):
+def record_slip(g_c, e_c, g, e, g_0, status, path, peak, peak_vector):
     """Accumulate slip path (n,), m, and the largest tangential displacement vector (n, 2) since ``g_0``."""
-    n = area_slip.shape[0]
-    for k in range(n):
-        dh = g[2 * k] - g_c[2 * k] - (e[2 * k] - e_c[2 * k])
-        dz = g[2 * k + 1] - g_c[2 * k + 1] - (e[2 * k + 1] - e_c[2 * k + 1])
-        if t[2 * n + k] < 0.0:
-            area_slip[k] += np.sqrt(dh * dh + dz * dz)
+    for k in range(path.shape[0]):
+        if status[k] == SLIP:  # a point that sticks has no plastic slip but that of rounding
+            dh = g[2 * k] - g_c[2 * k] - (e[2 * k] - e_c[2 * k])
+            dz = g[2 * k + 1] - g_c[2 * k + 1] - (e[2 * k + 1] - e_c[2 * k + 1])
+            path[k] += np.sqrt(dh * dh + dz * dz)
         rh = g[2 * k] - g_0[2 * k]
         rz = g[2 * k + 1] - g_0[2 * k + 1]
         size = np.sqrt(rh * rh + rz * rz)

@@ -1,0 +1,1 @@
+"""Systems with frictional interfaces: statics and time integration; knows no finite elements."""

@@ -221,7 +221,9 @@ def _amplitudes(slot_jump: FloatArray, profile: FloatArray, area: FloatArray, n:
     r = slot_jump.shape[1]
     tangential = slot_jump[: 2 * n].reshape(rows, n_theta, 2, r)
     parts = []
-    for c, values in enumerate((tangential[:, :, 0], tangential[:, :, 1], slot_jump[2 * n :].reshape(rows, n_theta, r))):
+    for c, values in enumerate(
+        (tangential[:, :, 0], tangential[:, :, 1], slot_jump[2 * n :].reshape(rows, n_theta, r))
+    ):
         norm = area @ profile[c] ** 2
         projected = np.einsum("ij,j,ijk->ik", area, profile[c], values)
         parts.append(projected / np.where(norm > 1e-12 * norm.max(initial=1e-300), norm, np.inf)[:, None])

@@ -40,9 +40,7 @@ class CondensedStepper(Stepper):
 
     state_names = ("q", "v", "a", "residual", "residual_change", "jump", "jump_before", "elastic_slip", "traction")
 
-    def __init__(
-        self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float
-    ):
+    def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
         super().__init__(system, preload, scheme, options)
         self.condensation = condense(system, stick_springs(system, preload), scheme, dt)
         r = len(self.condensation.eigenvalues)
@@ -82,6 +80,7 @@ class CondensedStepper(Stepper):
         return self._operators[dt]
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
+        """Advance in the compiled loop; see `Stepper.try_steps`."""
         law, c, s = self.system.laws, self.condensation, self.scheme
         inverse, blocks, compliance = self._operator(dt)
         history = np.zeros(self.options.max_iterations + 1)

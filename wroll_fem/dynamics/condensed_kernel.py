@@ -254,7 +254,7 @@ def advance_steps(
         )  # fmt: skip
         if n > 0:
             interface_work(jump, elastic_slip, traction, g, e, t, area, kn, mu, gamma, totals)
-            record_slip(jump, elastic_slip, g, e, g_0, t, slip_path, slip_peak, slip_vector)
+            record_slip(jump, elastic_slip, g, e, g_0, status, slip_path, slip_peak, slip_vector)
             jump_before[:] = jump
             jump[:] = g
             elastic_slip[:] = e

@@ -105,6 +105,7 @@ class FullStepper(Stepper):
         return None
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
+        """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
         system, s, laws = self.system, self.scheme, self.system.laws
         for step in range(len(acceleration) - 1):
             ag, ag_new = float(acceleration[step]), float(acceleration[step + 1])
@@ -127,7 +128,7 @@ class FullStepper(Stepper):
                 laws.area, laws.kn, laws.mu, laws.gamma, self.totals,
             )  # fmt: skip
             kernels.record_slip(
-                self.jump, self.elastic_slip, jump, self.trial.elastic_slip, self.preload.jump, self.trial.traction,
+                self.jump, self.elastic_slip, jump, self.trial.elastic_slip, self.preload.jump, self.trial.status,
                 self.slip.path, self.slip.peak, self.slip.peak_vector,
             )  # fmt: skip
             self.w[:], self.v[:], self.a[:], self.residual[:], self.residual_change[:] = w, v, a, r, dr

@@ -60,7 +60,5 @@ class Scheme:
             "quasi_static": cls(0.0, 1.0, 1.0),
         }
         if name not in named:
-            raise InputError(
-                f"unknown scheme {name!r}", key="integrator.scheme", remedy=f"use hht, {', '.join(named)}"
-            )
+            raise InputError(f"unknown scheme {name!r}", key="integrator.scheme", remedy=f"use hht, {', '.join(named)}")
         return named[name]

@@ -17,7 +17,9 @@ SMALL = 1000
 class Factorisation(Protocol):
     """A factored matrix: `solve` takes (n,) or (n, k)."""
 
-    def solve(self, rhs: FloatArray) -> FloatArray: ...
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solution (n,) or (n, k)."""
+        ...
 
 
 class _Mumps:
@@ -48,7 +50,9 @@ class _Mumps:
             x = b.duplicate()
             self._ksp.solve(b, x)
             return np.array(x.getArray())
-        dense = self._petsc.Mat().createDense((n, rhs.shape[1]), array=np.asfortranarray(rhs), comm=self._petsc.COMM_SELF)
+        dense = self._petsc.Mat().createDense(
+            (n, rhs.shape[1]), array=np.asfortranarray(rhs), comm=self._petsc.COMM_SELF
+        )
         result = self._petsc.Mat().createDense((n, rhs.shape[1]), comm=self._petsc.COMM_SELF)
         result.setUp()
         dense.assemble()
@@ -66,5 +70,5 @@ def factorise(matrix: sp.spmatrix) -> Factorisation:
         If the matrix is exactly singular (SuperLU).
     """
     if matrix.shape[0] <= SMALL:
-        return spla.splu(sp.csc_matrix(matrix))  # type: ignore[no-any-return]
+        return spla.splu(sp.csc_matrix(matrix))
     return _Mumps(matrix)

@@ -30,9 +30,17 @@ class Motion(Protocol):
     """Base motion; see `signals.base_motion`."""
 
     @property
-    def duration(self) -> float: ...
-    def acceleration(self, time: FloatArray) -> FloatArray: ...
-    def frequency(self, time: FloatArray) -> FloatArray: ...
+    def duration(self) -> float:
+        """Length in s."""
+        ...
+
+    def acceleration(self, time: FloatArray) -> FloatArray:
+        """Base acceleration in m/s^2 at ``time`` (n,) in s."""
+        ...
+
+    def frequency(self, time: FloatArray) -> FloatArray:
+        """Instantaneous frequency in Hz."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -234,7 +242,7 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
     dims = ("interface", "point")
     points = system.interfaces[0].points
     traction = preload.traction[: 2 * system.n_points].reshape(*shape, 2)
-    data = {
+    data: dict[str, np.ndarray] = {
         "area": system.laws.area.reshape(shape),
         "pressure": preload.pressure.reshape(shape),
         "traction_hoop": traction[..., 0],

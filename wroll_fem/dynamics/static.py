@@ -16,7 +16,6 @@ from .condensation import Condensation, condense_cyclic
 from .linear import Factorisation, factorise
 from .system import System
 
-
 KEEP_RATE = 0.1
 """A factorisation is kept while each iteration reduces the residual by this."""
 
@@ -149,9 +148,7 @@ def solve_static(
         fresh = factor is None
         if factor is None:
             tangent = trial.stiffness(jump, state, floor)
-            factor = factorise(
-                system.stiffness + jump_operator.T @ sp.diags(weights) @ tangent @ jump_operator
-            )
+            factor = factorise(system.stiffness + jump_operator.T @ sp.diags(weights) @ tangent @ jump_operator)
         step = factor.solve(r)
         damping, best = 1.0, (np.inf, 0.0)
         for _ in range(8):

@@ -50,6 +50,7 @@ class SlipRecord:
 
     @classmethod
     def zeros(cls, n: int) -> SlipRecord:
+        """No slip yet at ``n`` points."""
         return cls(np.zeros(n), np.zeros(n), np.zeros(2 * n))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,6 +33,7 @@ class PointLaws:
 
     @property
     def n(self) -> int:
+        """Number of points."""
         return len(self.area)
 
 
@@ -78,14 +80,18 @@ class System:
 
     @property
     def n_dofs(self) -> int:
+        """Number of unknowns."""
         return int(self.stiffness.shape[0])
 
     @property
     def n_points(self) -> int:
+        """Contact points of all interfaces."""
         return sum(interface.n_points for interface in self.interfaces)
 
     @cached_property
     def laws(self) -> PointLaws:
+        """Areas and law parameters of all points."""
+
         def stacked(values: Sequence[tuple[float, int]], dtype: type = float) -> np.ndarray:
             return np.concatenate([np.full(count, value, dtype) for value, count in values] or [np.zeros(0, dtype)])
 
@@ -145,7 +151,7 @@ class System:
             (n_bodies - 1,) external pressure on each layer in Pa, inner first.
         """
         starts = np.concatenate([[0], np.cumsum([b.n_dofs for b in bodies])])
-        columns = [slice(int(a), int(b)) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        columns = [slice(int(a), int(b)) for a, b in pairwise(starts)]
         n = int(starts[-1])
         interfaces = []
         if len(bodies) > 1:
