@@ -3,8 +3,8 @@ r"""Circumferential harmonics: the invariant subspaces of a roll with rotational
 A roll meshed with C equal sectors maps onto itself under a rotation by 2 pi / C. In cylindrical components
 (r, theta, z) its matrices then couple a harmonic :math:`\cos h\theta, \sin h\theta` of the nodes of one ring
 only to the same harmonic of other rings: K and M fall into about C/2 small blocks (twice that without a
-symmetry plane), and so does the interface compliance. Nothing is neglected; whoever uses the blocks checks first that they do not couple
-(`condensation`), and a mesh without the symmetry simply has none.
+symmetry plane), and so does the interface compliance. Nothing is neglected; whoever uses the blocks checks
+first that they do not couple (`condensation`), and a mesh without the symmetry simply has none.
 
 Parity "even" holds motions symmetric about the x-z plane (u_r, u_z, r_theta as cosines; u_theta, r_r, r_z as sines),
 "odd" the others.
