@@ -98,7 +98,7 @@ class FullStepper(Stepper):
             force, r, jump = imbalance(w)
             if new <= self.residual_limit:
                 return w, r, iteration
-            if new > FULL_NEWTON_RATE * size or iteration == 1:
+            if new > FULL_NEWTON_RATE * size:
                 self._factor = None
             size = new
         self._factor = None

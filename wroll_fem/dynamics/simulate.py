@@ -117,35 +117,26 @@ def simulate(
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     times = dt * np.arange(steps + 1)
     base = np.asarray(motion.acceleration(times))
-    run = _Run(stepper, np.zeros((steps, len(RECORDS))), 0, [], [])
+    run = _Run(stepper, np.zeros((steps, len(RECORDS))), [], [])
     fingerprint = np.array([dt, steps, every, system.n_dofs, system.n_points, float(np.abs(base).sum())])
     if checkpoint is not None and checkpoint.resume:
         run.load(checkpoint.path, fingerprint)
-    chunk = min(every, CHUNK) if every else CHUNK
     saved = clock.monotonic()
-    with progress.stage("time integration", steps, "steps") as stage:
-        while run.done < steps:
-            before = stepper.snapshot()
-            count = min(chunk, steps - run.done)
-            if every:
-                count = min(count, every - run.done % every)
-            try:
-                part = stepper.advance(base[run.done : run.done + count + 1], dt, times[run.done])
-            except (ConvergenceError, KeyboardInterrupt) as stop:
-                stepper.restore(before)
-                if checkpoint is not None:
+    try:
+        with progress.stage("time integration", steps, "steps") as stage:
+            while run.done < steps:
+                run.advance(base, times, dt, every)
+                stage.update(run.done, f"{motion.frequency(times[run.done : run.done + 1])[0]:.1f} Hz")
+                if checkpoint is not None and clock.monotonic() - saved > checkpoint.seconds:
                     run.save(checkpoint.path, fingerprint)
-                if isinstance(stop, ConvergenceError):
-                    stop.partial = run.dataset(system, preload, times, base, motion)  # type: ignore[attr-defined]
-                raise
-            run.records[run.done : run.done + count] = part
-            run.done += count
-            if every and run.done % every == 0:
-                run.keep_slip(times[run.done])
-            stage.update(run.done, f"{motion.frequency(times[run.done : run.done + 1])[0]:.1f} Hz")
-            if checkpoint is not None and clock.monotonic() - saved > checkpoint.seconds:
-                run.save(checkpoint.path, fingerprint)
-                saved = clock.monotonic()
+                    saved = clock.monotonic()
+    except (ConvergenceError, KeyboardInterrupt) as stop:
+        stepper.restore(run.state)
+        if checkpoint is not None:
+            run.save(checkpoint.path, fingerprint)
+        if isinstance(stop, ConvergenceError):
+            stop.partial = run.dataset(system, preload, times, base, motion)  # type: ignore[attr-defined]
+        raise
     return run.dataset(system, preload, times, base, motion)
 
 
@@ -155,15 +146,37 @@ class _Run:
 
     stepper: Stepper
     records: FloatArray
-    done: int
     kept: list[FloatArray]
     kept_times: list[float]
 
-    def keep_slip(self, time: float) -> None:
-        n = self.stepper.system.n_points
-        jump = self.stepper.jump - self.stepper.preload.jump  # type: ignore[attr-defined]
-        self.kept.append(jump[: 2 * n].copy())
-        self.kept_times.append(time)
+    def __post_init__(self) -> None:
+        self._committed = (0, self.stepper.snapshot())
+
+    @property
+    def done(self) -> int:
+        """Steps done."""
+        return self._committed[0]
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """Stepper's state after these steps."""
+        return self._committed[1]
+
+    def advance(self, base: FloatArray, times: FloatArray, dt: float, every: int) -> None:
+        """Do one chunk of steps; an interrupt at any moment leaves `done` and `state` of the same step."""
+        done = self.done
+        count = min(CHUNK, len(self.records) - done)
+        if every:
+            count = min(count, every - done % every)
+        part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
+        self.records[done : done + count] = part
+        done += count
+        if every and done % every == 0 and len(self.kept) < done // every:
+            n = self.stepper.system.n_points
+            jump = self.stepper.jump - self.stepper.preload.jump
+            self.kept.append(jump[: 2 * n].copy())
+            self.kept_times.append(float(times[done]))
+        self._committed = (done, self.stepper.snapshot())
 
     def save(self, path: Path, fingerprint: FloatArray) -> None:
         """Write the checkpoint; the old one is replaced only by a complete one."""
@@ -176,7 +189,7 @@ class _Run:
             records=self.records[: self.done],
             kept=np.array(self.kept).reshape(-1, n),
             kept_times=np.array(self.kept_times),
-            **{f"state_{name}": value for name, value in self.stepper.snapshot().items()},
+            **{f"state_{name}": value for name, value in self.state.items()},
         )
         os.replace(partial, path)
 
@@ -195,7 +208,7 @@ class _Run:
                         "the checkpoint belongs to another run", file=str(path), remedy="run without --resume"
                     )
                 self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
-                self.done = int(data["done"])
+                self._committed = (int(data["done"]), self.stepper.snapshot())
                 self.records[: self.done] = data["records"]
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
         except (OSError, ValueError, KeyError) as error:

@@ -73,14 +73,6 @@ class NewtonOptions:
     max_cuts: int = 6
 
 
-class StepFailed(Exception):
-    """A step did not converge; the committed state is untouched."""
-
-    def __init__(self, iterations: int, history: list[float]):
-        self.iterations, self.history = iterations, history
-        super().__init__("step did not converge")
-
-
 class Stepper(ABC):
     """Advances a system step by step from its preload state.
 
@@ -109,6 +101,8 @@ class Stepper(ABC):
         """
 
     last_history: list[float]
+    jump: FloatArray
+    """(3 n_points,) total relative displacement in slot order, m."""
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         """Advance k steps of size ``dt``, cutting those that do not converge.
