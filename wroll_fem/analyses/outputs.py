@@ -22,7 +22,7 @@ _READINGS = (
     "half_power_high_hz",
     "skewness",
 )
-_COUNTS = ("dofs", "interface_points", "steps", "step_cuts", "newton_iterations_mean", "mass_total_kg")
+_COUNTS = ("dofs", "interface_points", "steps", "step_cuts", "newton_iterations_mean", "solver_time_s", "mass_total_kg")
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:

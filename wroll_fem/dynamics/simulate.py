@@ -142,12 +142,13 @@ def simulate(
 
 @dataclass
 class _Run:
-    """Progress of a time history: stepper, records (steps, columns) and kept slip fields."""
+    """Progress of a time history: stepper, records (steps, columns), kept slip fields, CPU seconds in the steps."""
 
     stepper: Stepper
     records: FloatArray
     kept: list[FloatArray]
     kept_times: list[float]
+    seconds: float = 0.0
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
@@ -168,7 +169,9 @@ class _Run:
         count = min(CHUNK, len(self.records) - done)
         if every:
             count = min(count, every - done % every)
+        started = clock.process_time()
         part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
+        self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
@@ -186,6 +189,7 @@ class _Run:
             partial,
             fingerprint=fingerprint,
             done=self.done,
+            seconds=self.seconds,
             records=self.records[: self.done],
             kept=np.array(self.kept).reshape(-1, n),
             kept_times=np.array(self.kept_times),
@@ -210,6 +214,7 @@ class _Run:
                 self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
                 self._committed = (int(data["done"]), self.stepper.snapshot())
                 self.records[: self.done] = data["records"]
+                self.seconds = float(data["seconds"])
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
         except (OSError, ValueError, KeyError) as error:
             raise InputError(
@@ -241,6 +246,7 @@ class _Run:
         dataset.attrs |= {
             "steps": self.done,
             "step_cuts": self.stepper.cuts,
+            "solver_time_s": self.seconds,
             "newton_iterations_mean": float(iterations.mean()) if self.done else 0.0,
             "dofs": system.n_dofs,
             "interface_points": system.n_points,

@@ -1,0 +1,119 @@
+"""Make every figure and table of README.md and docs/ from runs: `.venv/bin/python tools/make_figures.py`.
+
+Runs are kept in runs/docs; what is already there is not computed again. About fifteen minutes on two cores.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+ROOT = Path(__file__).resolve().parents[1]
+RUNS, FIGURES = ROOT / "runs" / "docs", ROOT / "docs" / "figures"
+PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", "100 kPa": "1.0e5", "300 kPa": "3.0e5"}
+STUDY_MESH = ["mesh.circumferential=24", "mesh.axial=12"]
+WIDE = ["excitation.f_start=110", "excitation.f_end=185"]
+
+
+def jobs() -> dict[str, list[str]]:
+    """Name of each run -> case file and overrides."""
+    found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
+    for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
+        for label, pressure in PRESSURES.items():
+            sets = [f"preload.pressure={pressure}", *STUDY_MESH, *WIDE, "output.figures=false"]
+            found[f"{base}_{label.replace(' ', '')}"] = [f"configs/{file}", *sets]
+    for around, along in ((16, 8), (32, 16), (40, 20)):
+        sets = [f"mesh.circumferential={around}", f"mesh.axial={along}", "output.figures=false"]
+        found[f"mesh_{around}x{along}"] = ["configs/lab_sweep.yaml", *sets]
+    return found
+
+
+def run(name: str, words: list[str]) -> dict:
+    """Run one case (or find it done) and return its summary."""
+    out = RUNS / name
+    command = [str(ROOT / ".venv/bin/wroll"), "run", words[0], "--out", str(out), "--resume"]
+    command += [word for text in words[1:] for word in ("--set", text)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"{name}: {done.stderr.strip()}")
+    print(f"{name}: done", flush=True)
+    return json.loads((out / "summary.json").read_text())
+
+
+def base_table(summaries: dict[str, dict]) -> str:
+    """Free against clamped, preload by preload, as Markdown."""
+    lines = [
+        "| base | preload | interface pressure | f_n | zeta | peak T | skewness | friction work | friction / input |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for base in ("free", "clamped"):
+        for label in PRESSURES:
+            s = summaries[f"{base}_{label.replace(' ', '')}"]
+            zeta = f"{100 * s['zeta']:.2f} %" if s["zeta"] is not None else "not read"
+            skew = f"{s['skewness']:+.2f}" if s["skewness"] is not None else "not read"
+            lines.append(
+                f"| {base} | {label} | {s['interface_pressure_mean_pa'][0] / 1e3:.1f} kPa | {s['f_n_hz']:.1f} Hz | "
+                f"{zeta} | {s['peak_transmissibility']:.1f} | {skew} | "
+                f"{1e3 * s['friction_energy_j']:.3g} mJ | {100 * s['friction_energy_j'] / s['input_work_j']:.3g} % |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def mesh_table(summaries: dict[str, dict]) -> str:
+    """Convergence of the friction response with the mesh, as Markdown."""
+    lines = [
+        "| mesh | DOFs | contact points | f_n | zeta | peak T | friction work | time loop |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for name, s in summaries.items():
+        if not name.startswith("mesh_"):
+            continue
+        lines.append(
+            f"| {name[5:]} | {s['dofs']} | {s['interface_points']} | {s['f_n_hz']:.2f} Hz | {100 * s['zeta']:.2f} % | "
+            f"{s['peak_transmissibility']:.2f} | {1e3 * s['friction_energy_j']:.1f} mJ | {s['solver_time_s']:.0f} s |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def comparison(path: Path, base: str) -> None:
+    """Transmissibility of all preloads of one base condition."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from wroll_fem.plotting import plot_comparison, save_figure
+    from wroll_fem.results import load_dataset
+
+    runs = {label: load_dataset(RUNS / f"{base}_{label.replace(' ', '')}" / "results.nc") for label in PRESSURES}
+    save_figure(plot_comparison(runs), path)
+
+
+def main() -> None:
+    """Run everything, then copy pictures and write tables."""
+    FIGURES.mkdir(parents=True, exist_ok=True)
+    todo = jobs()
+    with ThreadPoolExecutor(int(os.environ.get("WORKERS", "2"))) as pool:
+        summaries = dict(zip(todo, pool.map(run, todo, todo.values()), strict=True))
+    for source, target in (
+        ("main/figures/transmissibility.png", "transmissibility.png"),
+        ("main/figures/slip_map_01.png", "slip_map.png"),
+        ("main/figures/slip_on_cylinder.png", "slip_on_cylinder.png"),
+        ("main/figures/energy_ledger.png", "energy_ledger.png"),
+        ("main/figures/response.png", "response.png"),
+        ("modes/figures/mode_shapes.png", "mode_shapes.png"),
+    ):
+        shutil.copy(RUNS / source, FIGURES / target)
+    comparison(FIGURES / "base_free.png", "free")
+    comparison(FIGURES / "base_clamped.png", "clamped")
+    (ROOT / "docs" / "tables").mkdir(exist_ok=True)
+    (ROOT / "docs" / "tables" / "base.md").write_text(base_table(summaries))
+    (ROOT / "docs" / "tables" / "mesh.md").write_text(mesh_table(summaries))
+
+
+if __name__ == "__main__":
+    main()
