@@ -58,7 +58,8 @@ def test_a_run_leaves_what_the_contract_names(tiny_run: Path) -> None:
     }
     summary = json.loads((tiny_run / "summary.json").read_text())
     names = {
-        "analysis", "friction_energy_j", "input_work_j", "energy_balance_error", "numerical_dissipation_j", "max_slip_m",
+        "analysis", "friction_energy_j", "input_work_j", "energy_balance_error", "numerical_dissipation_j",
+        "max_slip_m",
         "slipping_area_fraction", "interface_pressure_mean_pa", "dofs", "interface_points", "steps", "wall_time_s",
         "newton_iterations_mean",
     }  # fmt: skip
