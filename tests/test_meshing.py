@@ -1,5 +1,6 @@
 """Meshes: matching shells, named groups, files."""
 
+import os
 import re
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from wroll_fem.meshing import (
     read_mesh,
     ring_edges,
     shell_layout,
+    start_gmsh,
     write_mesh,
 )
 
@@ -245,3 +247,11 @@ def test_an_open_gmsh_session_survives(mesh, tmp_path):
         assert len(gmsh.model.getEntities(3)) == 1
     finally:
         gmsh.finalize()
+
+
+def test_gmsh_starts_without_the_false_alarm_about_two_mpi(monkeypatch, capfd):
+    alarm = b"PETSc Error --- Application was linked against both OpenMPI and MPICH based MPI libraries\n"
+    monkeypatch.setattr(gmsh, "initialize", lambda *args, **options: os.write(2, b"one\n" + alarm + b"two\n"))
+    start_gmsh()
+    os.write(2, b"after\n")
+    assert capfd.readouterr().err == "one\ntwo\nafter\n"

@@ -59,7 +59,9 @@ def _scipy() -> str:
 def _gmsh() -> str:
     import gmsh
 
-    gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    from wroll_fem.meshing import start_gmsh
+
+    start_gmsh()
     try:
         return str(gmsh.option.getString("General.Version"))
     finally:

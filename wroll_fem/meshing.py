@@ -8,6 +8,8 @@ each other in the same order, and the nodes are mirrored about the x-z plane.
 from __future__ import annotations
 
 import contextlib
+import os
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -176,12 +178,30 @@ def _snap(mesh: CylinderMesh, radii: dict[str, float], stations: FloatArray, cir
     return CylinderMesh(nodes, mesh.cells, mesh.groups)
 
 
+def start_gmsh() -> None:
+    """Initialize gmsh; what it writes to stderr is passed on without one false alarm.
+
+    The PETSc inside gmsh's wheel takes Open MPI 5, whose ROMIO holds a few of MPICH's names, for a second MPI and
+    says that nothing will run correctly. Meshing does not use it.
+    """
+    terminal = os.dup(2)
+    with tempfile.TemporaryFile() as said:
+        os.dup2(said.fileno(), 2)
+        try:
+            gmsh.initialize([], readConfigFiles=False, interruptible=False)
+        finally:
+            os.dup2(terminal, 2)
+            os.close(terminal)
+            said.seek(0)
+            os.write(2, b"".join(line for line in said if b"against both OpenMPI and MPICH" not in line))
+
+
 @contextlib.contextmanager
 def _gmsh_model(name: str) -> Iterator[None]:
     """Open a fresh gmsh model without terminal output; leave gmsh as it was found."""
     started = not gmsh.isInitialized()
     if started:
-        gmsh.initialize([], readConfigFiles=False, interruptible=False)
+        start_gmsh()
     previous = None if started else gmsh.model.getCurrent()
     terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)
