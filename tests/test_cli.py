@@ -472,7 +472,8 @@ def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.M
     assert log[-1].endswith(" warning: coarse")
 
 
-def test_progress_on_a_terminal_is_a_bar_and_nested_stages_work() -> None:
+def test_progress_on_a_terminal_is_a_bar_and_nested_stages_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")  # a dumb one gets no bar
     stream = io.StringIO()
     with TerminalProgress(stream, terminal=True) as report:
         with report.stage("outer", 2) as outer, report.stage("inner", 3, "points") as inner:
