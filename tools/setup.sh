@@ -49,7 +49,7 @@ install_packages() {
 }
 
 make_venv() {
-    [ -x .venv/bin/python ] && .venv/bin/python -c "" 2>/dev/null && return
+    .venv/bin/python -m pip --version >/dev/null 2>&1 && return # no pip: interrupted, or of an older Debian
     echo "setup: making .venv"
     "$system_python" -m venv --clear --system-site-packages .venv
 }
