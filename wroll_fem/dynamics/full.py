@@ -84,20 +84,28 @@ class FullStepper(Stepper):
         force, r, jump = imbalance(w)
         size = np.inf
         for iteration in range(1, self.options.max_iterations + 1):
-            if self._factor is None or self._factor[0] != dt:
+            kept = self._factor
+            if kept is None or kept[0] != dt:
                 tangent = self.trial.stiffness(jump, state)
                 matrix = system.mass * inertia_factor + (1.0 + s.alpha) * (
                     system.stiffness + system.jump.T @ sp.diags(system.weights) @ tangent @ system.jump
                 )
-                self._factor = dt, factorise(matrix)
-            step = self._factor[1].solve(force)
+                self._factor = factor = dt, factorise(matrix)
+            else:
+                factor = kept
+            step = factor[1].solve(force)
             jump_step = system.jump @ step if system.n_points else step
             new = float(np.abs(jump_step).max(initial=0.0))
             self.last_history.append(new)
-            w -= step
-            force, r, jump = imbalance(w)
+            damping, before = 1.0, float(np.linalg.norm(force))
+            force, r, jump = imbalance(w - step)
             if new <= self.residual_limit:
-                return w, r, iteration
+                return w - step, r, iteration
+            # stick, slip and opening make the residual piecewise smooth: full steps of a new tangent may alternate
+            while factor is not kept and damping > 0.1 and not np.linalg.norm(force) < before:
+                damping *= 0.5
+                force, r, jump = imbalance(w - damping * step)
+            w -= damping * step
             if new > FULL_NEWTON_RATE * size:
                 self._factor = None
             size = new
@@ -107,6 +115,7 @@ class FullStepper(Stepper):
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
         system, s, laws = self.system, self.scheme, self.system.laws
+        self._factor = None  # so that a restored run repeats the same numbers
         for step in range(len(acceleration) - 1):
             ag, ag_new = float(acceleration[step]), float(acceleration[step + 1])
             h = (self.w + dt * self.v + dt**2 * (0.5 - s.beta) * self.a) / (s.beta * dt**2)
