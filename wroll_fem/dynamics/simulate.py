@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 from ..body import FloatArray
 from ..errors import ConvergenceError, InputError
@@ -123,7 +124,7 @@ def simulate(
         run.load(checkpoint.path, fingerprint)
     saved = clock.monotonic()
     try:
-        with progress.stage("time integration", steps, "steps") as stage:
+        with threadpool_limits(1, "blas"), progress.stage("time integration", steps, "steps") as stage:
             while run.done < steps:
                 run.advance(base, times, dt, every)
                 stage.update(run.done, f"{motion.frequency(times[run.done : run.done + 1])[0]:.1f} Hz")
