@@ -114,7 +114,7 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
     if quantity == "cumulative_slip":
         if fraction == 0.0:
             return f"Nothing slipped between {name}"
-        return f"{100 * fraction:.0f} % of the interface between {name} slipped, at most {most}"
+        return f"{100 * fraction:.0f} % of the interface between {name} slipped; longest slip path {most}"
     what = field(quantity).long_name
     return f"{what[0].upper()}{what[1:]} between {name}: {most}; {100 * fraction:.0f} % of the area slipped"
 
