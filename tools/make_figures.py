@@ -50,7 +50,7 @@ def base_table(summaries: dict[str, dict]) -> str:
     """Free against clamped, preload by preload, as Markdown."""
     lines = [
         "Half-power zeta and skewness of a roll that does not slip describe the sweep's ringing, not damping.",
-        "Last column: friction work until the tip first moves as strongly as the free roll of that preload does at its peak.",
+        "Last column: friction work until the tip first moves as strongly as the free roll does at its peak.",
         "",
         "| base | preload | interface pressure | f_n | zeta | peak T | skewness | friction work "
         "| friction work / largest stored energy | friction work at equal motion |",
@@ -72,7 +72,7 @@ def base_table(summaries: dict[str, dict]) -> str:
 
 
 def friction_measures(name: str, level: float) -> tuple[float, float]:
-    """Friction work over the largest stored energy, and friction work (J) until the tip first reaches ``level``, m/s^2."""
+    """Friction work over largest stored energy, and friction work (J) until the tip first reaches ``level``, m/s^2."""
     import numpy as np
 
     from wroll_fem.results import load_dataset
