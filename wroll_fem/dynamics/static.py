@@ -207,7 +207,7 @@ class CondensedStatic:
         force: FloatArray,
         state: ContactState,
         *,
-        tolerance: float = 1e-12,
+        tolerance: float = 1e-9,
         max_iterations: int = 40,
         load_factor: float = 1.0,
     ) -> ContactState:
