@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def test_full_and_condensed_agree_over_a_few_cycles_with_slip() -> None:
 
 @pytest.mark.slow
 def test_full_and_condensed_agree_over_forty_cycles_with_slip() -> None:
-    error, slipping = agreement(Dwell(30.0, 150.0, 40, 5), "mesh={circumferential: 12, axial: 4}", 40)
+    error, slipping = agreement(Dwell(40.0, 150.0, 40, 5), "mesh={circumferential: 8, axial: 3}", 24)
     assert slipping > 0.05
     assert error < 1e-6
 
@@ -105,7 +106,7 @@ def test_halved_steps_converge_at_second_order_while_everything_sticks(alpha: fl
         run = dwell(system, preload, motion, 1 / (150.0 * steps), Scheme.hht(alpha))
         assert float(run["slipping_fraction"].max()) == 0
         histories.append(run["tip_displacement"].values[:: steps // 40])
-    coarse, fine = (np.abs(b - a).max() for a, b in zip(histories[:-1], histories[1:], strict=True))
+    coarse, fine = (np.abs(b - a).max() for a, b in pairwise(histories))
     assert 3.6 < coarse / fine < 4.4
 
 

@@ -200,7 +200,8 @@ def plot_slip_on_cylinder(
     found = f"Nothing slipped between {interface_name(interface)}"
     if fraction > 0.0:
         most = f"{style.three_digits(largest)} {unit}"
-        found = f"Between {interface_name(interface)}, {100 * fraction:.0f} % of the area slipped; longest slip path {most}"
+        share = f"{100 * fraction:.0f} % of the area slipped"
+        found = f"Between {interface_name(interface)}, {share}; longest slip path {most}"
     figure.suptitle(found, fontsize=10)
     target = _target(path)
     figure.savefig(target)
