@@ -82,7 +82,8 @@ def friction_measures(name: str, level: float) -> tuple[float, float]:
     tip = np.abs((d["tip_acceleration"] + d["base_acceleration"]).values)
     friction = d["friction_energy"].values
     reached = int(np.argmax(tip >= level)) if tip.max() >= level else -1
-    return float(friction[-1] / stored.max()), max(0.0, float(friction[reached]))
+    equal = float(friction[reached])
+    return float(friction[-1] / stored.max()), equal if equal > 1e-12 else 0.0
 
 
 def mesh_table(summaries: dict[str, dict]) -> str:

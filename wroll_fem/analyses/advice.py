@@ -120,12 +120,12 @@ def _contact_warnings(case: Case) -> list[str]:
     warnings = []
     pressures = interface_pressures(case)
     lag, height = shear_lag_length(case, max(pressures)), root_element_height(case)
-    if case.mesh.file is None and height > 0.5 * lag:
-        need = math.ceil(case.mesh.axial * height / (0.5 * lag))
+    if case.mesh.file is None and height > lag:
+        need = math.ceil(case.mesh.axial * height / lag)
         warnings.append(
             f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
-            f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm and wants two elements; peak and f_n "
-            f"can be off by some per cent; raise mesh.axial (about {need}) or mesh.grading"
+            f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
+            f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
         )
     total, limit = sum(case.preload.per_layer(case.coil.layers)), buckling_pressure(case)
     if total > limit:
