@@ -440,6 +440,26 @@ def test_newton_that_may_not_iterate_raises(method):
 
 
 @BOTH
+def test_a_cut_that_fails_half_way_leaves_nothing_behind(method, monkeypatch):
+    """The first part of a cut step succeeds, a later one does not: the state goes back to the start of the step."""
+    run, base, dt = shaken_pair(method, Scheme.hht(-0.05), options=NewtonOptions(max_cuts=3))
+    run.advance(base[:201], dt, 0.0)
+    before, original, done = run.snapshot(), run.try_steps, []
+
+    def only_the_first_part(acceleration, step, records):
+        if step < dt:
+            done.append(original(acceleration[:2], step, records[:1]))
+        return 1 if step < dt else 0
+
+    monkeypatch.setattr(run, "try_steps", only_the_first_part)
+    with pytest.raises(ConvergenceError, match="cut 3 times"):
+        run.advance(base[200:], dt, 200 * dt)
+    assert done == [1, 1, 1]
+    for name, values in run.snapshot().items():
+        np.testing.assert_array_equal(values, before[name], err_msg=name)
+
+
+@BOTH
 def test_restored_run_repeats_bit_by_bit(method):
     """Same numbers from the same stepper gone back and from a new one that was given the snapshot."""
     run, base, dt = shaken_pair(method, Scheme.hht(-0.05), amplitude=40.0)
