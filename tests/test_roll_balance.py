@@ -111,6 +111,18 @@ def test_frictionless_preload_needs_no_support(condensed):
     assert area @ state.pressure == pytest.approx(area @ rough, rel=0.02)
 
 
+@pytest.mark.parametrize("mu", [1.0e-6, 1.0e-5, 1.0e-4])
+def test_weak_friction_holds_the_preloaded_layer(mu):
+    """Friction far below the least stiffness of Newton's matrix still decides where the layer rests."""
+    system = with_mu(prepared("mesh={circumferential: 12, axial: 4, grading: 3}", "preload.pressure=1e3")[2], mu)
+    state = solve_preload(system, steps=4)
+    load = system.loads["preload"]
+    np.testing.assert_allclose(equilibrium_force(system, state), load, atol=1e-7 * np.abs(load).max())
+    axial = (system.weights * state.traction)[1 : 2 * system.n_points : 2]
+    assert np.abs(axial).sum() > 0.0
+    assert abs(axial.sum()) < 1e-2 * np.abs(axial).sum()
+
+
 def test_pressure_of_the_half_is_that_of_the_whole():
     """Points of the half roll carry the same tractions; areas stand for the whole circumference."""
     half, whole = prepared()[2:], prepared(symmetric=False)[2:]

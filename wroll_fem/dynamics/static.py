@@ -22,6 +22,9 @@ KEEP_RATE = 0.1
 LEAST_TANGENT = 1e-6
 """Share of the normal penalty that Newton's matrix (never the residual) gives to a point that holds nothing yet."""
 
+ROUNDING = 1e3
+"""A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""
+
 
 @dataclass(frozen=True)
 class ContactState:
@@ -95,8 +98,11 @@ class TrialContact:
             jump, state.jump, state.elastic_slip, law.kn, law.separation, law.mu, law.gamma, self.tangent
         )
         if floor > 0.0:
+            # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method
+            sticks = (self.status == kernels.STICK) & (self.tangent[:, 0, 0] > 0.0)
             for c in range(3):
-                self.tangent[:, c, c] = np.maximum(self.tangent[:, c, c], floor)
+                least = np.where(sticks, self.tangent[:, c, c], floor)
+                self.tangent[:, c, c] = np.maximum(self.tangent[:, c, c], least)
         return slot_blocks(self.tangent)
 
     def committed(self, displacement: FloatArray, jump: FloatArray) -> ContactState:
@@ -225,9 +231,9 @@ class CondensedStatic:
 
         g = state.jump.copy()
         rho, s, size = residual(g)
-        history = [size]
+        history, stalled = [size], False
         for _ in range(max_iterations):
-            if size <= limit:
+            if size <= limit or (stalled and size <= ROUNDING * limit):
                 q = free - self.flexibility * self.condensation.coordinates(system.jump.T @ (system.weights * s))
                 return trial.committed(self.condensation.displacement(q), g)
             change = trial.stiffness(g, state, floor) - sp.diags(self.springs)
@@ -236,8 +242,10 @@ class CondensedStatic:
             damping = 1.0
             while damping > 0.01 and not residual(g - damping * step)[2] < size:
                 damping *= 0.5
+            previous = size
             g = g - damping * step
             rho, s, size = residual(g)
+            stalled = not size < 0.5 * previous
             history.append(size)
         raise _unconverged(load_factor, max_iterations, history)
 
