@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -15,6 +16,7 @@ from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.analyses.modal import TIE_FACTOR
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.condensed import CondensedStepper
+from wroll_fem.dynamics.condensed_kernel import drop_stale_cache
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.simulate import simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
@@ -76,6 +78,18 @@ def test_harmonics_and_one_dense_block_of_all_modes_agree() -> None:
     tip = dense["tip_displacement"].values
     assert float(dense["slipping_fraction"].max()) > 0.05
     np.testing.assert_allclose(blocks["tip_displacement"].values, tip, atol=1e-8 * np.abs(tip).max(), rtol=0)
+
+
+def test_compiled_loops_older_than_the_contact_law_are_compiled_again(tmp_path: Path) -> None:
+    cache = tmp_path / "__pycache__"
+    cache.mkdir()
+    law, old, new = tmp_path / "kernels.py", cache / "loop.advance.nbi", cache / "loop.other.nbi"
+    for path, stamp in ((old, 100.0), (law, 200.0), (new, 300.0)):
+        path.touch()
+        os.utime(path, (stamp, stamp))
+    assert drop_stale_cache(tmp_path / "loop.py", law) == [old]
+    assert new.exists()
+    assert not old.exists()
 
 
 def test_preload_on_the_interfaces_is_that_of_the_whole_structure() -> None:

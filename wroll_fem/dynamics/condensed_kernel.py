@@ -8,10 +8,29 @@ displacement now and one step ago; ``elastic_slip`` (2 n,) and ``traction`` (3 n
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numba
 import numpy as np
 
+from ..contact import kernels
 from ..contact.kernels import OPEN, SLIP, consistent_tangent, interface_work, record_slip, trial_traction
+
+
+def drop_stale_cache(compiled: Path, inlined: Path) -> list[Path]:
+    """Remove numba's cache index of module ``compiled`` where it is older than a module it inlines.
+
+    numba looks at the file of the function alone, so a change of the contact law would otherwise go unseen.
+    """
+    changed = inlined.stat().st_mtime
+    indices = (compiled.parent / "__pycache__").glob(f"{compiled.stem}.*.nbi")
+    stale = [index for index in indices if index.stat().st_mtime < changed]
+    for index in stale:
+        index.unlink(missing_ok=True)
+    return stale
+
+
+drop_stale_cache(Path(__file__), Path(kernels.__file__))
 
 STIFFNESS_CHANGE = 0.1
 """A point joins Newton's dense matrix when its stick stiffness left the preload state's by this fraction."""
