@@ -1,0 +1,161 @@
+r"""Reduced models: a few displacement shapes carry the structure, friction acts at every interface point.
+
+In reduced coordinates q (mass-orthonormal, motions relative to the preload state)
+
+.. math:: \ddot q + \Lambda q + C q' + (G \Phi)^T W\,[t(g) - t_0 - D_0 (g - g_0)] = -b\,a_g, \qquad g = g_0 + G \Phi q
+
+is the exact equation of `condensed` with the span of :math:`\Phi` in place of all modes. Nothing else is
+approximated, so whatever the span misses is visible in the equations of the whole structure
+(`ReducedModel.missing`), and can be added to the span.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from ..body import FloatArray
+from ..errors import InputError
+from .condensation import Condensation
+
+DEPENDENT = 1e-7
+"""A vector whose part outside the span is below this fraction of its energy norm adds nothing but rounding."""
+
+
+@dataclass(frozen=True)
+class ReducedModel:
+    """Structure with its sticking interface in m reduced coordinates; the mass matrix is the identity.
+
+    Attributes
+    ----------
+    eigenvalues : (m,) rad^2/s^2
+    jump : (3 n_points, m) relative displacement in slot order per coordinate
+    base : (m,) inertia force per unit base acceleration
+    tip : (m,) tip displacement
+    springs : (3 n_points,) springs D_0 that are part of the structure, Pa/m
+    vectors : (r, m) the coordinates in modes of ``condensation``
+    condensation : the exact structure
+    damping : (m, m) viscous damping, 1/s; None without
+    """
+
+    eigenvalues: FloatArray
+    jump: FloatArray
+    base: FloatArray
+    tip: FloatArray
+    springs: FloatArray
+    vectors: FloatArray
+    condensation: Condensation
+    damping: FloatArray | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of reduced coordinates."""
+        return len(self.eigenvalues)
+
+    @classmethod
+    def complete(cls, condensation: Condensation) -> ReducedModel:
+        """Every mode kept: exact; for small systems."""
+        return cls._of(condensation, np.eye(len(condensation.eigenvalues)), condensation.eigenvalues)
+
+    @classmethod
+    def of_vectors(cls, condensation: Condensation, vectors: FloatArray) -> ReducedModel:
+        """Span of ``vectors`` (r, k), given in modes of ``condensation``; dependent ones are dropped.
+
+        Raises
+        ------
+        InputError
+            If no vector is left.
+        """
+        basis = _orthonormal(vectors, condensation.eigenvalues)
+        if basis.shape[1] == 0:
+            raise InputError("a reduced model needs at least one vector that moves")
+        stiffness = basis.T @ (condensation.eigenvalues[:, None] * basis)
+        values, ritz = la.eigh(0.5 * (stiffness + stiffness.T))
+        return cls._of(condensation, basis @ ritz, values)
+
+    @classmethod
+    def _of(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
+        return cls(
+            eigenvalues=np.ascontiguousarray(values),
+            jump=slot_jump(condensation, vectors),
+            base=vectors.T @ condensation.base,
+            tip=vectors.T @ condensation.tip,
+            springs=condensation.springs,
+            vectors=vectors,
+            condensation=condensation,
+        )
+
+    def enriched(self, vectors: FloatArray) -> ReducedModel:
+        """Model on the span of this one and of ``vectors`` (r, k)."""
+        return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
+
+    def missing(self, residual: FloatArray) -> FloatArray:
+        """Displacement (r, k) outside the span that a residual force (r, k) of the whole structure asks for.
+
+        Whatever the span misses moves quasi-statically (its modes lie far above the excitation), so it is
+        the static response K_0^{-1} residual less its part in the span (energy inner product).
+        """
+        values = self.condensation.eigenvalues.reshape(-1, *[1] * (residual.ndim - 1))
+        inside = self.vectors.T @ residual
+        stiffness = self.eigenvalues.reshape(-1, *[1] * (residual.ndim - 1))
+        return np.asarray(residual / values - self.vectors @ (inside / stiffness))
+
+    def energy_norm(self, displacement: FloatArray) -> FloatArray:
+        """Square root of twice the energy of modal displacements (r, ...) with the interface stuck, J^(1/2)."""
+        values = self.condensation.eigenvalues.reshape(-1, *[1] * (displacement.ndim - 1))
+        return np.sqrt(np.sum(values * displacement**2, axis=0))
+
+
+def slot_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
+    """(3 n_points, k) jump in slot order of modal vectors (r, k)."""
+    amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
+    rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
+    stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows, k)
+    points = np.einsum("bcrk,bct->crtk", stacked, condensation.profiles, optimize=True)
+    n = rows * condensation.n_theta
+    out = np.empty((3 * n, k))
+    for component in range(2):
+        out[component : 2 * n : 2] = points[component].reshape(n, k)
+    out[2 * n :] = points[2].reshape(n, k)
+    return out
+
+
+def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
+    """(r, k) modal forces G^T f of point forces ``force`` (3 n_points, k) in slot order, N."""
+    k, n_theta = force.shape[1], condensation.n_theta
+    n = force.shape[0] // 3
+    rows = n // n_theta
+    points = np.empty((3, rows, n_theta, k))
+    for component in range(2):
+        points[component] = force[component : 2 * n : 2].reshape(rows, n_theta, k)
+    points[2] = force[2 * n :].reshape(rows, n_theta, k)
+    amplitudes = np.einsum("crtk,bct->bcrk", points, condensation.profiles, optimize=True)
+    flat = amplitudes.reshape(len(amplitudes), 3 * rows, k)
+    return np.concatenate([j.T @ part for j, part in zip(condensation.jump, flat, strict=True)])
+
+
+def _parts(condensation: Condensation, vectors: FloatArray) -> list[FloatArray]:
+    return np.split(vectors, condensation.blocks[1:-1])
+
+
+def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
+    """Mass-orthonormal basis of the span: pivoted in the energy norm, so that interface shapes count as much as modes."""
+    root = np.sqrt(np.maximum(eigenvalues, 0.0))[:, None]
+    energy = root * vectors
+    size = np.linalg.norm(energy, axis=0)
+    unit = vectors[:, size > 0.0] / size[size > 0.0]
+    if unit.shape[1] == 0:
+        return unit
+    _, triangle, order = la.qr(root * unit, mode="economic", pivoting=True)
+    rank = int(np.sum(np.abs(np.diag(triangle)) > DEPENDENT))
+    kept = unit[:, order[:rank]]
+    # solve for the energy-orthonormal combination, then make it mass-orthonormal
+    kept = la.solve_triangular(triangle[:rank, :rank], kept.T, trans="T").T
+    gram = kept.T @ kept
+    weight, rotation = la.eigh(0.5 * (gram + gram.T))
+    basis = kept @ (rotation / np.sqrt(weight))
+    again = basis.T @ basis  # one more pass takes the rounding of small weights out
+    factor = la.cholesky(0.5 * (again + again.T))
+    return np.asarray(la.solve_triangular(factor, basis.T, trans="T").T)
