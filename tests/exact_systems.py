@@ -82,11 +82,11 @@ def with_preload(system, along, values):
 
 def interface_ledger(system, states):
     """(4,) friction, stored, modulation and total work from one committed state to the next, J."""
-    law, work = system.laws, np.zeros(4)
+    work = np.zeros(4)
     for a, b in pairwise(states):
         kernels.interface_work(
             a.jump, a.elastic_slip, a.traction, b.jump, b.elastic_slip, b.traction,
-            law.area, law.kn, law.mu, law.gamma, work,
+            system.laws, work,
         )  # fmt: skip
     return work
 

@@ -11,6 +11,7 @@ from scipy.integrate import trapezoid
 from wroll_fem.body import Trace
 from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
+from wroll_fem.contact.laws import stack_laws
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import InputError
 
@@ -18,6 +19,7 @@ MU, GAMMA, KN, PRESSURE = 0.3, 2.0e-6, 1.0e12, 1.0e5
 STICK_STIFFNESS = MU * PRESSURE / GAMMA  # Pa/m
 CLOSED = -PRESSURE / KN  # normal displacement that gives PRESSURE, m
 AREA = 2.0e-4  # m^2
+DT = 1.0e-4  # s; penalty friction does not feel it
 
 
 @dataclass
@@ -30,34 +32,28 @@ class Points:
 
     def __post_init__(self):
         n = len(self.g) // 3
-        self.kn, self.flag = np.full(n, KN), np.full(n, self.separation)
-        self.friction, self.gamma, self.area = np.full(n, self.mu), np.full(n, GAMMA), np.full(n, AREA)
+        self.law = stack_laws([np.full(n, AREA)], [PenaltyCoulomb(self.mu, GAMMA)], [KN], [self.separation])
         self.e, self.work, self.path = np.zeros(2 * n), np.zeros(4), np.zeros(n)
         self.peak, self.peak_vector, self.start = np.zeros(n), np.zeros(2 * n), self.g.copy()
         self.t = self.trial(self.g)[0]
 
-    @property
-    def law(self):
-        return self.kn, self.flag, self.friction, self.gamma
-
     def trial(self, g):
         """Traction, elastic slip and status at a trial displacement."""
-        n = len(self.kn)
+        n = self.law.n
         t, e, status = np.zeros(3 * n), np.zeros(2 * n), np.zeros(n, np.int64)
-        kernels.trial_traction(np.asarray(g, float), self.g, self.e, *self.law, t, e, status)
+        kernels.trial_traction(np.asarray(g, float), self.g, self.e, self.law, DT, t, e, status)
         return t, e, status
 
     def tangent(self, g):
-        d = np.full((len(self.kn), 3, 3), np.nan)
-        kernels.consistent_tangent(np.asarray(g, float), self.g, self.e, *self.law, d)
+        d = np.full((self.law.n, 3, 3), np.nan)
+        kernels.consistent_tangent(np.asarray(g, float), self.g, self.e, self.law, DT, d)
         return d
 
     def move(self, g):
         """Commit the displacement g and book its work; returns traction and status."""
         g = np.asarray(g, float)
         t, e, status = self.trial(g)
-        law = self.kn, self.friction, self.gamma
-        kernels.interface_work(self.g, self.e, self.t, g, e, t, self.area, *law, self.work)
+        kernels.interface_work(self.g, self.e, self.t, g, e, t, self.law, self.work)
         kernels.record_slip(self.g, self.e, g, e, self.start, status, self.path, self.peak, self.peak_vector)
         self.g, self.e, self.t = g, e, t
         return t, status

@@ -15,8 +15,8 @@ import scipy.linalg as la
 from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.analyses.modal import TIE_FACTOR
 from wroll_fem.case import Case, load_case
+from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.condensed_kernel import drop_stale_cache
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.simulate import simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
@@ -80,16 +80,19 @@ def test_harmonics_and_one_dense_block_of_all_modes_agree() -> None:
     np.testing.assert_allclose(blocks["tip_displacement"].values, tip, atol=1e-8 * np.abs(tip).max(), rtol=0)
 
 
-def test_compiled_loops_older_than_the_contact_law_are_compiled_again(tmp_path: Path) -> None:
-    cache = tmp_path / "__pycache__"
+def test_compiled_loops_older_than_a_law_or_a_loop_they_inline_are_compiled_again(tmp_path: Path) -> None:
+    cache, laws = tmp_path / "__pycache__", tmp_path / "contact"
     cache.mkdir()
-    law, old, new = tmp_path / "kernels.py", cache / "loop.advance.nbi", cache / "loop.other.nbi"
-    for path, stamp in ((old, 100.0), (law, 200.0), (new, 300.0)):
+    laws.mkdir()
+    old, young, new = (cache / f"loop.{name}.nbi" for name in ("advance", "young", "new"))
+    other = cache / "loop_of_others.advance.nbi"
+    files = {old: 100.0, laws / "penalty.py": 150.0, young: 200.0, laws / "rate.py": 150.0, tmp_path / "base.py": 250.0}
+    for path, stamp in (files | {new: 300.0, other: 100.0}).items():
         path.touch()
         os.utime(path, (stamp, stamp))
-    assert drop_stale_cache(tmp_path / "loop.py", law) == [old]
-    assert new.exists()
-    assert not old.exists()
+    assert drop_stale_cache(tmp_path / "loop.py", laws=laws) == [old]
+    assert drop_stale_cache(tmp_path / "loop.py", tmp_path / "base.py", laws=laws) == [young]
+    assert sorted(cache.iterdir()) == sorted([new, other])
 
 
 def test_preload_on_the_interfaces_is_that_of_the_whole_structure() -> None:

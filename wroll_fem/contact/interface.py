@@ -9,31 +9,11 @@ import scipy.sparse as sp
 
 from ..body import FloatArray, Trace
 from ..errors import InputError
+from .laws import FrictionLaw, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
 
-
-@dataclass(frozen=True)
-class PenaltyCoulomb:
-    """Coulomb friction with an elastic slip (penalty) branch.
-
-    The traction is ``tau = (mu p / elastic_slip) e`` with the elastic slip ``e`` clipped to the
-    disc ``|e| <= elastic_slip``; limit and stick stiffness follow the current pressure ``p``.
-
-    Attributes
-    ----------
-    mu
-        Coefficient of friction.
-    elastic_slip
-        Largest elastic relative displacement, gamma* in m.
-    """
-
-    mu: float
-    elastic_slip: float
-
-    def __post_init__(self) -> None:
-        if self.mu < 0:
-            raise InputError(f"coefficient of friction {self.mu} is negative", key="contact.friction.mu")
-        if self.elastic_slip <= 0:
-            raise InputError(f"elastic slip {self.elastic_slip} m is not positive", key="contact.friction.elastic_slip")
+__all__ = [
+    "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -74,7 +54,7 @@ class Interface:
     operator: sp.csr_matrix
     areas: FloatArray
     points: FloatArray
-    friction: PenaltyCoulomb
+    friction: FrictionLaw
     normal: NormalPenalty
 
     def __post_init__(self) -> None:
@@ -96,7 +76,7 @@ def facing(
     outer: Trace,
     columns: tuple[slice, slice],
     n_dofs: int,
-    friction: PenaltyCoulomb,
+    friction: FrictionLaw,
     normal: NormalPenalty,
 ) -> Interface:
     """Interface between the outer surface of one body and the inner surface of the next.

@@ -1,14 +1,15 @@
-r"""Compiled contact laws: traction, tangent and work at every interface point.
+r"""Compiled contact: traction, tangent and work at every interface point.
 
 Component order ("slots") of all interface vectors of ``n`` points: hoop and axial of point ``k`` in
 slots ``2 k`` and ``2 k + 1``, its normal in slot ``2 n + k``. Tangential slots come first because
 they alone change their law while the contact stays closed.
 
-With the relative displacement :math:`g` (outer minus inner body), pressure :math:`p` and elastic slip :math:`e`
+With the relative displacement :math:`g` (outer minus inner body), pressure :math:`p` and the law E of the point
+(see `laws`)
 
 .. math::
     t_n = k_n g_n, \quad p = \max(0, -t_n), \qquad
-    e = \operatorname{clip}(e_c + g_t - g_{t,c}), \quad |e| \le \gamma^*, \qquad
+    e = E(e_c + \Delta g_t, \Delta g_t; \Delta t), \qquad
     \tau = \frac{\mu p}{\gamma^*} e, \qquad \Delta s = \Delta g_t - \Delta e
 
 where the index c marks the committed state. A trial evaluation never changes committed arrays.
@@ -20,88 +21,90 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from ..compiled import drop_stale_cache
+from .laws import SMOOTHED, PointLaws, slip_derivatives, slip_update
+
+__all__ = [
+    "OPEN", "SLIP", "STICK", "PointLaws", "consistent_tangent", "interface_work", "record_slip", "slip_derivatives",
+    "slip_update", "trial_traction",
+]  # fmt: skip
+
+drop_stale_cache(__file__)
+
 STICK, SLIP, OPEN = 0, 1, 2
 
 
 @numba.njit(cache=True)
-def trial_traction(g, g_c, e_c, kn, separation, mu, gamma, t, e, status):
+def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     """Trial traction from the relative displacement; fills ``t`` (Pa), ``e`` (m) and ``status``.
 
     Parameters
     ----------
     g, g_c : (3 n,) trial and committed relative displacement, m
     e_c : (2 n,) committed elastic slip, m
-    kn, separation, mu, gamma : (n,) normal penalty Pa/m, flag, coefficient, elastic slip m
-    t, e, status : outputs (3 n,), (2 n,), (n,)
+    laws : `PointLaws`
+    dt : step from the committed state, s; infinite in statics
+    t, e, status : outputs (3 n,), (2 n,), (n,); e is what the interface stores: nothing for the smoothed law
     """
-    n = kn.shape[0]
+    n = laws.kn.shape[0]
     for k in range(n):
         gn = g[2 * n + k]
-        closed = gn <= 0.0 or not separation[k]
-        tn = kn[k] * gn if closed else 0.0
+        closed = gn <= 0.0 or not laws.separation[k]
+        tn = laws.kn[k] * gn if closed else 0.0
         p = -tn if tn < 0.0 else 0.0
-        eh = e_c[2 * k] + (g[2 * k] - g_c[2 * k])
-        ez = e_c[2 * k + 1] + (g[2 * k + 1] - g_c[2 * k + 1])
-        length = np.sqrt(eh * eh + ez * ez)
-        status[k] = STICK if closed else OPEN
-        if length > gamma[k]:
-            scale = gamma[k] / length
-            eh *= scale
-            ez *= scale
-            if closed:
-                status[k] = SLIP
-        kt = mu[k] * p / gamma[k]
+        dh, dz = g[2 * k] - g_c[2 * k], g[2 * k + 1] - g_c[2 * k + 1]
+        eh, ez, sliding = slip_update(k, e_c[2 * k] + dh, e_c[2 * k + 1] + dz, dh, dz, laws, dt)
+        status[k] = (SLIP if sliding else STICK) if closed else OPEN
+        kt = laws.mu[k] * p / laws.gamma[k]
         t[2 * k] = kt * eh
         t[2 * k + 1] = kt * ez
         t[2 * n + k] = tn
+        if laws.kind[k] == SMOOTHED:
+            eh, ez = 0.0, 0.0
         e[2 * k] = eh
         e[2 * k + 1] = ez
 
 
 @numba.njit(cache=True)
-def consistent_tangent(g, g_c, e_c, kn, separation, mu, gamma, d):
+def consistent_tangent(g, g_c, e_c, laws, dt, d):
     """Derivative of the trial traction; fills ``d`` (n, 3, 3), order (hoop, axial, normal), Pa/m."""
-    n = kn.shape[0]
+    n = laws.kn.shape[0]
     for k in range(n):
         gn = g[2 * n + k]
-        closed = gn <= 0.0 or not separation[k]
+        closed = gn <= 0.0 or not laws.separation[k]
         for i in range(3):
             for j in range(3):
                 d[k, i, j] = 0.0
         if not closed:
             continue
-        d[k, 2, 2] = kn[k]
-        p = -kn[k] * gn
+        kn = laws.kn[k]
+        d[k, 2, 2] = kn
+        p = -kn * gn
         if p < 0.0:
             continue
-        eh = e_c[2 * k] + (g[2 * k] - g_c[2 * k])
-        ez = e_c[2 * k + 1] + (g[2 * k + 1] - g_c[2 * k + 1])
-        length = np.sqrt(eh * eh + ez * ez)
-        kt = mu[k] * p / gamma[k]
-        if length > gamma[k]:
-            mh, mz = eh / length, ez / length
-            c = kt * gamma[k] / length
-            d[k, 0, 0] = c * (1.0 - mh * mh)
-            d[k, 0, 1] = -c * mh * mz
-            d[k, 1, 0] = -c * mh * mz
-            d[k, 1, 1] = c * (1.0 - mz * mz)
-            eh, ez = gamma[k] * mh, gamma[k] * mz
-        else:
-            d[k, 0, 0] = kt
-            d[k, 1, 1] = kt
-        limit_slope = -mu[k] * kn[k] / gamma[k]
+        dh, dz = g[2 * k] - g_c[2 * k], g[2 * k + 1] - g_c[2 * k + 1]
+        trial_h, trial_z = e_c[2 * k] + dh, e_c[2 * k + 1] + dz
+        eh, ez, _ = slip_update(k, trial_h, trial_z, dh, dz, laws, dt)
+        a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, trial_h, trial_z, dh, dz, laws, dt)
+        kt = laws.mu[k] * p / laws.gamma[k]
+        d[k, 0, 0] = kt * (a00 + b00)
+        d[k, 0, 1] = kt * (a01 + b01)
+        d[k, 1, 0] = kt * (a10 + b10)
+        d[k, 1, 1] = kt * (a11 + b11)
+        limit_slope = -laws.mu[k] * kn / laws.gamma[k]
         d[k, 0, 2] = limit_slope * eh
         d[k, 1, 2] = limit_slope * ez
 
 
 @numba.njit(cache=True)
-def interface_work(g_c, e_c, t_c, g, e, t, area, kn, mu, gamma, work):
+def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
     """Add the work of one committed step to ``work`` (4,), J.
 
     ``work[0]`` friction: mean traction times plastic slip; ``work[1]`` change of the stored contact energy
     (normal penalty and elastic slip); ``work[2]`` exchange with the pressure-dependent stick stiffness
     (zero while the pressure is constant); ``work[3]`` total interface work (trapezoidal rule).
     """
+    area, kn, mu, gamma = laws.area, laws.kn, laws.mu, laws.gamma
     n = kn.shape[0]
     for k in range(n):
         w = area[k]

@@ -81,7 +81,7 @@ class CondensedStepper(Stepper):
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
-        law, c, s = self.system.laws, self.condensation, self.scheme
+        c, s = self.condensation, self.scheme
         inverse, blocks, compliance = self._operator(dt)
         history = np.zeros(self.options.max_iterations + 1)
         done = advance_steps(
@@ -89,7 +89,7 @@ class CondensedStepper(Stepper):
             c.eigenvalues, c.blocks, self._modal_jump, np.ascontiguousarray(c.profiles.transpose(1, 0, 2)),
             c.base, c.tip, c.springs, inverse, blocks, compliance,
             self.preload.jump, self.preload.traction,
-            law.area, law.kn, law.separation, law.mu, law.gamma,
+            self.system.laws,
             self.q, self.v, self.a, self.residual, self.residual_change,
             self.jump, self.jump_before, self.elastic_slip, self.traction,
             self.totals, self.flows, self.slip.path, self.slip.peak, self.slip.peak_vector,

@@ -8,29 +8,13 @@ displacement now and one step ago; ``elastic_slip`` (2 n,) and ``traction`` (3 n
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numba
 import numpy as np
 
-from ..contact import kernels
+from ..compiled import drop_stale_cache
 from ..contact.kernels import OPEN, SLIP, consistent_tangent, interface_work, record_slip, trial_traction
 
-
-def drop_stale_cache(compiled: Path, inlined: Path) -> list[Path]:
-    """Remove numba's cache index of module ``compiled`` where it is older than a module it inlines.
-
-    numba looks at the file of the function alone, so a change of the contact law would otherwise go unseen.
-    """
-    changed = inlined.stat().st_mtime
-    indices = (compiled.parent / "__pycache__").glob(f"{compiled.stem}.*.nbi")
-    stale = [index for index in indices if index.stat().st_mtime < changed]
-    for index in stale:
-        index.unlink(missing_ok=True)
-    return stale
-
-
-drop_stale_cache(Path(__file__), Path(kernels.__file__))
+drop_stale_cache(__file__)
 
 STIFFNESS_CHANGE = 0.1
 """A point joins Newton's dense matrix when its stick stiffness left the preload state's by this fraction."""
@@ -188,7 +172,7 @@ def advance_steps(
     acceleration, dt, alpha, beta, gamma_n,
     eigenvalues, starts, modal_jump, profiles, base, tip, springs, inverse, blocks, compliance,
     g_0, t_0,
-    area, kn, separation, mu, gamma,
+    laws,
     q, v, a, residual, residual_change,
     jump, jump_before, elastic_slip, traction,
     totals, flows, slip_path, slip_peak, slip_vector,
@@ -199,6 +183,7 @@ def advance_steps(
     ``starts`` (n_blocks + 1,), flat ``modal_jump``, ``profiles`` (3, n_blocks, n_theta) and ``blocks``
     (n_blocks, 3 n_rows, 3 n_rows) hold the harmonics; ``compliance`` (3 n, 3 n) is F itself, for Newton's matrix.
     """
+    area = laws.area
     n = area.shape[0]
     t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
     s, rho, delta, g, g_try = np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n)
@@ -220,7 +205,7 @@ def advance_steps(
             _free_jump(q_hat, starts, modal_jump, profiles, n, amplitudes, g_hat)
             for i in range(3 * n):
                 g[i] = 2.0 * jump[i] - jump_before[i]
-            trial_traction(g, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
+            trial_traction(g, jump, elastic_slip, laws, dt, t, e, status)
             _correction(g, t, g_0, t_0, springs, s)
             size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
             history[:] = 0.0
@@ -232,7 +217,7 @@ def advance_steps(
                     converged = False
                     break
                 if not have_factor:
-                    consistent_tangent(g, jump, elastic_slip, kn, separation, mu, gamma, tangent)
+                    consistent_tangent(g, jump, elastic_slip, laws, dt, tangent)
                     active = _active_slots(tangent, springs, status, everything, n)
                     change, factor = _factor(active, tangent, springs, compliance, n)
                     have_factor = True
@@ -243,7 +228,7 @@ def advance_steps(
                 while True:
                     for i in range(3 * n):
                         g_try[i] = g[i] + damping * delta[i]
-                    trial_traction(g_try, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
+                    trial_traction(g_try, jump, elastic_slip, laws, dt, t, e, status)
                     _correction(g_try, t, g_0, t_0, springs, s)
                     new = _interface_residual(g_try, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     if new < size or not fresh or damping < 0.1:
@@ -252,7 +237,7 @@ def advance_steps(
                 rate = new / size
                 if rate >= 1.0 and not fresh:
                     # a kept factor failed: go back and renew it where we were
-                    trial_traction(g, jump, elastic_slip, kn, separation, mu, gamma, t, e, status)
+                    trial_traction(g, jump, elastic_slip, laws, dt, t, e, status)
                     _correction(g, t, g_0, t_0, springs, s)
                     size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     have_factor = False
@@ -272,7 +257,7 @@ def advance_steps(
             q, v, a, residual, residual_change, flows, records,
         )  # fmt: skip
         if n > 0:
-            interface_work(jump, elastic_slip, traction, g, e, t, area, kn, mu, gamma, totals)
+            interface_work(jump, elastic_slip, traction, g, e, t, laws, totals)
             record_slip(jump, elastic_slip, g, e, g_0, status, slip_path, slip_peak, slip_vector)
             jump_before[:] = jump
             jump[:] = g

@@ -76,7 +76,7 @@ class FullStepper(Stepper):
 
         def imbalance(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             jump = self.preload.jump + system.jump @ w
-            traction = self.trial(jump, state)
+            traction = self.trial(jump, state, dt)
             r = system.stiffness @ w + system.jump.T @ (system.weights * (traction - t_0)) + self.inertia * ag
             out = system.mass @ (inertia_factor * w) - history_term + (1.0 + s.alpha) * r
             return out, r, jump
@@ -86,7 +86,7 @@ class FullStepper(Stepper):
         for iteration in range(1, self.options.max_iterations + 1):
             kept = self._factor
             if kept is None or kept[0] != dt:
-                tangent = self.trial.stiffness(jump, state)
+                tangent = self.trial.stiffness(jump, state, dt=dt)
                 matrix = system.mass * inertia_factor + (1.0 + s.alpha) * (
                     system.stiffness + system.jump.T @ sp.diags(system.weights) @ tangent @ system.jump
                 )
@@ -114,7 +114,7 @@ class FullStepper(Stepper):
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
-        system, s, laws = self.system, self.scheme, self.system.laws
+        system, s = self.system, self.scheme
         self._factor = None  # so that a restored run repeats the same numbers
         for step in range(len(acceleration) - 1):
             ag, ag_new = float(acceleration[step]), float(acceleration[step + 1])
@@ -134,7 +134,7 @@ class FullStepper(Stepper):
             jump = self.preload.jump + system.jump @ w
             kernels.interface_work(
                 self.jump, self.elastic_slip, self.traction, jump, self.trial.elastic_slip, self.trial.traction,
-                laws.area, laws.kn, laws.mu, laws.gamma, self.totals,
+                system.laws, self.totals,
             )  # fmt: skip
             kernels.record_slip(
                 self.jump, self.elastic_slip, jump, self.trial.elastic_slip, self.preload.jump, self.trial.status,

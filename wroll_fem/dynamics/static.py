@@ -82,21 +82,16 @@ class TrialContact:
         self.traction, self.elastic_slip = np.zeros(3 * n), np.zeros(2 * n)
         self.status, self.tangent = np.zeros(n, np.int64), np.zeros((n, 3, 3))
 
-    def __call__(self, jump: FloatArray, state: ContactState) -> FloatArray:
-        """Trial traction (3 n_points,), Pa; also fills ``elastic_slip`` and ``status``."""
-        law = self.laws
+    def __call__(self, jump: FloatArray, state: ContactState, dt: float = np.inf) -> FloatArray:
+        """Trial traction (3 n_points,), Pa, ``dt`` s after ``state``; also fills ``elastic_slip`` and ``status``."""
         kernels.trial_traction(
-            jump, state.jump, state.elastic_slip, law.kn, law.separation, law.mu, law.gamma,
-            self.traction, self.elastic_slip, self.status,
-        )  # fmt: skip
+            jump, state.jump, state.elastic_slip, self.laws, dt, self.traction, self.elastic_slip, self.status
+        )
         return self.traction
 
-    def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0) -> sp.csr_matrix:
+    def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0, dt: float = np.inf) -> sp.csr_matrix:
         """Consistent tangent (3 n, 3 n) in slot order; ``floor`` is the least stiffness per slot, Pa/m."""
-        law = self.laws
-        kernels.consistent_tangent(
-            jump, state.jump, state.elastic_slip, law.kn, law.separation, law.mu, law.gamma, self.tangent
-        )
+        kernels.consistent_tangent(jump, state.jump, state.elastic_slip, self.laws, dt, self.tangent)
         if floor > 0.0:
             # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method
             sticks = (self.status == kernels.STICK) & (self.tangent[:, 0, 0] > 0.0)

@@ -11,30 +11,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import Body, FloatArray
-from ..contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
+from ..contact.interface import FrictionLaw, Interface, NormalPenalty, facing
+from ..contact.laws import PointLaws, stack_laws
 from ..errors import InputError
 from .cyclic import Subspace, cyclic_subspaces
-
-
-@dataclass(frozen=True)
-class PointLaws:
-    """Law parameters of every point of all interfaces, stacked (inner interface first).
-
-    Attributes
-    ----------
-    area : (n,) m^2; kn : (n,) Pa/m; separation : (n,) bool; mu : (n,); gamma : (n,) elastic slip in m
-    """
-
-    area: FloatArray
-    kn: FloatArray
-    separation: np.ndarray
-    mu: FloatArray
-    gamma: FloatArray
-
-    @property
-    def n(self) -> int:
-        """Number of points."""
-        return len(self.area)
 
 
 @dataclass(frozen=True)
@@ -91,17 +71,11 @@ class System:
     @cached_property
     def laws(self) -> PointLaws:
         """Areas and law parameters of all points."""
-
-        def stacked(values: Sequence[tuple[float, int]], dtype: type = float) -> np.ndarray:
-            return np.concatenate([np.full(count, value, dtype) for value, count in values] or [np.zeros(0, dtype)])
-
-        parts = self.interfaces
-        return PointLaws(
-            area=np.concatenate([i.areas for i in parts] or [np.zeros(0)]),
-            kn=stacked([(i.normal.stiffness, i.n_points) for i in parts]),
-            separation=stacked([(i.normal.separation, i.n_points) for i in parts], bool),
-            mu=stacked([(i.friction.mu, i.n_points) for i in parts]),
-            gamma=stacked([(i.friction.elastic_slip, i.n_points) for i in parts]),
+        return stack_laws(
+            [i.areas for i in self.interfaces],
+            [i.friction for i in self.interfaces],
+            [i.normal.stiffness for i in self.interfaces],
+            [i.normal.separation for i in self.interfaces],
         )
 
     @cached_property
@@ -135,7 +109,7 @@ class System:
         bodies: Sequence[Body],
         *,
         direction: int = 0,
-        friction: PenaltyCoulomb | None = None,
+        friction: FrictionLaw | None = None,
         normal: NormalPenalty | None = None,
         pressures: Sequence[float] = (),
     ) -> System:

@@ -1,0 +1,134 @@
+r"""Coulomb friction whose coefficient depends on the slip rate, given as a table.
+
+.. math:: e = \operatorname{clip}(e_c + \Delta g_t), \quad |e| \le \gamma^* \frac{\mu(V)}{\mu(0)}, \qquad
+          V = \frac{|\Delta g_t|}{\Delta t}, \qquad \tau = \frac{\mu(0)\, p}{\gamma^*} e
+
+Linear between the table's rates, constant beyond its last one. The stick stiffness stays that at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numba
+import numpy as np
+
+from ..errors import InputError
+from . import penalty_coulomb
+from .penalty_coulomb import check_stick
+
+KIND = 1
+
+
+@dataclass(frozen=True)
+class RateCoulomb:
+    """Coulomb friction with a tabulated coefficient over slip rate and an elastic slip branch.
+
+    Attributes
+    ----------
+    mu
+        Coefficient at rest; equals the table's first.
+    elastic_slip
+        Largest elastic relative displacement at rest, gamma* in m.
+    rates
+        Slip rates of the table in m/s, from 0, rising.
+    coefficients
+        Coefficient at each.
+    """
+
+    mu: float
+    elastic_slip: float
+    rates: tuple[float, ...]
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        check_stick(self.mu, self.elastic_slip)
+        problem, remedy = table_problem(self.rates, self.coefficients, self.mu)
+        if problem:
+            raise InputError(problem, key="contact.friction.rate_table", remedy=remedy)
+
+    @property
+    def steepest_fall(self) -> float:
+        """Largest -d mu / dV of the table, s/m; 0 when it never falls."""
+        slopes = np.diff(self.coefficients) / np.diff(self.rates)
+        return float(max(0.0, -slopes.min(initial=0.0)))
+
+
+def table_problem(rates: tuple[float, ...], coefficients: tuple[float, ...], mu: float | None) -> tuple[str, str]:
+    """What is wrong with a table and what would be right; empty when nothing is."""
+    if len(rates) != len(coefficients) or not rates:
+        return (
+            f"has {len(rates)} slip rates and {len(coefficients)} coefficients",
+            "give one mu for each slip_rate, at least one of each",
+        )
+    if rates[0] != 0.0:
+        return f"starts at a slip rate of {rates[0]:g} m/s", "start at 0, the coefficient at rest"
+    if not all(b > a for a, b in pairwise(rates)):
+        return "has slip rates that do not rise", "sort them, each larger than the one before"
+    if not min(coefficients) >= 0.0:
+        return f"has a negative coefficient, {min(coefficients):g}", "give 0 or more"
+    if coefficients[0] == 0.0 and any(coefficients):
+        return "starts at a coefficient of 0", "give a positive one at rest: the stick stiffness is mu p / elastic_slip"
+    if mu is not None and mu != coefficients[0]:
+        return (
+            f"starts at a coefficient of {coefficients[0]:g}, but mu is {mu:g}",
+            "leave mu out, or give the table's first",
+        )
+    return "", ""
+
+
+@numba.njit(cache=True)
+def coefficient(speed: float, rates: np.ndarray, coefficients: np.ndarray) -> tuple[float, float]:
+    """Coefficient at ``speed`` (m/s) and its slope (s/m); at a corner the slope of the segment that follows."""
+    for i in range(rates.shape[0] - 1):
+        if speed < rates[i + 1]:
+            slope = (coefficients[i + 1] - coefficients[i]) / (rates[i + 1] - rates[i])
+            return coefficients[i] + slope * (speed - rates[i]), slope
+    return coefficients[-1], 0.0
+
+
+@numba.njit(cache=True)
+def slip_update(
+    trial_h: float,
+    trial_z: float,
+    dg_h: float,
+    dg_z: float,
+    gamma: float,
+    rates: np.ndarray,
+    coefficients: np.ndarray,
+    dt: float,
+) -> tuple[float, float, bool]:
+    """Elastic slip (m) clipped to the disc of the current coefficient, and whether the point slides."""
+    speed = np.sqrt(dg_h * dg_h + dg_z * dg_z) / dt
+    mu, _ = coefficient(speed, rates, coefficients)
+    at_rest = coefficients[0]
+    radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
+    return penalty_coulomb.slip_update(trial_h, trial_z, radius)
+
+
+@numba.njit(cache=True)
+def slip_derivatives(
+    trial_h: float,
+    trial_z: float,
+    dg_h: float,
+    dg_z: float,
+    gamma: float,
+    rates: np.ndarray,
+    coefficients: np.ndarray,
+    dt: float,
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Derivatives (00, 01, 10, 11) with respect to the trial slip, then with respect to the increment."""
+    size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
+    mu, slope = coefficient(size / dt, rates, coefficients)
+    at_rest = coefficients[0]
+    radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
+    a00, a01, a10, a11 = penalty_coulomb.slip_derivatives(trial_h, trial_z, radius)
+    length = np.sqrt(trial_h * trial_h + trial_z * trial_z)
+    if length <= radius or size == 0.0 or at_rest == 0.0 or slope == 0.0:
+        return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
+    c = gamma * slope / (at_rest * dt) / (length * size)
+    return (
+        a00, a01, a10, a11,
+        c * trial_h * dg_h, c * trial_h * dg_z, c * trial_z * dg_h, c * trial_z * dg_z,
+    )  # fmt: skip
