@@ -80,7 +80,8 @@ def test_every_number_has_a_unit_in_its_description() -> None:
             kinds = str(field.annotation)
             if any(section in kinds for section in ("wroll_fem.case", "Excitation")):
                 for part in getattr(field.annotation, "__args__", (field.annotation,)):
-                    visit(part, f"{prefix}{name}.")
+                    if part is not type(None):
+                        visit(part, f"{prefix}{name}.")
             elif "float" in kinds or "int" in kinds.replace("Point", ""):
                 words = str(field.description).replace(",", " ").replace(";", " ").replace(":", " ")
                 words = words.replace("(", " ").replace(")", " ")

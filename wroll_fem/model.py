@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .body import Body
-from .contact.interface import NormalPenalty, PenaltyCoulomb
+from .contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb
 from .dynamics.system import System
 
 if TYPE_CHECKING:
@@ -48,14 +48,20 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
     return assemble_bodies(case, mesh, symmetric=half)
 
 
+def friction_law(case: Case) -> FrictionLaw:
+    """Tangential law of every interface."""
+    friction = case.contact.friction
+    return PenaltyCoulomb(friction.mu, friction.elastic_slip)
+
+
 def build_system(case: Case, bodies: Sequence[Body]) -> System:
     """Stack the bodies and their interfaces with the laws and loads of the case."""
-    friction, normal = case.contact.friction, case.contact.normal
+    normal = case.contact.normal
     layers = len(bodies) - 1
     return System.from_bodies(
         bodies,
         direction=DIRECTIONS[case.excitation.direction],
-        friction=PenaltyCoulomb(friction.mu, friction.elastic_slip),
+        friction=friction_law(case),
         normal=NormalPenalty(normal_penalty(case), normal.separation),
         pressures=case.preload.per_layer(layers) if layers else (),
     )

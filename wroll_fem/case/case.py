@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 import yaml
-from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from .base import Section, wrong
 from .coil import Coil
@@ -24,6 +24,7 @@ from .modal import Modal
 from .output import Output
 from .preload import Preload
 from .solver import Solver
+from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
 
 Analysis = Literal["sweep", "dwell", "modal", "preload"]
 ANALYSES: tuple[str, ...] = get_args(Analysis)
@@ -32,7 +33,11 @@ ANALYSES: tuple[str, ...] = get_args(Analysis)
 FEWEST_STEPS_PER_CYCLE = 20
 
 #: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
-_OPTIONAL = ("contact", "preload", "excitation")
+_OPTIONAL = ("contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure")
+
+#: Sections that describe a roll, and what the matrices of `structure` stand for.
+_ROLL = ("geometry", "mandrel", "coil")
+_IN_STRUCTURE = (*_ROLL, "mesh", "preload")
 
 #: Solver keys that change when something is saved or accepted, never a number.
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
@@ -51,10 +56,11 @@ def _unused_excitation() -> DwellExcitation:
 
 
 class Case(Section):
-    """One analysis of one roll: the whole content of a case file.
+    """One analysis of one roll, or of a structure from a file: the whole content of a case file.
 
     `contact`, `preload` and `excitation` must be written for the analyses that use them
-    and hold inert placeholders otherwise, so their attributes can always be read.
+    and hold inert placeholders otherwise, so their attributes can always be read. With `structure`
+    that holds for `geometry`, `mandrel` and `coil` too (their numbers are NaN, the coil's model is "none").
 
     Raises
     ------
@@ -62,10 +68,17 @@ class Case(Section):
         From `model_validate` and `load_case`, naming key, value and remedy.
     """
 
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": [*_ROLL]}, {"required": ["structure"]}]}  # for editors
+    )
+
     analysis: Analysis = Field(description="what to compute")
-    geometry: Geometry = Field(description="the mandrel's tube")
-    mandrel: Mandrel = Field(description="material and end conditions of the mandrel")
-    coil: Coil = Field(description="how the wound web is modelled")
+    structure: Structure | None = Field(
+        default=None, description="matrices from a file, in place of geometry, mandrel, coil, mesh and preload"
+    )
+    geometry: Geometry = Field(default_factory=unused_geometry, description="the mandrel's tube")
+    mandrel: Mandrel = Field(default_factory=unused_mandrel, description="material and end conditions of the mandrel")
+    coil: Coil = Field(default_factory=unused_coil, description="how the wound web is modelled")
     contact: Contact = Field(default_factory=_unused_contact, description="between facing surfaces")
     preload: Preload = Field(default_factory=_unused_preload, description="what presses the layers onto the mandrel")
     excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
@@ -118,6 +131,8 @@ class Case(Section):
     def resolved(self) -> dict[str, Any]:
         """All values, defaults included, as plain types; sections that are neither used nor written stay out."""
         unused = {key for key in _OPTIONAL if key not in self.model_fields_set}
+        if self.structure is not None:
+            return self._resolved_structure(unused | {"mesh"})
         data = self.model_dump(mode="json", exclude=unused)
         if self.coil.model == "none":
             given = self.coil.model_fields_set
@@ -126,18 +141,29 @@ class Case(Section):
             }
         return data
 
+    def _resolved_structure(self, unused: set[str]) -> dict[str, Any]:
+        """As `resolved`; what the file decides stays out unless it was written."""
+        data = self.model_dump(mode="json", exclude=unused)
+        if "excitation" in data:
+            del data["excitation"]["direction"]
+        if "contact" in data and "normal" not in self.contact.model_fields_set:
+            del data["contact"]["normal"]
+        return data
+
     def resolved_yaml(self) -> str:
         """All values as YAML text that loads to an equal case."""
         return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
 
     def hash(self) -> str:
-        """Return the SHA-256 of everything that can change a number: no `output`, and a mesh file by its content."""
+        """Return the SHA-256 of everything that can change a number: no `output`, and files by their content."""
         data = self.resolved()
         del data["output"]
         for key in _NOT_PHYSICS:
             del data["solver"][key]
         if self.mesh.file is not None:
             data["mesh"]["file"] = hashlib.sha256(self.mesh.file.read_bytes()).hexdigest()
+        if self.structure is not None:
+            data["structure"]["file"] = hashlib.sha256(self.structure.file.read_bytes()).hexdigest()
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def changed(self, *overrides: str) -> Case:
@@ -152,6 +178,27 @@ def _needs(case: Case, section: str, reason: str) -> None:
     if section not in case.model_fields_set:
         what = Case.model_fields[section].description
         raise wrong("required section is missing", key=section, show_value=False, remedy=f"add it ({what}): {reason}")
+
+
+def _roll_or_structure(case: Case) -> None:
+    """Either the sections of a roll, or matrices in their place."""
+    if case.structure is None:
+        for section in _ROLL:
+            if section not in case.model_fields_set:
+                remedy = f"add it ({Case.model_fields[section].description})"
+                raise wrong("required section is missing", key=section, show_value=False, remedy=remedy)
+        return
+    for section in _IN_STRUCTURE:
+        if section in case.model_fields_set:
+            raise wrong(
+                "stands beside structure, whose file replaces it", key=section, show_value=False,
+                remedy=f"leave {section} out, or leave structure out",
+            )  # fmt: skip
+    if "direction" in case.excitation.model_fields_set:
+        raise wrong(
+            "the influence vector of structure.file sets the direction", key="excitation.direction",
+            value=case.excitation.direction, remedy="leave it out (`wroll export` writes the direction of its case)",
+        )  # fmt: skip
 
 
 def _sections_present(case: Case) -> None:
@@ -183,7 +230,7 @@ def _base_fits(case: Case) -> None:
 
 
 def _layers_for_preload(case: Case) -> None:
-    if case.analysis == "preload" and case.coil.model != "layers":
+    if case.analysis == "preload" and case.coil.model != "layers" and case.structure is None:
         raise wrong("analysis preload presses layers", key="coil.model", value=case.coil.model, remedy="use layers")
 
 
@@ -210,5 +257,6 @@ def _fine_enough(case: Case) -> None:
 
 
 _CHECKS: Sequence[Callable[[Case], None]] = (
-    _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer, _fine_enough,
+    _roll_or_structure, _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer,
+    _fine_enough,
 )  # fmt: skip

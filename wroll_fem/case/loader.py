@@ -13,6 +13,9 @@ from ..errors import InputError
 from .case import Case
 from .messages import input_error
 
+#: Sections whose `file` is a path relative to the case file (or, with --set, to the working directory).
+_WITH_FILE = ("mesh", "structure")
+
 
 class _StrictLoader(yaml.SafeLoader):
     """SafeLoader that refuses a key written twice instead of keeping the last one."""
@@ -35,10 +38,10 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     Parameters
     ----------
     path
-        YAML file. A relative `mesh.file` inside is taken relative to this file.
+        YAML file. A relative `mesh.file` or `structure.file` inside is taken relative to this file.
     overrides
         "dotted.key=value" pairs, the value in YAML; checked like the file. A relative
-        `mesh.file` given here is taken relative to the working directory.
+        path given here is taken relative to the working directory.
 
     Raises
     ------
@@ -46,10 +49,11 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
         One line that names file, key, value and remedy.
     """
     path = Path(path)
-    data = _read(path)
-    mesh = data.get("mesh")
-    if isinstance(mesh, dict) and isinstance(mesh.get("file"), str):
-        mesh["file"] = str((path.parent / mesh["file"]).resolve())
+    data = read_yaml(path)
+    for name in _WITH_FILE:
+        section = data.get(name)
+        if isinstance(section, dict) and isinstance(section.get("file"), str):
+            section["file"] = str((path.parent / section["file"]).resolve())
     return build_case(data, overrides, source=path)
 
 
@@ -66,23 +70,20 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
     return case
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
+    """Content of a YAML file of sections; `what` it should be is named in errors."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(
-            "file not found", remedy="give the path of a case file (see configs/)", file=str(path)
-        ) from None
+        raise InputError("file not found", remedy=f"give the path of a {what} (see configs/)", file=str(path)) from None
     except UnicodeDecodeError:
-        raise InputError("is not a text file", remedy="give a YAML case file", file=str(path)) from None
+        raise InputError("is not a text file", remedy=f"give a YAML {what}", file=str(path)) from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise InputError(
-            f"cannot be read ({reason})", remedy="give a readable YAML case file", file=str(path)
-        ) from None
+        raise InputError(f"cannot be read ({reason})", remedy=f"give a readable YAML {what}", file=str(path)) from None
     data = _parse(text, str(path))
     if not isinstance(data, dict):
-        kind = "is empty" if data is None else f"is not a case: it holds a {type(data).__name__}"
+        kind = "is empty" if data is None else f"is not a {what.removesuffix(' file')}: it holds a {type(data).__name__}"
         raise InputError(kind, remedy="write sections as key: value pairs (see configs/)", file=str(path))
     return data
 
@@ -120,7 +121,7 @@ def _override(data: Mapping[str, Any], overrides: Sequence[str], file: str | Non
                 problem = f"{'.'.join(parts[: depth + 1])} is not a section, so it has no key {parts[depth + 1]!r}"
                 raise InputError(problem, key=f"--set {key}", remedy=remedy, file=file)
         parsed = _parse(value, f"--set {key}")
-        if key == "mesh.file" and isinstance(parsed, str):
+        if key in (f"{name}.file" for name in _WITH_FILE) and isinstance(parsed, str):
             parsed = str(Path(parsed).resolve())
         here[parts[-1]] = parsed
         keys.append(key)

@@ -1,0 +1,380 @@
+"""A `System` as a file of matrices, .npz or .mat: to run substructures of another program, and to hand ours on.
+
+Field names, units, signs and orders are documented in docs/matrices.md; the short of it:
+
+=============================== ======================================================================================
+``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C may be left out
+``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
+``probe_<name>``                (n,) row that gives a displacement in m; "tip" is needed
+``load_<name>``                 (n,) force in N; "preload" is applied before the motion
+``interface_<k>_operator``      (3 n_k, n), row 3 i + c: component c of (normal, hoop, axial) of outer minus inner body
+``interface_<k>_area``          (n_k,) m^2 per point
+``interface_<k>_points``        (n_k, 3) theta rad, z m, r m; may be left out
+``interface_<k>_friction_...``  law and parameters; ``interface_<k>_normal_stiffness`` Pa/m, ``_normal_separation``
+``interface_<k>_preload_...``   ready preload state (jump, traction, elastic_slip, status) or pressure alone
+``subspaces_...``               invariant subspaces of a roll (see `cyclic`); ours alone have them
+=============================== ======================================================================================
+
+Interfaces are numbered from 1, inner first. Every vector over the points of an interface follows the rows of its
+operator: all components of point 1, then of point 2.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import FloatArray
+from ..contact.interface import FrictionLaw, Interface, NormalPenalty
+from ..contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from ..errors import InputError
+from .cyclic import Subspace
+from .matrix_checks import negative_problem, symmetry_problem
+from .matrix_file import ArrayFile, write_arrays
+from .static import ContactState, TrialContact
+from .system import System
+
+VERSION = 1
+"""Of the format; files of a later one are refused."""
+
+FRICTION_LAWS: dict[str, type[Any]] = {
+    "penalty_coulomb": PenaltyCoulomb,
+    "rate_coulomb": RateCoulomb,
+    "smoothed_coulomb": SmoothedCoulomb,
+}
+"""Names of `contact.friction.law`; the parameters in a file are the fields of the class."""
+
+CONSISTENT = 1e-6
+"""Largest relative error of a preload state against its laws and against load_preload."""
+
+_OWN = "user_"
+_GENERAL = (
+    "wroll_format", "K", "M", "C", "influence", "preload_displacement",
+    "subspaces_basis", "subspaces_harmonic", "subspaces_even", "subspaces_columns",
+)  # fmt: skip
+_MEANT = {"stiffness": "K", "mass": "M", "damping": "C", "k": "K", "m": "M", "c": "C", "D": "C", "r": "influence"}
+_OF_INTERFACE = (
+    "name", "operator", "area", "points", "friction_law", "normal_stiffness", "normal_separation",
+    "preload_pressure", "preload_jump", "preload_traction", "preload_elastic_slip", "preload_status",
+)  # fmt: skip
+
+
+# ---- save ------------------------------------------------------------------------------------------------------------
+
+
+def save_system(system: System, path: str | os.PathLike[str], *, preload: ContactState | None = None) -> Path:
+    """Write a system, and its preload state when given, to .npz or .mat.
+
+    Returns
+    -------
+    Path
+        The file. `load_system` gives back the same numbers bit by bit.
+
+    Raises
+    ------
+    InputError
+        For another ending, or a name that no field can have.
+    """
+    content: dict[str, Any] = {"wroll_format": VERSION, "K": system.stiffness, "M": system.mass}
+    damping = getattr(system, "damping", None)
+    if damping is not None:
+        content["C"] = sp.csr_matrix(damping)
+    content["influence"] = system.influence
+    for kind, vectors in (("probe", system.probes), ("load", system.loads)):
+        for name, vector in vectors.items():
+            if not re.fullmatch(r"\w{1,40}", name, re.ASCII):
+                raise InputError(f"{kind} {name!r} cannot name a field", remedy="use letters, digits and underscores")
+            content[f"{kind}_{name}"] = vector
+    for number, interface in enumerate(system.interfaces, start=1):
+        content |= {f"interface_{number}_{key}": value for key, value in _interface_content(interface).items()}
+    if preload is not None:
+        content |= _state_content(system, preload)
+    if system.subspaces:
+        content |= _subspace_content(system.subspaces)
+    return write_arrays(path, content)
+
+
+def _interface_content(interface: Interface) -> dict[str, Any]:
+    content: dict[str, Any] = {"name": interface.name, "operator": interface.operator, "area": interface.areas}
+    if np.isfinite(interface.points).all():
+        content["points"] = interface.points
+    law = interface.friction
+    content["friction_law"] = next(name for name, kind in FRICTION_LAWS.items() if type(law) is kind)
+    content |= {f"friction_{entry.name}": np.array(getattr(law, entry.name), float) for entry in fields(law)}
+    content["normal_stiffness"] = interface.normal.stiffness
+    content["normal_separation"] = float(interface.normal.separation)
+    return content
+
+
+def _slots(system: System) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Per interface the slots of its points: (n_k, 2) hoop and axial, (n_k,) normal; see `contact.kernels`."""
+    n, start, result = system.n_points, 0, []
+    for interface in system.interfaces:
+        k = start + np.arange(interface.n_points)
+        result.append((np.column_stack([2 * k, 2 * k + 1]), 2 * n + k))
+        start += interface.n_points
+    return result
+
+
+def _state_content(system: System, state: ContactState) -> dict[str, Any]:
+    content: dict[str, Any] = {"preload_displacement": state.displacement}
+    for number, (tangential, normal) in enumerate(_slots(system), start=1):
+        rows = np.column_stack([normal, tangential])
+        content |= {
+            f"interface_{number}_preload_jump": state.jump[rows].ravel(),
+            f"interface_{number}_preload_traction": state.traction[rows].ravel(),
+            f"interface_{number}_preload_elastic_slip": state.elastic_slip[tangential].ravel(),
+            f"interface_{number}_preload_status": state.status[tangential[:, 0] // 2].astype(float),
+        }
+    return content
+
+
+def _subspace_content(subspaces: Sequence[Subspace]) -> dict[str, Any]:
+    return {
+        "subspaces_basis": sp.hstack([s.basis for s in subspaces], format="csc"),
+        "subspaces_harmonic": np.array([s.harmonic for s in subspaces], float),
+        "subspaces_even": np.array([s.even for s in subspaces], float),
+        "subspaces_columns": np.array([s.basis.shape[1] for s in subspaces], float),
+    }
+
+
+# ---- load ------------------------------------------------------------------------------------------------------------
+
+
+def load_system(
+    path: str | os.PathLike[str],
+    *,
+    friction: FrictionLaw | None = None,
+    normal_stiffness: float | None = None,
+    separation: bool | None = None,
+) -> tuple[System, ContactState | None]:
+    """Read and check what `save_system` wrote, or what somebody wrote by hand.
+
+    Parameters
+    ----------
+    friction, normal_stiffness, separation
+        In place of the laws of all interfaces in the file (which may then be missing there).
+
+    Returns
+    -------
+    System, ContactState or None
+        The state at the start of the motion; None when the file holds none, so that `static.solve_preload` finds it.
+
+    Raises
+    ------
+    InputError
+        One line with file, field, what is wrong and what would be right.
+    """
+    file = ArrayFile(path)
+    version = file.number("wroll_format", "format, 1") if "wroll_format" in file else VERSION
+    if version > VERSION:
+        raise file.error(f"has format {version:g}", key="wroll_format", remedy="read it with a newer wroll_fem")
+    count = _check_names(file)
+    stiffness = file.matrix("K", (None, None), "stiffness matrix, N/m")
+    n = stiffness.shape[0]
+    stiffness = _square(file, "K", n, "stiffness matrix, N/m")
+    system = System(
+        stiffness,
+        _square(file, "M", n, "mass matrix, kg"),
+        file.vector("influence", n, "displacement of each DOF under a unit base translation"),
+        tuple(_interface(file, k, n, friction, normal_stiffness, separation) for k in range(1, count + 1)),
+        _vectors(file, "probe", n, "row that gives a displacement in m"),
+        _vectors(file, "load", n, "static force, N"),
+        _subspaces(file, n),
+    )
+    if "C" in file:
+        if "damping" not in {entry.name for entry in fields(System)}:
+            raise file.error("damping matrices are not supported yet", key="C", remedy="leave it out")
+        system = replace(system, damping=_square(file, "C", n, "damping matrix, N s/m"))
+    if "tip" not in system.probes:
+        remedy = "add it (row that gives the displacement to follow, along the excitation)"
+        raise file.error("required field is missing", key="probe_tip", remedy=remedy)
+    return system, _state(file, system)
+
+
+def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
+    """Number of DOFs and of contact points of a file."""
+    file = ArrayFile(path)
+    n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
+    areas = [name for name in file.names if re.fullmatch(r"interface_\d+_area", name)]
+    return int(n), sum(file.vector(name, None, "area of each point, m^2").size for name in areas)
+
+
+def _check_names(file: ArrayFile) -> int:
+    """Refuse unknown fields (a misspelt one would be ignored in silence); number of interfaces."""
+    parameters = [f"friction_{entry.name}" for law in FRICTION_LAWS.values() for entry in fields(law)]
+    of_interface = [*_OF_INTERFACE, *dict.fromkeys(parameters)]
+    numbers = {int(m[1]) for name in file.names if (m := re.match(r"interface_(\d+)_", name))}
+    known = [*_GENERAL, *(f"interface_{k}_{key}" for k in sorted(numbers) for key in of_interface)]
+    for name in file.names:
+        if name in known or name.startswith(("probe_", "load_", _OWN)):
+            continue
+        near = [_MEANT[name]] if name in _MEANT else difflib.get_close_matches(name, [*known, "probe_tip"], n=1)
+        meant = f"did you mean {near[0]}? " if near else ""
+        raise file.error("unknown field", key=name, remedy=f"{meant}(fields of your own begin with {_OWN})")
+    if numbers != set(range(1, len(numbers) + 1)):
+        have = ", ".join(map(str, sorted(numbers)))
+        raise file.error(f"has the interfaces {have}", remedy="number them 1, 2, ... from the inside, without gaps")
+    return len(numbers)
+
+
+def _square(file: ArrayFile, name: str, n: int, meaning: str) -> sp.csr_matrix:
+    """Symmetric positive semi-definite matrix."""
+    matrix = file.matrix(name, (n, n), meaning)
+    problem, remedy = symmetry_problem(matrix)
+    if problem:
+        raise file.error(problem, key=name, remedy=remedy)
+    # contact may hold what the stiffness alone does not: its diagonal is looked at, not its pivots
+    problem = negative_problem(matrix, pivots=name != "K")
+    if problem:
+        raise file.error(f"is not positive semi-definite: {problem}", key=name, remedy=f"check the {meaning}")
+    return matrix
+
+
+def _vectors(file: ArrayFile, kind: str, n: int, meaning: str) -> dict[str, FloatArray]:
+    start = f"{kind}_"
+    return {name[len(start) :]: file.vector(name, n, meaning) for name in file.names if name.startswith(start)}
+
+
+def _interface(
+    file: ArrayFile,
+    number: int,
+    n: int,
+    friction: FrictionLaw | None,
+    normal_stiffness: float | None,
+    separation: bool | None,
+) -> Interface:
+    own = f"interface_{number}_"
+    area = file.vector(f"{own}area", None, "area of each point, m^2")
+    if area.size == 0 or area.min() <= 0.0:
+        least = "is empty" if area.size == 0 else f"area {int(np.argmin(area))}, counted from 0, is {area.min():g} m^2"
+        raise file.error(least, key=f"{own}area", remedy="give every point a positive area")
+    operator = file.matrix(
+        f"{own}operator", (3 * area.size, n), "operator with rows (normal, hoop, axial) of every point"
+    )
+    silent = np.flatnonzero(np.asarray(abs(operator[::3]).sum(axis=1)).ravel() == 0.0)
+    if silent.size:
+        remedy = "rows 0, 3, 6, ... give the normal displacement of the outer body minus that of the inner one"
+        raise file.error(f"the normal row of point {silent[0]}, counted from 0, is zero", key=f"{own}operator",
+                         remedy=remedy)  # fmt: skip
+    points = np.full((area.size, 3), np.nan)
+    if f"{own}points" in file:
+        points = file.table(f"{own}points", (area.size, 3), "theta (rad), z (m), r (m) of each point")
+    name = file.text(f"{own}name", "name of the interface") if f"{own}name" in file else f"interface {number}"
+    stiffness = normal_stiffness
+    if stiffness is None:
+        stiffness = file.number(
+            f"{own}normal_stiffness", "normal contact stiffness, Pa/m, or give contact.normal.penalty"
+        )
+    if not stiffness > 0.0:
+        raise file.error(f"is {stiffness:g} Pa/m", key=f"{own}normal_stiffness", remedy="give a positive stiffness")
+    if separation is None:
+        key = f"{own}normal_separation"
+        separation = bool(file.number(key, "1: opens, 0: does not")) if key in file else True
+    law = friction if friction is not None else _friction(file, own)
+    return Interface(name, operator, area, points, law, NormalPenalty(stiffness, separation))
+
+
+def _friction(file: ArrayFile, own: str) -> FrictionLaw:
+    key = f"{own}friction_law"
+    name = file.text(key, "friction law; the section contact of the case file stands in for it")
+    if name not in FRICTION_LAWS:
+        raise file.error(f"is {name!r}", key=key, remedy=f"use one of: {', '.join(FRICTION_LAWS)}")
+    values: dict[str, Any] = {}
+    for entry in fields(FRICTION_LAWS[name]):
+        field = f"{own}friction_{entry.name}"
+        if "tuple" in str(entry.type):
+            values[entry.name] = tuple(file.vector(field, None, f"{entry.name} of {name}").tolist())
+        else:
+            values[entry.name] = file.number(field, f"{entry.name} of {name}")
+    try:
+        return FRICTION_LAWS[name](**values)  # type: ignore[no-any-return]
+    except InputError as error:
+        raise file.error(error.problem, key=key, remedy=error.remedy or "correct the parameter") from None
+
+
+def _subspaces(file: ArrayFile, n: int) -> tuple[Subspace, ...]:
+    if "subspaces_basis" not in file:
+        return ()
+    width = file.vector("subspaces_columns", None, "columns of each subspace").astype(int)
+    harmonic = file.vector("subspaces_harmonic", width.size, "waves around of each subspace").astype(int)
+    even = file.vector("subspaces_even", width.size, "1: even, 0: odd, of each subspace").astype(bool)
+    basis = sp.csc_matrix(file.matrix("subspaces_basis", (n, n), "bases of all subspaces side by side"))
+    if width.sum() != n or width.min(initial=1) < 1:
+        remedy = "give each subspace its columns of subspaces_basis"
+        raise file.error(f"adds up to {width.sum()}, not {n}", key="subspaces_columns", remedy=remedy)
+    ends = np.cumsum(width)
+    parts = (basis[:, a - w : a] for a, w in zip(ends, width, strict=True))
+    return tuple(Subspace(int(h), bool(e), part) for h, e, part in zip(harmonic, even, parts, strict=True))
+
+
+def _state(file: ArrayFile, system: System) -> ContactState | None:
+    """State of the file, checked against laws and load; None when it holds none."""
+    given = [name for name in file.names if "_preload_" in name]
+    if not given and "preload_displacement" not in file:
+        return None
+    state = ContactState.unloaded(system)
+    jump, traction, slip, status = state.jump, state.traction, state.elastic_slip, state.status
+    whole = False
+    for number, ((tangential, normal), interface) in enumerate(
+        zip(_slots(system), system.interfaces, strict=True), start=1
+    ):
+        own, count = f"interface_{number}_preload_", interface.n_points
+        rows = np.column_stack([normal, tangential])
+        if f"{own}pressure" in file:
+            if len([name for name in given if name.startswith(own)]) > 1:
+                raise file.error("stands beside other fields of a preload state", key=f"{own}pressure",
+                                 remedy="give the pressure alone, or jump, traction and elastic_slip")  # fmt: skip
+            pressure = file.vector(f"{own}pressure", count, "contact pressure of each point, Pa")
+            if pressure.min() < 0.0:
+                raise file.error(f"is {pressure.min():g} Pa at one point", key=f"{own}pressure",
+                                 remedy="pressure is positive in compression")  # fmt: skip
+            jump[normal], traction[normal] = -pressure / interface.normal.stiffness, -pressure
+            continue
+        whole = True
+        jump[rows] = file.vector(f"{own}jump", 3 * count, "relative displacement, m").reshape(count, 3)
+        traction[rows] = file.vector(f"{own}traction", 3 * count, "traction, Pa").reshape(count, 3)
+        slip[tangential] = file.vector(f"{own}elastic_slip", 2 * count, "elastic slip, m").reshape(count, 2)
+        if f"{own}status" in file:
+            status[tangential[:, 0] // 2] = file.vector(f"{own}status", count, "status").astype(np.int64)
+    if "preload_displacement" in file:
+        state.displacement[:] = file.vector("preload_displacement", system.n_dofs, "displacement, m")
+    _check_state(file, system, state, balanced=whole and "preload_displacement" in file)
+    return state
+
+
+def _check_state(file: ArrayFile, system: System, state: ContactState, *, balanced: bool) -> None:
+    """Refuse a state whose tractions do not follow from its laws or do not hold the load "preload"."""
+    if not system.interfaces:
+        return
+    traction = TrialContact(system)(state.jump, state)
+    error, scale = float(np.abs(traction - state.traction).max()), float(np.abs(state.traction).max())
+    if error > CONSISTENT * scale:
+        raise file.error(
+            f"the preload state does not follow from its laws: tractions differ by {error:.3g} Pa of {scale:.3g} Pa",
+            remedy="give load_preload in place of the state (normal traction is negative in compression), or solve the "
+            "preload with these laws before",
+        )
+    force = system.loads.get("preload")
+    if force is None or not balanced or not np.any(force):
+        return
+    if not state.pressure.any():
+        remedy = "normal traction is negative in compression; a normal row is outer minus inner body, positive outwards"
+        raise file.error("the preload state presses no point", remedy=remedy)
+    contact = system.jump.T @ (system.weights * state.traction)
+    internal = system.stiffness @ state.displacement
+    scale = float(np.linalg.norm(force) + np.linalg.norm(contact) + np.linalg.norm(internal))
+    off = float(np.linalg.norm(internal + contact - force))
+    if off > CONSISTENT * scale:
+        raise file.error(
+            f"the preload state does not balance load_preload (relative error {off / scale:.2g})",
+            remedy="leave one of them out, or check units and order of the state's fields",
+        )
