@@ -9,47 +9,20 @@ import numpy as np
 import xarray as xr
 
 from ..dynamics.condensed import CondensedStepper
+from ..dynamics.fields import interface_fields
 from ..dynamics.hht import Scheme
-from ..dynamics.simulate import Checkpointing, interface_fields, make_stepper, simulate
-from ..dynamics.static import ContactState, solve_preload
+from ..dynamics.simulate import Checkpointing, make_stepper, simulate
 from ..dynamics.stepper import NewtonOptions, Stepper
-from ..dynamics.system import System
 from ..errors import ConvergenceError
-from ..model import build_bodies, build_system
 from ..results import annotate
 from ..signals.base_motion import base_motion
 from ..signals.damping import half_power, sweep_warning
 from ..signals.transmissibility import dwell_response, magnitude, transmissibility
+from .preparation import prepare
 
 if TYPE_CHECKING:
     from ..case import Case
     from ..progress import Progress
-
-
-def prepare(case: Case, progress: Progress) -> tuple[System, ContactState]:
-    """Mesh, assemble and preload a case; reports the interface pressure."""
-    with progress.stage("mesh and matrices", 2) as stage:
-        bodies = build_bodies(case)
-        stage.update(1, "bodies assembled")
-        system = build_system(case, bodies)
-        stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
-    with progress.stage("preload", case.preload.steps, "load steps") as stage:
-        state = solve_preload(system, steps=case.preload.steps, progress=lambda done: stage.update(done))
-    for name, mean, low, high in _pressures(system, state):
-        progress.info(
-            f"interface {name}: pressure {mean / 1e3:.4g} kPa (mean), {low / 1e3:.4g} to {high / 1e3:.4g} kPa"
-        )
-    return system, state
-
-
-def _pressures(system: System, state: ContactState) -> list[tuple[str, float, float, float]]:
-    rows, start = [], 0
-    for interface in system.interfaces:
-        part = state.pressure[start : start + interface.n_points]
-        mean = float(part @ interface.areas / interface.areas.sum())
-        rows.append((interface.name, mean, float(part.min()), float(part.max())))
-        start += interface.n_points
-    return rows
 
 
 def run_preload(case: Case, *, progress: Progress) -> xr.Dataset:

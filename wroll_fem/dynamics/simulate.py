@@ -17,6 +17,7 @@ from ..errors import ConvergenceError, InputError
 from ..progress import Progress, SilentProgress
 from ..results import annotate
 from .condensed import CondensedStepper
+from .fields import interface_fields, per_interface
 from .full import FullStepper
 from .hht import Scheme
 from .static import ContactState
@@ -238,8 +239,7 @@ class _Run:
         if system.interfaces:
             dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper)])
         if self.kept:
-            n = system.n_points
-            kept = np.array(self.kept).reshape(len(self.kept), len(system.interfaces), n // len(system.interfaces), 2)
+            kept = np.array([per_interface(system, jump.reshape(-1, 2)) for jump in self.kept])
             for c, name in enumerate(("hoop", "axial")):
                 dataset[f"relative_displacement_{name}"] = (("snapshot_time", "interface", "point"), kept[..., c])
             dataset = dataset.assign_coords(snapshot_time=np.array(self.kept_times))
@@ -253,33 +253,3 @@ class _Run:
             "interface_points": system.n_points,
         }
         return annotate(dataset)
-
-
-def interface_fields(system: System, preload: ContactState, stepper: Stepper | None = None) -> xr.Dataset:
-    """Per-point fields over (interface, point): preload pressure and traction, and the slip a stepper gathered."""
-    count = len(system.interfaces)
-    shape = (count, system.n_points // count)
-    dims = ("interface", "point")
-    points = system.interfaces[0].points
-    traction = preload.traction[: 2 * system.n_points].reshape(*shape, 2)
-    data: dict[str, np.ndarray] = {
-        "area": system.laws.area.reshape(shape),
-        "pressure": preload.pressure.reshape(shape),
-        "traction_hoop": traction[..., 0],
-        "traction_axial": traction[..., 1],
-    }
-    if stepper is not None:
-        slip = stepper.slip
-        vector = slip.peak_vector.reshape(*shape, 2)
-        data |= {
-            "cumulative_slip": slip.path.reshape(shape),
-            "max_slip": slip.peak.reshape(shape),
-            "slipped": slip.path.reshape(shape) > 0.0,
-            "peak_slip_hoop": vector[..., 0],
-            "peak_slip_axial": vector[..., 1],
-        }
-    radius = np.array([float(np.mean(i.points[:, 2])) for i in system.interfaces])
-    return xr.Dataset(
-        {name: (dims, values) for name, values in data.items()} | {"radius": (("interface",), radius)},
-        coords={"interface": np.arange(count), "theta_rad": ("point", points[:, 0]), "z_m": ("point", points[:, 1])},
-    )

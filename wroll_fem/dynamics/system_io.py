@@ -161,7 +161,8 @@ def load_system(
     Parameters
     ----------
     friction, normal_stiffness, separation
-        In place of the laws of all interfaces in the file (which may then be missing there).
+        In place of the laws of all interfaces in the file (which may then be missing there). When one of them
+        changes and the file holds the load "preload", a preload state in the file is left out.
 
     Returns
     -------
@@ -178,14 +179,13 @@ def load_system(
     if version > VERSION:
         raise file.error(f"has format {version:g}", key="wroll_format", remedy="read it with a newer wroll_fem")
     count = _check_names(file)
-    stiffness = file.matrix("K", (None, None), "stiffness matrix, N/m")
-    n = stiffness.shape[0]
-    stiffness = _square(file, "K", n, "stiffness matrix, N/m")
+    n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
+    laws = [_laws(file, k, friction, normal_stiffness, separation) for k in range(1, count + 1)]
     system = System(
-        stiffness,
+        _square(file, "K", n, "stiffness matrix, N/m"),
         _square(file, "M", n, "mass matrix, kg"),
         file.vector("influence", n, "displacement of each DOF under a unit base translation"),
-        tuple(_interface(file, k, n, friction, normal_stiffness, separation) for k in range(1, count + 1)),
+        tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
         _vectors(file, "probe", n, "row that gives a displacement in m"),
         _vectors(file, "load", n, "static force, N"),
         _subspaces(file, n),
@@ -197,7 +197,8 @@ def load_system(
     if "tip" not in system.probes:
         remedy = "add it (row that gives the displacement to follow, along the excitation)"
         raise file.error("required field is missing", key="probe_tip", remedy=remedy)
-    return system, _state(file, system)
+    stale = any(changed for *_, changed in laws) and np.any(system.loads.get("preload", 0.0))
+    return system, None if stale else _state(file, system)
 
 
 def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
@@ -244,48 +245,47 @@ def _vectors(file: ArrayFile, kind: str, n: int, meaning: str) -> dict[str, Floa
     return {name[len(start) :]: file.vector(name, n, meaning) for name in file.names if name.startswith(start)}
 
 
-def _interface(
-    file: ArrayFile,
-    number: int,
-    n: int,
-    friction: FrictionLaw | None,
-    normal_stiffness: float | None,
-    separation: bool | None,
-) -> Interface:
+def _interface(file: ArrayFile, number: int, n: int, friction: FrictionLaw, normal: NormalPenalty) -> Interface:
     own = f"interface_{number}_"
     area = file.vector(f"{own}area", None, "area of each point, m^2")
     if area.size == 0 or area.min() <= 0.0:
-        least = "is empty" if area.size == 0 else f"area {int(np.argmin(area))}, counted from 0, is {area.min():g} m^2"
+        least = f"area {int(np.argmin(area))}, counted from 0, is {area.min():g} m^2" if area.size else "is empty"
         raise file.error(least, key=f"{own}area", remedy="give every point a positive area")
-    operator = file.matrix(
-        f"{own}operator", (3 * area.size, n), "operator with rows (normal, hoop, axial) of every point"
-    )
+    meaning = "operator with rows (normal, hoop, axial) of every point"
+    operator = file.matrix(f"{own}operator", (3 * area.size, n), meaning)
     silent = np.flatnonzero(np.asarray(abs(operator[::3]).sum(axis=1)).ravel() == 0.0)
     if silent.size:
+        problem = f"the normal row of point {silent[0]}, counted from 0, is zero"
         remedy = "rows 0, 3, 6, ... give the normal displacement of the outer body minus that of the inner one"
-        raise file.error(f"the normal row of point {silent[0]}, counted from 0, is zero", key=f"{own}operator",
-                         remedy=remedy)  # fmt: skip
+        raise file.error(problem, key=f"{own}operator", remedy=remedy)
     points = np.full((area.size, 3), np.nan)
     if f"{own}points" in file:
         points = file.table(f"{own}points", (area.size, 3), "theta (rad), z (m), r (m) of each point")
     name = file.text(f"{own}name", "name of the interface") if f"{own}name" in file else f"interface {number}"
-    stiffness = normal_stiffness
-    if stiffness is None:
-        stiffness = file.number(
-            f"{own}normal_stiffness", "normal contact stiffness, Pa/m, or give contact.normal.penalty"
-        )
-    if not stiffness > 0.0:
-        raise file.error(f"is {stiffness:g} Pa/m", key=f"{own}normal_stiffness", remedy="give a positive stiffness")
-    if separation is None:
-        key = f"{own}normal_separation"
-        separation = bool(file.number(key, "1: opens, 0: does not")) if key in file else True
-    law = friction if friction is not None else _friction(file, own)
-    return Interface(name, operator, area, points, law, NormalPenalty(stiffness, separation))
+    return Interface(name, operator, area, points, friction, normal)
+
+
+def _laws(
+    file: ArrayFile, number: int, friction: FrictionLaw | None, stiffness: float | None, separation: bool | None
+) -> tuple[FrictionLaw, NormalPenalty, bool]:
+    """Laws of an interface, and whether they are not those in the file."""
+    own = f"interface_{number}_"
+    law = _friction(file, own) if friction is None or f"{own}friction_law" in file else None
+    key, meaning = f"{own}normal_stiffness", "normal contact stiffness, Pa/m; contact.normal.penalty stands in for it"
+    kn = file.number(key, meaning) if stiffness is None or key in file else None
+    if kn is not None and not kn > 0.0:
+        raise file.error(f"is {kn:g} Pa/m", key=key, remedy="give a positive stiffness")
+    key = f"{own}normal_separation"
+    opens = bool(file.number(key, "1: opens, 0: does not")) if key in file else True
+    used = (friction or law, stiffness if stiffness is not None else kn, opens if separation is None else separation)
+    assert used[0] is not None
+    assert used[1] is not None
+    return used[0], NormalPenalty(used[1], used[2]), used != (law, kn, opens)
 
 
 def _friction(file: ArrayFile, own: str) -> FrictionLaw:
     key = f"{own}friction_law"
-    name = file.text(key, "friction law; the section contact of the case file stands in for it")
+    name = file.text(key, "friction law; contact.friction of the case file stands in for it")
     if name not in FRICTION_LAWS:
         raise file.error(f"is {name!r}", key=key, remedy=f"use one of: {', '.join(FRICTION_LAWS)}")
     values: dict[str, Any] = {}

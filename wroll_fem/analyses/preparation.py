@@ -1,0 +1,124 @@
+"""From a case to a system at rest under its preload: a roll meshed here, or matrices from a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..dynamics.linear import factorise
+from ..dynamics.matrix_checks import is_singular, massless_dofs
+from ..dynamics.static import LEAST_TANGENT, ContactState, solve_preload
+from ..dynamics.system import System
+from ..dynamics.system_io import load_system
+from ..errors import InputError
+from ..model import build_bodies, build_system, friction_law
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+
+def prepare(case: Case, progress: Progress) -> tuple[System, ContactState]:
+    """System of a case and its state under preload; reports the interface pressure.
+
+    The one door for every analysis that starts from the preloaded system, whether the case describes a roll
+    (mesh, assemble, preload) or names a file of matrices (`structure`).
+    """
+    if case.structure is None:
+        with progress.stage("mesh and matrices", 2) as stage:
+            bodies = build_bodies(case)
+            stage.update(1, "bodies assembled")
+            system = build_system(case, bodies)
+            stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
+        state, steps = None, case.preload.steps
+    else:
+        with progress.stage("matrices", 1) as stage:
+            system, state = read_structure(case)
+            stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} contact points")
+        steps = case.structure.preload_steps
+    if state is None:
+        with progress.stage("preload", steps, "load steps") as stage:
+            state = solve_preload(system, steps=steps, progress=lambda done: stage.update(done))
+    for name, mean, low, high in _pressures(system, state):
+        progress.info(
+            f"interface {name}: pressure {mean / 1e3:.4g} kPa (mean), {low / 1e3:.4g} to {high / 1e3:.4g} kPa"
+        )
+    return system, state
+
+
+def _pressures(system: System, state: ContactState) -> list[tuple[str, float, float, float]]:
+    rows, start = [], 0
+    for interface in system.interfaces:
+        part = state.pressure[start : start + interface.n_points]
+        mean = float(part @ interface.areas / interface.areas.sum())
+        rows.append((interface.name, mean, float(part.min()), float(part.max())))
+        start += interface.n_points
+    return rows
+
+
+def read_structure(case: Case) -> tuple[System, ContactState | None]:
+    """System of `structure.file` with the laws of `contact` where written, and its preload state.
+
+    The state is None when it has to be solved: the file holds none, or `contact` changes a law and the file
+    holds the load as well.
+
+    Raises
+    ------
+    InputError
+        From `load_system`, for a preload that presses nothing, and for a singular mass matrix with a method
+        that needs its inverse.
+    """
+    assert case.structure is not None
+    path = case.structure.file
+    written = "contact" in case.model_fields_set
+    if not written:
+        system, state = load_system(path)
+    else:
+        normal = case.contact.normal if "normal" in case.contact.model_fields_set else None
+        stiffness = None if normal is None or isinstance(normal.penalty, str) else normal.penalty
+        separation = None if normal is None else normal.separation
+        system, state = load_system(
+            path, friction=friction_law(case), normal_stiffness=stiffness, separation=separation
+        )
+    if state is None:
+        _check_pressing(system, str(path))
+    _check_mass(case, system)
+    return system, state
+
+
+def _check_pressing(system: System, file: str) -> None:
+    """Refuse a preload under which a bilateral, frictionless interface would be pulled open at every point."""
+    force = system.loads.get("preload", np.zeros(system.n_dofs))
+    if not system.interfaces or not force.any():
+        return
+    kn = system.laws.kn
+    springs = np.concatenate([np.repeat(LEAST_TANGENT * kn, 2), kn])
+    try:
+        jump = system.jump @ factorise(system.with_interface_springs(springs)).solve(force)
+    except RuntimeError:  # SuperLU: exactly singular
+        jump = np.full(1, np.nan)
+    if not np.isfinite(jump).all():
+        raise InputError(
+            "is singular although the interfaces hold normal and tangential springs", key="K", file=file,
+            remedy="hold every body by a support or an interface",
+        )  # fmt: skip
+    if np.all(jump[2 * system.n_points :] >= 0.0):
+        raise InputError(
+            "the preload opens every contact point", key="load_preload", file=file,
+            remedy="turn the sign of the load, or of the normal rows: outer minus inner body, positive outwards",
+        )  # fmt: skip
+
+
+def _check_mass(case: Case, system: System) -> None:
+    """Modes need a regular mass matrix; time steps of the whole structure do not."""
+    if case.analysis == "preload" or case.solver.method == "full" or not is_singular(sp.csr_matrix(system.mass)):
+        return
+    assert case.structure is not None
+    count = massless_dofs(sp.csr_matrix(system.mass))
+    raise InputError(
+        f"is singular: {count} DOFs carry no mass" if count else "is singular", key="M",
+        file=str(case.structure.file),
+        remedy="condense these DOFs before (Guyan), give them a small mass, or use solver.method: full",
+    )  # fmt: skip

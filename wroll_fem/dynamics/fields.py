@@ -1,0 +1,69 @@
+"""Per-point results over (interface, point), with coordinates where the points have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from .static import ContactState
+from .stepper import Stepper
+from .system import System
+
+SAME_PLACE = 1e-6
+"""Points of two interfaces stand above each other when angle (rad) and height (relative) differ by less."""
+
+
+def per_interface(system: System, values: np.ndarray) -> np.ndarray:
+    """(n_points, ...) values as (n_interfaces, most points, ...).
+
+    Interfaces with fewer points than the largest end in NaN, or in False for flags.
+    """
+    counts = [interface.n_points for interface in system.interfaces]
+    if len(set(counts)) == 1:
+        return values.reshape(len(counts), counts[0], *values.shape[1:])
+    empty = False if values.dtype == bool else np.nan
+    result = np.full((len(counts), max(counts), *values.shape[1:]), empty)
+    for row, part in zip(result, np.split(values, np.cumsum(counts)[:-1]), strict=True):
+        row[: len(part)] = part
+    return result
+
+
+def interface_fields(system: System, preload: ContactState, stepper: Stepper | None = None) -> xr.Dataset:
+    """Per-point fields: preload pressure and traction, and the slip a stepper gathered.
+
+    Coordinates `theta_rad` and `z_m` run over `point` when all interfaces share them, over (`interface`, `point`)
+    when they do not, and are left out with `radius` when an interface has no points in space.
+    """
+    dims = ("interface", "point")
+    traction = preload.traction[: 2 * system.n_points].reshape(-1, 2)
+    data: dict[str, np.ndarray] = {
+        "area": system.laws.area,
+        "pressure": preload.pressure,
+        "traction_hoop": traction[:, 0],
+        "traction_axial": traction[:, 1],
+    }
+    if stepper is not None:
+        slip = stepper.slip
+        vector = slip.peak_vector.reshape(-1, 2)
+        data |= {
+            "cumulative_slip": slip.path,
+            "max_slip": slip.peak,
+            "slipped": slip.path > 0.0,
+            "peak_slip_hoop": vector[:, 0],
+            "peak_slip_axial": vector[:, 1],
+        }
+    dataset = xr.Dataset(
+        {name: (dims, per_interface(system, values)) for name, values in data.items()},
+        coords={"interface": np.arange(len(system.interfaces))},
+    )
+    points = np.vstack([interface.points for interface in system.interfaces])
+    if not np.isfinite(points).all():
+        return dataset
+    radius = [float(np.mean(interface.points[:, 2])) for interface in system.interfaces]
+    place = per_interface(system, points[:, :2])
+    tolerance = SAME_PLACE * np.array([1.0, max(float(np.ptp(points[:, 1])), 1e-12)])
+    if np.all(np.abs(place - place[0]) <= tolerance):
+        where = {name: ("point", place[0, :, c]) for c, name in enumerate(("theta_rad", "z_m"))}
+        return dataset.assign(radius=("interface", radius)).assign_coords(where)
+    where = {name: (dims, place[..., c]) for c, name in enumerate(("theta_rad", "z_m"))}
+    return dataset.assign(radius=("interface", radius)).assign_coords(where)
