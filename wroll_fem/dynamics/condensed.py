@@ -56,6 +56,10 @@ class CondensedStepper(Stepper):
         """(n_dofs,) displacement relative to the preload state, m."""
         return self.condensation.displacement(self.q)
 
+    def base_motion(self) -> tuple[FloatArray, FloatArray]:
+        """Influence vector and inertia force (r,) of a unit base acceleration: the modal mass is 1."""
+        return self.condensation.base, self.condensation.base
+
     def start_from(self, displacement: FloatArray) -> None:
         """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
         c, system = self.condensation, self.system

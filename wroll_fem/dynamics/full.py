@@ -52,6 +52,10 @@ class FullStepper(Stepper):
         """(n_dofs,) displacement relative to the preload state, m."""
         return self.w.copy()
 
+    def base_motion(self) -> tuple[FloatArray, FloatArray]:
+        """Influence vector and inertia force (n_dofs,) of a unit base acceleration."""
+        return self.system.influence, self.inertia
+
     def start_from(self, displacement: FloatArray) -> None:
         """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
         system = self.system

@@ -229,7 +229,7 @@ class _Run:
         """Everything computed so far."""
         m = self.done + 1
         columns = np.vstack([np.zeros(len(RECORDS)), self.records[: self.done]])
-        columns[0, RECORDS.index("tip_acceleration")] = 0.0
+        columns[0, RECORDS.index("tip_acceleration")] = -base[0] * (system.probes["tip"] @ system.influence)
         data: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
             name: (("time",), columns[:m, i]) for i, name in enumerate(RECORDS)
         }

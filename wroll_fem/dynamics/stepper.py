@@ -89,6 +89,7 @@ class Stepper(ABC):
         self.totals = np.zeros(4)  # friction, contact, modulation, interface work
         self.flows = np.zeros(2)  # input work, numerical dissipation
         self.cuts = 0
+        self.base_acceleration = np.zeros(())  # m/s^2, that the committed acceleration is in balance with
         gamma = system.laws.gamma
         self.residual_limit = options.tolerance * (float(gamma.min()) if gamma.size else 1.0)
 
@@ -100,7 +101,14 @@ class Stepper(ABC):
         step failed (`last_history` then holds its residuals).
         """
 
+    def base_motion(self) -> tuple[FloatArray, FloatArray]:
+        """Influence vector i and inertia force M i of a unit base acceleration, in the coordinates of the state."""
+        raise NotImplementedError
+
     last_history: list[float]
+    a: FloatArray
+    """Acceleration in the coordinates of the state; ``residual`` is r = K u + G^T W t - f in the same."""
+    residual: FloatArray
     jump: FloatArray
     """(3 n_points,) total relative displacement in slot order, m."""
 
@@ -119,15 +127,28 @@ class Stepper(ABC):
         Returns
         -------
         (k, len(RECORDS)) array
+
+        Notes
+        -----
+        Where ``acceleration`` does not go on from its last value (a record that starts with a step, above all),
+        displacement and velocity stay and a jumps by -i times the jump, so that M a + r balances again.
         """
         k = len(acceleration) - 1
+        jump = float(acceleration[0] - self.base_acceleration)
+        if jump != 0.0:
+            influence, inertia = self.base_motion()
+            self.a -= jump * influence
+            self.residual += jump * inertia
+            self.base_acceleration[...] = acceleration[0]
         records = np.zeros((k, len(RECORDS)))
         done = 0
         while done < k:
             done += self.try_steps(acceleration[done:], dt, records[done:])
+            self.base_acceleration[...] = acceleration[done]
             if done < k:
                 self._cut_step(acceleration[done : done + 2], dt, time + done * dt, records[done : done + 1])
                 done += 1
+                self.base_acceleration[...] = acceleration[done]
         return records
 
     def _cut_step(self, ends: FloatArray, dt: float, time: float, record: FloatArray) -> None:
@@ -155,13 +176,16 @@ class Stepper(ABC):
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Copy of everything the future depends on."""
-        state = {name: np.array(getattr(self, name)) for name in (*self.state_names, "totals", "flows", "cuts")}
+        state = {
+            name: np.array(getattr(self, name))
+            for name in (*self.state_names, "totals", "flows", "base_acceleration", "cuts")
+        }
         state |= {f"slip_{f.name}": np.array(getattr(self.slip, f.name)) for f in fields(SlipRecord)}
         return state
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Return to a `snapshot`."""
-        for name in (*self.state_names, "totals", "flows"):
+        for name in (*self.state_names, "totals", "flows", "base_acceleration"):
             getattr(self, name)[...] = state[name]
         self.cuts = int(state["cuts"])
         for f in fields(SlipRecord):
