@@ -161,13 +161,14 @@ def mesh(
     """Mesh a case and write it as .msh (named groups) and .vtu."""
     with _reporting():
         case = load_case(case_file, overrides or ())
-        from . import meshing
+        from .mesh_file import write_mesh
+        from .meshing import build_mesh
 
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
-        built = meshing.build_mesh(case)
+        built = build_mesh(case)
         try:
-            written = meshing.write_mesh(built, out)
+            written = write_mesh(built, out)
         except OSError as error:
             remedy = "choose another --out"
             raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None

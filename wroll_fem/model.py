@@ -39,7 +39,8 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
     A user's mesh that is not symmetric about the x-z plane is taken whole.
     """
     from .fem.body import assemble_bodies
-    from .meshing import build_mesh, mirror_nodes
+    from .mesh import mirror_nodes
+    from .meshing import build_mesh
 
     mesh = build_mesh(case)
     half = uses_symmetry(case) if symmetric is None else symmetric

@@ -14,7 +14,8 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.constraints import Constraints, build_constraints
 from wroll_fem.fem.shell import Section, ShellModel, drop_small, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
-from wroll_fem.meshing import CylinderMesh, build_mesh, canonical_vertices, ring_edges, shell_layout
+from wroll_fem.mesh import CylinderMesh, canonical_vertices, ring_edges
+from wroll_fem.meshing import build_mesh, shell_layout
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

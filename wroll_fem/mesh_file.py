@@ -1,0 +1,189 @@
+"""Meshes in files: reading and writing .msh by gmsh (named groups), writing .vtu."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import gmsh
+import numpy as np
+
+from wroll_fem.errors import InputError
+from wroll_fem.mesh import CylinderMesh, IntArray, ring_edges
+
+_QUAD9, _LINE3 = 10, 8  # gmsh element types
+
+
+def start_gmsh() -> None:
+    """Initialize gmsh; what it writes to stderr is passed on without one false alarm.
+
+    The PETSc inside gmsh's wheel takes Open MPI 5, whose ROMIO holds a few of MPICH's names, for a second MPI and
+    says that nothing will run correctly. Meshing does not use it.
+    """
+    terminal = os.dup(2)
+    with tempfile.TemporaryFile() as said:
+        os.dup2(said.fileno(), 2)
+        try:
+            gmsh.initialize([], readConfigFiles=False, interruptible=False)
+        finally:
+            os.dup2(terminal, 2)
+            os.close(terminal)
+            said.seek(0)
+            os.write(2, b"".join(line for line in said if b"against both OpenMPI and MPICH" not in line))
+
+
+@contextlib.contextmanager
+def gmsh_model(name: str) -> Iterator[None]:
+    """Open a fresh gmsh model without terminal output; leave gmsh as it was found."""
+    started = not gmsh.isInitialized()
+    if started:
+        start_gmsh()
+    previous = None if started else gmsh.model.getCurrent()
+    terminal = gmsh.option.getNumber("General.Terminal")
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.add(name)
+    try:
+        yield
+    finally:
+        gmsh.model.remove()
+        gmsh.option.setNumber("General.Terminal", terminal)
+        if started:
+            gmsh.finalize()
+        elif previous is not None:
+            gmsh.model.setCurrent(previous)
+
+
+def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> CylinderMesh:
+    """Read a .msh file whose physical groups follow the names of `CylinderMesh`.
+
+    Parameters
+    ----------
+    path
+        File in a format that gmsh reads (.msh 2.2 or 4.1).
+    required
+        Shells that must be there, each with its "_base" and "_tip" ring.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or unreadable, lacks groups, or holds cells other than 9-node quads.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError("mesh file does not exist", key="mesh.file", file=str(path), remedy="give an existing .msh")
+    with gmsh_model("read"):
+        before = set(gmsh.model.list())
+        try:
+            gmsh.merge(str(path))
+        except Exception as error:  # gmsh raises bare Exception for every failure
+            raise InputError(
+                f"gmsh cannot read the mesh ({error})", key="mesh.file", file=str(path), remedy="save it as .msh 4.1"
+            ) from error
+        if set(gmsh.model.list()) != before:
+            raise RuntimeError(f"reading {path} changed the list of gmsh models")
+        return extract_mesh(str(path), required)
+
+
+def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
+    """Cells and groups of the current gmsh model; nodes that no quad uses (arc centres) are left out."""
+    found = {gmsh.model.getPhysicalName(dim, tag): (dim, tag) for dim, tag in gmsh.model.getPhysicalGroups()}
+    wanted = [name for part in required for name in (part, f"{part}_base", f"{part}_tip")] or list(found)
+    missing = [name for name in wanted if name not in found]
+    if missing:
+        lacks = f"group{'s' * (len(missing) > 1)} {', '.join(missing)}"
+        raise InputError(
+            f"mesh lacks the {lacks} (it has: {', '.join(found) or 'none'})",
+            key="mesh.file",
+            file=source,
+            remedy="name the surfaces (physical surfaces) and their end rings (physical curves) like that",
+        )
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    cells: list[IntArray] = []
+    groups: dict[str, IntArray] = {}
+    count = 0
+    for name in wanted:
+        dim, group = found[name]
+        expected = 1 if name.endswith(("_base", "_tip")) else 2
+        if dim != expected:
+            raise InputError(
+                f"group {name} has dimension {dim} instead of {expected}",
+                key="mesh.file",
+                file=source,
+                remedy="shells are physical surfaces, their ends physical curves",
+            )
+        own = _group_elements(dim, group, name, source)
+        if dim == 2:
+            groups[name] = np.arange(count, count + len(own))
+            count += len(own)
+            cells.append(own)
+        else:
+            groups[name] = np.unique(own)
+    all_cells = np.concatenate(cells)
+    used = np.unique(all_cells)
+    order = np.argsort(tags)
+    nodes = coordinates.reshape(-1, 3)[order[np.searchsorted(tags, used, sorter=order)]]
+    for name, members in groups.items():
+        if name.endswith(("_base", "_tip")):
+            groups[name] = np.searchsorted(used, members)
+    return CylinderMesh(nodes, np.searchsorted(used, all_cells), groups)
+
+
+def _group_elements(dim: int, group: int, name: str, source: str) -> IntArray:
+    """(n, nodes per element) node tags of the elements of a physical group, which must be quad9 or line3."""
+    wanted = _QUAD9 if dim == 2 else _LINE3
+    blocks = []
+    for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, group):
+        types, _, node_tags = gmsh.model.mesh.getElements(dim, entity)
+        for kind, own in zip(types, node_tags, strict=True):
+            kind_name, _, _, per_element, _, _ = gmsh.model.mesh.getElementProperties(kind)
+            if kind != wanted:
+                raise InputError(
+                    f"group {name} holds cells of type {kind_name}",
+                    key="mesh.file",
+                    file=source,
+                    remedy="shells need 9-node quads (gmsh: recombine, Mesh.ElementOrder = 2, no incomplete elements)",
+                )
+            blocks.append(np.asarray(own, np.int64).reshape(-1, per_element))
+    if not blocks:
+        raise InputError(f"group {name} holds no elements", key="mesh.file", file=source, remedy="mesh it and save it")
+    return np.concatenate(blocks)
+
+
+def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh") -> list[Path]:
+    """Write `name`.msh (gmsh 4.1, named groups) and `name`.vtu (for ParaView) to a folder; returns the paths."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    msh, vtu = folder / f"{name}.msh", folder / f"{name}.vtu"
+    _write_msh(mesh, msh)
+    _write_vtu(mesh, vtu)
+    return [msh, vtu]
+
+
+def _write_msh(mesh: CylinderMesh, path: Path) -> None:
+    with gmsh_model("write"):
+        for tag, name in enumerate(mesh.parts, start=1):
+            cells = mesh.cells[mesh.groups[name]]
+            own = np.unique(cells)
+            gmsh.model.addDiscreteEntity(2, tag)
+            gmsh.model.mesh.addNodes(2, tag, own + 1, mesh.nodes[own].ravel())
+            gmsh.model.mesh.addElementsByType(tag, _QUAD9, [], cells.ravel() + 1)
+            gmsh.model.addPhysicalGroup(2, [tag], tag, name=name)
+            for ring, end in ((2 * tag - 1, "base"), (2 * tag, "tip")):
+                edges = ring_edges(cells, mesh.groups[f"{name}_{end}"])
+                gmsh.model.addDiscreteEntity(1, ring)
+                gmsh.model.mesh.addElementsByType(ring, _LINE3, [], edges.ravel() + 1)
+                gmsh.model.addPhysicalGroup(1, [ring], ring, name=f"{name}_{end}")
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+        gmsh.write(str(path))
+
+
+def _write_vtu(mesh: CylinderMesh, path: Path) -> None:
+    import meshio
+
+    shell = np.zeros(len(mesh.cells), np.int32)
+    for index, name in enumerate(mesh.parts):
+        shell[mesh.groups[name]] = index
+    meshio.Mesh(mesh.nodes, [("quad9", mesh.cells)], cell_data={"shell": [shell]}).write(str(path))
