@@ -51,7 +51,7 @@ def check_stick(mu: float, elastic_slip: float) -> None:
         )
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_update(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, bool]:
     """Elastic slip (m) clipped to the disc of ``radius`` (m), and whether the point slides."""
     length = np.sqrt(trial_h * trial_h + trial_z * trial_z)
@@ -61,7 +61,7 @@ def slip_update(trial_h: float, trial_z: float, radius: float) -> tuple[float, f
     return trial_h, trial_z, False
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_derivatives(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, float, float]:
     """Derivatives (00, 01, 10, 11) of the clipped slip with respect to the trial slip."""
     length = np.sqrt(trial_h * trial_h + trial_z * trial_z)

@@ -78,50 +78,54 @@ def table_problem(rates: tuple[float, ...], coefficients: tuple[float, ...], mu:
     return "", ""
 
 
-@numba.njit(cache=True)
-def coefficient(speed: float, rates: np.ndarray, coefficients: np.ndarray) -> tuple[float, float]:
-    """Coefficient at ``speed`` (m/s) and its slope (s/m); at a corner the slope of the segment that follows."""
-    for i in range(rates.shape[0] - 1):
-        if speed < rates[i + 1]:
-            slope = (coefficients[i + 1] - coefficients[i]) / (rates[i + 1] - rates[i])
-            return coefficients[i] + slope * (speed - rates[i]), slope
-    return coefficients[-1], 0.0
+@numba.njit(cache=True, inline="always")
+def coefficient(speed: float, row: int, rates: np.ndarray, coefficients: np.ndarray) -> tuple[float, float]:
+    """Coefficient of table ``row`` at ``speed`` (m/s) and its slope (s/m); at a corner that of the segment above."""
+    last = rates.shape[1] - 1
+    for i in range(last):
+        if speed < rates[row, i + 1]:
+            rise = coefficients[row, i + 1] - coefficients[row, i]
+            slope = rise / (rates[row, i + 1] - rates[row, i])
+            return coefficients[row, i] + slope * (speed - rates[row, i]), slope
+    return coefficients[row, last], 0.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_update(
     trial_h: float,
     trial_z: float,
     dg_h: float,
     dg_z: float,
     gamma: float,
+    row: int,
     rates: np.ndarray,
     coefficients: np.ndarray,
     dt: float,
 ) -> tuple[float, float, bool]:
     """Elastic slip (m) clipped to the disc of the current coefficient, and whether the point slides."""
     speed = np.sqrt(dg_h * dg_h + dg_z * dg_z) / dt
-    mu, _ = coefficient(speed, rates, coefficients)
-    at_rest = coefficients[0]
+    mu, _ = coefficient(speed, row, rates, coefficients)
+    at_rest = coefficients[row, 0]
     radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
     return penalty_coulomb.slip_update(trial_h, trial_z, radius)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_derivatives(
     trial_h: float,
     trial_z: float,
     dg_h: float,
     dg_z: float,
     gamma: float,
+    row: int,
     rates: np.ndarray,
     coefficients: np.ndarray,
     dt: float,
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Derivatives (00, 01, 10, 11) with respect to the trial slip, then with respect to the increment."""
     size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
-    mu, slope = coefficient(size / dt, rates, coefficients)
-    at_rest = coefficients[0]
+    mu, slope = coefficient(size / dt, row, rates, coefficients)
+    at_rest = coefficients[row, 0]
     radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
     a00, a01, a10, a11 = penalty_coulomb.slip_derivatives(trial_h, trial_z, radius)
     length = np.sqrt(trial_h * trial_h + trial_z * trial_z)

@@ -54,13 +54,13 @@ class SmoothedCoulomb:
         return self.reference_speed * REFERENCE_TIME
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def logistic_sign(x: float) -> float:
     """S(x) = 2 / (1 + exp(-x)) - 1, the smoothed sign, written so that it neither overflows nor cancels."""
     return np.tanh(0.5 * x)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_update(dg_h: float, dg_z: float, gamma: float, speed: float, dt: float) -> tuple[float, float, bool]:
     """Normalised traction (m) against the increment, and whether the point moves faster than the reference speed."""
     size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
@@ -71,7 +71,7 @@ def slip_update(dg_h: float, dg_z: float, gamma: float, speed: float, dt: float)
     return c * dg_h, c * dg_z, size > reach
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def slip_derivatives(
     dg_h: float, dg_z: float, gamma: float, speed: float, dt: float
 ) -> tuple[float, float, float, float]:
