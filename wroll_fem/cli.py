@@ -120,14 +120,15 @@ def validate(
     for path in case_files:
         try:
             case = load_case(path)
+            from . import analyses
+
+            warnings = analyses.case_warnings(case)  # reads the file of `structure`
         except InputError as error:
             typer.echo(str(error), err=True)
             wrong += 1
             continue
-        from . import analyses
-
         typer.echo(f"{path}: OK")
-        for text in analyses.case_warnings(case):
+        for text in warnings:
             typer.echo(f"{path}: warning: {text}")
     if wrong:
         raise typer.Exit(InputError.exit_code)
@@ -174,6 +175,28 @@ def mesh(
             raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None
         for path in written:
             typer.echo(str(path))
+
+
+@app.command()
+def export(
+    case_file: CaseFile,
+    out: Annotated[Path, typer.Option("--out", help="File to write, .npz or .mat.", show_default=False)],
+    overrides: Overrides = None,
+) -> None:
+    """Mesh, assemble and preload a case, and write its matrices and interfaces (docs/matrices.md)."""
+    with _reporting():
+        case = load_case(case_file, overrides or ())
+        from .dynamics.matrix_file import check_suffix
+
+        check_suffix(out)  # before the work
+        from .analyses.preparation import prepare
+        from .dynamics.system_io import save_system
+
+        with TerminalProgress() as progress:
+            system, state = prepare(case, progress)
+        written = save_system(system, out, preload=state)
+        size = written.stat().st_size / 1e6
+        typer.echo(f"{written}: {system.n_dofs} DOFs, {system.n_points} contact points, {size:.2g} MB")
 
 
 @app.command()

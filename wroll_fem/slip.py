@@ -77,8 +77,10 @@ def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
         For a missing field or interface.
     """
     _require(dataset, "theta_rad", "z_m", *names)
-    theta, z = dataset["theta_rad"].values.astype(float), dataset["z_m"].values.astype(float)
+    theta, z = (_along_interface(dataset, name, interface).astype(float) for name in ("theta_rad", "z_m"))
     values = {name: _along_interface(dataset, name, interface).astype(float) for name in names}
+    here = np.isfinite(theta)  # an interface with fewer points than another ends in NaN
+    theta, z, values = theta[here], z[here], {name: field[here] for name, field in values.items()}
     near = 1e-6
     theta = np.where(theta <= -np.pi + near, theta + 2.0 * np.pi, theta)
     if theta.min() > -near and np.ptp(theta) <= np.pi + near:
@@ -88,6 +90,15 @@ def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
             values[name] = np.concatenate([field, mirrored])
         theta, z = np.concatenate([theta, -theta[off_plane]]), np.concatenate([z, z[off_plane]])
     return Surface(theta, z, values)
+
+
+def has_surface(dataset: xr.Dataset, interface: int) -> bool:
+    """Whether the points of an interface span a piece of a cylinder: three angles and two heights at least."""
+    if "theta_rad" not in dataset.variables:
+        return False
+    points = surface(dataset, interface)
+    around = np.unique(np.round(points.theta, _ANGLE_DIGITS)).size
+    return bool(around > 2 and np.ptp(points.z) > 0.0 and points.theta.size > 3)
 
 
 def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:

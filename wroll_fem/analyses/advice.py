@@ -88,18 +88,53 @@ def root_element_height(case: Case) -> float:
 
 
 def case_warnings(case: Case) -> list[str]:
-    """What a user should know before the run, each with what to change."""
+    """What a user should know before the run, each with what to change; reads the file of `structure`.
+
+    Raises
+    ------
+    InputError
+        When that file is wrong.
+    """
+    if case.structure is not None:
+        return _scheme_warnings(case) + _structure_warnings(case)
     warnings = []
     contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "preload")
     if case.analysis == "sweep":
         warnings += _missed_resonance(case)
     if contact and any(interface_pressures(case)):
         warnings += _contact_warnings(case)
-    integrator = case.integrator
-    if case.analysis in ("sweep", "dwell") and integrator.scheme in ("moderate_dissipation", "quasi_static"):
+    return warnings + _scheme_warnings(case)
+
+
+def _scheme_warnings(case: Case) -> list[str]:
+    scheme = case.integrator.scheme
+    if case.analysis not in ("sweep", "dwell") or scheme not in ("moderate_dissipation", "quasi_static"):
+        return []
+    return [
+        f"integrator.scheme {scheme} takes a visible part of the energy itself; use hht with alpha "
+        "-0.05, and read numerical_dissipation_j next to friction_energy_j"
+    ]
+
+
+def _structure_warnings(case: Case) -> list[str]:
+    """What is doubtful in a file of matrices."""
+    from .preparation import read_structure
+
+    system, state = read_structure(case)
+    warnings = []
+    pressed = system.loads.get("preload") if state is None else state.traction
+    if system.interfaces and (pressed is None or not pressed.any()):
         warnings.append(
-            f"integrator.scheme {integrator.scheme} takes a visible part of the energy itself; use hht with alpha "
-            "-0.05, and read numerical_dissipation_j next to friction_energy_j"
+            "nothing presses the interfaces together, so there is no friction before they close; "
+            "add load_preload or a preload state to the file"
+        )
+    if not system.influence.any():
+        warnings.append("influence is zero: the base motion does not act; write the rigid translation of every DOF")
+    rigid = float(system.probes["tip"] @ system.influence)
+    if system.influence.any() and abs(rigid - 1.0) > 1e-6:
+        warnings.append(
+            f"probe_tip moves {rigid:.6g} m when the base moves 1 m; the transmissibility adds the base motion once: "
+            "write the row of a displacement along the excitation"
         )
     return warnings
 
@@ -148,8 +183,14 @@ def estimate(case: Case) -> dict[str, Any]:
     Returns
     -------
     dict
-        dofs, interface_points, steps, time_step_s, duration_s, estimated_seconds (one core, set-up included).
+        dofs, interface_points, steps, time_step_s, duration_s, and for a roll estimated_seconds (one core, set-up
+        included).
     """
+    if case.structure is not None:
+        from ..dynamics.system_io import system_size
+
+        dofs, points = system_size(case.structure.file)
+        return {"dofs": dofs, "interface_points": points} | _time_steps(case)
     shells = 1 + (case.coil.layers if case.coil.model in ("layers", "bonded") else 0)
     half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method == "condensed"
     around, along = case.mesh.circumferential, case.mesh.axial
@@ -159,15 +200,22 @@ def estimate(case: Case) -> dict[str, Any]:
         "dofs": 6 * nodes * shells,
         "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
     }
+    result |= _time_steps(case)
     seconds = 10.0 + 2e-3 * result["dofs"]
-    if case.analysis in ("sweep", "dwell"):
-        from ..signals.base_motion import base_motion
-
-        duration = base_motion(case.excitation).duration
-        steps = math.ceil(duration / case.time_step - 1e-9)
-        result |= {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}
+    if "steps" in result:
         per_harmonic = 2.0 * result["dofs"] / around
         unit = {"condensed": result["interface_points"] * per_harmonic, "full": result["dofs"]}[case.solver.method]
-        seconds += steps * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)
+        seconds += result["steps"] * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)
     result["estimated_seconds"] = seconds
     return result
+
+
+def _time_steps(case: Case) -> dict[str, Any]:
+    """Steps, step and length of a time history; nothing for other analyses."""
+    if case.analysis not in ("sweep", "dwell"):
+        return {}
+    from ..signals.base_motion import base_motion
+
+    duration = base_motion(case.excitation).duration
+    steps = math.ceil(duration / case.time_step - 1e-9)
+    return {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}

@@ -82,7 +82,8 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
 
 def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     excitation = case.excitation
-    attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": excitation.direction}
+    direction = excitation.direction if case.structure is None else "of the file"
+    attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": direction}
     if excitation.kind == "chirp":
         attrs |= {
             "f_start_hz": excitation.f_start,

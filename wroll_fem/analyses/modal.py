@@ -5,15 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
 from ..body import Body, FloatArray
-from ..dynamics.static import solve_preload, stick_springs
+from ..dynamics.static import ContactState, solve_preload, stick_springs
 from ..dynamics.system import System
 from ..model import build_bodies, build_system
 from ..modes import align_pairs, classify_mode, effective_mass_fractions
 from ..results import annotate
+from .preparation import prepare, read_structure
 
 if TYPE_CHECKING:
     from ..case import Case
@@ -23,7 +25,11 @@ TIE_FACTOR = 100.0
 """Bonded: springs of this many times the normal penalty in all directions; tied to 1e-4 in frequency."""
 
 
-def interface_springs(case: Case, system: System) -> FloatArray:
+DENSE_MODES = 500
+"""Up to this many DOFs the modes of a structure from a file are found by a dense solver: all of them may be wanted."""
+
+
+def interface_springs(case: Case, system: System, state: ContactState | None = None) -> FloatArray:
     """(3 n_points,) spring per slot that stands for the interface in a linear analysis, Pa/m.
 
     frictionless: normal contact (bilateral) alone; bonded: no relative motion; stuck: the preloaded interface,
@@ -35,7 +41,7 @@ def interface_springs(case: Case, system: System) -> FloatArray:
         return np.concatenate([np.zeros(2 * n), kn])
     if kind == "bonded":
         return TIE_FACTOR * np.concatenate([np.repeat(kn, 2), kn])
-    return stick_springs(system, solve_preload(system, steps=case.preload.steps))
+    return stick_springs(system, solve_preload(system, steps=case.preload.steps) if state is None else state)
 
 
 def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
@@ -49,6 +55,8 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
     """
     from ..fem.eigen import solve_pairs
 
+    if case.structure is not None:
+        return _structure_modes(case, progress)
     with progress.stage("mesh and matrices", 2) as stage:
         bodies = build_bodies(case, symmetric=False)
         stage.update(1)
@@ -83,6 +91,40 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
     )
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": total}
+    return annotate(dataset)
+
+
+def _structure_modes(case: Case, progress: Progress) -> xr.Dataset:
+    """Undamped modes of matrices from a file: frequency and effective mass along the excitation, no names or shapes."""
+    stuck = case.modal.interface == "stuck"
+    system, state = prepare(case, progress) if stuck else read_structure(case)
+    springs = interface_springs(case, system, state) if system.interfaces else np.zeros(0)
+    stiffness, mass = sp.csr_matrix(system.with_interface_springs(springs)), system.mass
+    count = min(case.modal.count, system.n_dofs)
+    with progress.stage("modes", 1) as stage:
+        if system.n_dofs <= DENSE_MODES:
+            values, vectors = la.eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
+            product = mass @ vectors
+            scale = np.linalg.norm(stiffness @ vectors, axis=0) + np.linalg.norm(product * values, axis=0)
+            residuals = np.linalg.norm(stiffness @ vectors - product * values, axis=0) / scale
+        else:
+            from ..fem.eigen import DEFAULT_SHIFT, solve_pairs
+
+            pairs = solve_pairs(stiffness, mass, count, sigma=DEFAULT_SHIFT)
+            values, vectors, residuals = pairs.values, pairs.vectors, pairs.residuals
+        stage.update(1)
+    inertia = mass @ system.influence
+    moved = float(system.influence @ inertia)
+    fraction = (vectors.T @ inertia) ** 2 / moved if moved > 0.0 else np.zeros(count)
+    dataset = xr.Dataset(
+        {
+            "mode_frequency": ("mode", np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)),
+            "mode_residual": ("mode", residuals),
+            "effective_mass_fraction": ("mode", fraction),
+        },
+        coords={"mode": np.arange(1, count + 1)},
+    )
+    dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": moved}
     return annotate(dataset)
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+
+from ..slip import has_surface
 
 if TYPE_CHECKING:
     from ..case import Case
@@ -22,7 +25,17 @@ _READINGS = (
     "half_power_high_hz",
     "skewness",
 )
-_COUNTS = ("dofs", "interface_points", "steps", "step_cuts", "newton_iterations_mean", "solver_time_s", "mass_total_kg")
+_COUNTS = (
+    "dofs",
+    "interface_points",
+    "reduced_coordinates",
+    "reduction_error_estimate",
+    "steps",
+    "step_cuts",
+    "newton_iterations_mean",
+    "solver_time_s",
+    "mass_total_kg",
+)
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
@@ -33,6 +46,8 @@ def energy_balance_error(dataset: xr.Dataset) -> float:
     """
     stored = dataset["kinetic_energy"] + dataset["strain_energy"] + dataset["contact_energy"]
     spent = dataset["friction_energy"] + dataset["pressure_modulation_work"] + dataset["numerical_dissipation"]
+    if "viscous_energy" in dataset:
+        spent = spent + dataset["viscous_energy"]
     gap = np.abs((dataset["input_work"] - stored - spent).values)
     scale = float(np.abs(dataset["input_work"].values).max())
     return float(gap.max() / scale) if scale > 0 else 0.0
@@ -45,9 +60,9 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     summary |= {key: attrs[key] for key in (*_READINGS, *_COUNTS) if key in attrs}
     summary |= {key: value for key, value in attrs.items() if str(key).startswith("steady_")}
     if "pressure" in dataset:
-        area = dataset["area"].values
-        pressure = dataset["pressure"].values
-        summary["interface_pressure_mean_pa"] = ((pressure * area).sum(axis=1) / area.sum(axis=1)).tolist()
+        area, pressure = dataset["area"], dataset["pressure"]
+        mean = (pressure * area).sum("point") / area.sum("point")
+        summary["interface_pressure_mean_pa"] = mean.values.tolist()
     if "input_work" in dataset:
         last = dataset.isel(time=-1)
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
@@ -59,10 +74,12 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         summary["max_slip_m"] = float(dataset["max_slip"].max())
         summary["slipping_area_fraction"] = slipping_area_fraction(dataset).values.tolist()
     if "mode_frequency" in dataset:
-        direction = "xyz".index(case.excitation.direction)
+        fraction = dataset["effective_mass_fraction"]
+        if case.structure is None:
+            fraction = fraction.sel(component=case.excitation.direction)
+            summary["mode_kinds"] = [str(kind) for kind in dataset["mode_kind"].values]
         summary["modes_hz"] = dataset["mode_frequency"].values.tolist()
-        summary["mode_kinds"] = [str(kind) for kind in dataset["mode_kind"].values]
-        summary["effective_mass_fraction"] = dataset["effective_mass_fraction"].values[:, direction].tolist()
+        summary["effective_mass_fraction"] = fraction.values.ravel().tolist()
     return summary
 
 
@@ -70,7 +87,7 @@ def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Write .vtu files: slip.vtu (all interfaces), slip_<step>.vtu for kept fields, mode_shapes.vtu."""
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    if "pressure" in dataset:
+    if "pressure" in dataset and all(has_surface(dataset, k) for k in range(dataset.sizes["interface"])):
         from ..plotting import write_slip_vtu
 
         written.append(write_slip_vtu(dataset, folder / "slip.vtu"))
@@ -101,7 +118,10 @@ def _write_modes(dataset: xr.Dataset, path: Path) -> Path:
 
 
 def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
-    """Draw what the results hold; pictures in space need pyvista and are left out without it."""
+    """Draw what the results hold.
+
+    Pictures in space need pyvista and are left out without it; slip maps need points that span a cylinder.
+    """
     from .. import plotting
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -112,11 +132,11 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
         drawn.append(("response", plotting.plot_response, {}))
         drawn.append(("energy_ledger", plotting.plot_energy_ledger, {}))
     if "cumulative_slip" in dataset:
-        for number in range(dataset.sizes["interface"]):
+        for number in filter(partial(has_surface, dataset), range(dataset.sizes["interface"])):
             drawn.append((f"slip_map_{number + 1:02d}", plotting.plot_slip_map, {"interface": number}))
             drawn.append((f"peak_slip_{number + 1:02d}", plotting.plot_peak_slip_vectors, {"interface": number}))
     elif "pressure" in dataset:
-        for number in range(dataset.sizes["interface"]):
+        for number in filter(partial(has_surface, dataset), range(dataset.sizes["interface"])):
             options = {"interface": number, "quantity": "pressure"}
             drawn.append((f"pressure_{number + 1:02d}", plotting.plot_slip_map, options))
     if "mode_frequency" in dataset:
@@ -145,6 +165,6 @@ def _draw_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
                 folder / "mode_shapes.png",
             )
         ]
-    if "cumulative_slip" in dataset and float(dataset["cumulative_slip"].max()) > 0:
+    if "cumulative_slip" in dataset and has_surface(dataset, 0) and float(dataset["cumulative_slip"].max()) > 0:
         return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
     return []

@@ -62,8 +62,8 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
     radius = [float(np.mean(interface.points[:, 2])) for interface in system.interfaces]
     place = per_interface(system, points[:, :2])
     tolerance = SAME_PLACE * np.array([1.0, max(float(np.ptp(points[:, 1])), 1e-12)])
-    if np.all(np.abs(place - place[0]) <= tolerance):
-        where = {name: ("point", place[0, :, c]) for c, name in enumerate(("theta_rad", "z_m"))}
-        return dataset.assign(radius=("interface", radius)).assign_coords(where)
-    where = {name: (dims, place[..., c]) for c, name in enumerate(("theta_rad", "z_m"))}
-    return dataset.assign(radius=("interface", radius)).assign_coords(where)
+    shared = bool(np.all(np.abs(place - place[0]) <= tolerance))
+    dataset = dataset.assign(radius=("interface", radius))
+    for c, name in enumerate(("theta_rad", "z_m")):
+        dataset = dataset.assign_coords({name: ("point", place[0, :, c]) if shared else (dims, place[..., c])})
+    return dataset

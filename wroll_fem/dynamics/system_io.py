@@ -33,8 +33,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import FloatArray
-from ..contact.interface import FrictionLaw, Interface, NormalPenalty
-from ..contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from ..contact.interface import FrictionLaw, Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
 from ..errors import InputError
 from .cyclic import Subspace
 from .matrix_checks import negative_problem, symmetry_problem
@@ -296,7 +295,7 @@ def _friction(file: ArrayFile, own: str) -> FrictionLaw:
         else:
             values[entry.name] = file.number(field, f"{entry.name} of {name}")
     try:
-        return FRICTION_LAWS[name](**values)  # type: ignore[no-any-return]
+        return FRICTION_LAWS[name](**values)
     except InputError as error:
         raise file.error(error.problem, key=key, remedy=error.remedy or "correct the parameter") from None
 

@@ -179,12 +179,15 @@ def plot_slip_on_cylinder(
         "scalars": "value", "cmap": "viridis", "clim": (0.0, largest), "nan_color": "#D2D2D2",
         "smooth_shading": True, "ambient": 0.6, "diffuse": 0.42, "specular": 0.0,
     }  # fmt: skip
-    faces, across = ("90°", "0°") if dataset.attrs.get("excitation_direction") == "y" else ("0°", "90°")
+    direction = dataset.attrs.get("excitation_direction", "x")
+    faces, across = ("90°", "0°") if direction == "y" else ("0°", "90°")
     along, over = (1.0, 0.0, 0.25), (0.0, 1.0, 0.25)
-    if faces == "90°":
+    if direction == "y":
         along, over = over, along
-    views = {f"seen along the excitation ({faces})": along, "seen from 45°": (1.0, 1.0, 0.35)}
-    views[f"seen from across ({across})"] = over
+    known = direction in ("x", "y")  # a structure from a file does not say
+    faces = f"along the excitation ({faces})" if known else f"from {faces}"
+    across = f"from across ({across})" if known else f"from {across}"
+    views = {f"seen {faces}": along, "seen from 45°": (1.0, 1.0, 0.35), f"seen {across}": over}
     figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
     panels = figure.subplots(1, len(views))
     pictures = [_render([(mesh.copy(), options)], centre, direction, extent) for direction in views.values()]

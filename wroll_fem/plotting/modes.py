@@ -30,7 +30,7 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset
-        Has `mode_frequency` (Hz) and `mode_kind` over `mode`; `effective_mass_fraction` over `mode` or
+        Has `mode_frequency` (Hz) and, where known, `mode_kind` over `mode`; `effective_mass_fraction` over `mode` or
         (`mode`, direction) is written next to the stems when it exceeds 0.5 %.
     ax
         Axes to draw in; a new figure without.
@@ -45,9 +45,10 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     InputError
         When the Dataset holds no modes.
     """
-    style.require(dataset, ("mode_frequency", "mode_kind"), "mode figure")
+    style.require(dataset, ("mode_frequency",), "mode figure")
     frequency = dataset["mode_frequency"].values
-    kinds = [str(kind) for kind in dataset["mode_kind"].values]
+    named = "mode_kind" in dataset  # a structure from a file has no ring of nodes to tell by
+    kinds = [str(kind) for kind in dataset["mode_kind"].values] if named else ["mode"] * frequency.size
     families = list(dict.fromkeys(kind.split("-")[0] for kind in kinds))
     colours = {family: style.LINES[i % len(style.LINES)] for i, family in enumerate(families)}
     ax = style.axes(ax, 1.4 + 0.27 * len(kinds))
@@ -69,6 +70,6 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     bending = [f for f, kind in zip(frequency, kinds, strict=True) if kind.startswith("bending")]
     first = f"first bending at {bending[0]:.1f} Hz, " if bending else ""
     counts = ", ".join(f"{sum(kind.split('-')[0] == family for kind in kinds)} {family}" for family in families)
-    span = f"{frequency.min():.1f} to {frequency.max():.1f} Hz"
-    style.title(ax, f"{len(kinds)} modes from {span}: {first}{counts}")
+    found = f": {first}{counts}" if named else ""
+    style.title(ax, f"{len(kinds)} modes from {frequency.min():.1f} to {frequency.max():.1f} Hz{found}")
     return ax

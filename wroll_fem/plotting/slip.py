@@ -21,11 +21,12 @@ def interface_name(interface: int) -> str:
 
 
 def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: style.FloatArray) -> None:
-    faces = "±90°" if dataset.attrs.get("excitation_direction") == "y" else "0° and ±180°"
+    direction = dataset.attrs.get("excitation_direction", "x")
+    faces = {"x": "; 0° and ±180° face the excitation", "y": "; ±90° face the excitation"}.get(direction, "")
     ax.set_xlim(-180.0, 180.0)
     ax.set_xticks(range(-180, 181, 45))
     ax.set_ylim(float(z_mm.min()), float(z_mm.max()))
-    ax.set_xlabel(f"Angle around the roll from x (°); {faces} face the excitation")
+    ax.set_xlabel(f"Angle around the roll from x (°){faces}")
     ax.set_ylabel(label("z_m", "mm"))
     ax.grid(False)
     for side in ("top", "right"):
