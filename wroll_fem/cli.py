@@ -112,6 +112,39 @@ def run(
 
 
 @app.command()
+def batch(
+    grid_file: Annotated[Path, typer.Argument(metavar="GRID", help="Grid file (YAML).", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the cases; default runs/<name of the grid file>.")
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 1,
+) -> None:
+    """Run a grid of cases: only what is not yet done; one table and the study's figures at the end."""
+    with _reporting():
+        from .batch import draw_figures, run_grid
+        from .grid import load_grid
+
+        grid = load_grid(grid_file)
+        target = out if out is not None else Path("runs") / grid_file.stem
+        try:
+            with _sigterm_interrupts(), TerminalProgress() as progress:
+                outcomes = run_grid(grid, target, workers=workers, progress=progress)
+        except KeyboardInterrupt:
+            typer.echo("interrupted; the same command goes on from here", err=True)
+            raise typer.Exit(130) from None
+        typer.echo(f"table       {target / 'batch.csv'}")
+        failed = [outcome for outcome in outcomes if outcome.status == "failed"]
+        for outcome in failed:
+            typer.echo(f"{outcome.member.name}: {outcome.error}", err=True)
+        if failed:
+            typer.echo(f"{len(failed)} of {len(outcomes)} cases failed", err=True)
+        for figure in draw_figures(grid, outcomes, target):
+            typer.echo(f"figure      {figure}")
+        if failed:
+            raise typer.Exit(max(outcome.exit_code for outcome in failed))
+
+
+@app.command()
 def validate(
     case_files: Annotated[list[Path], typer.Argument(metavar="CASE...", help="Case files.", show_default=False)],
 ) -> None:

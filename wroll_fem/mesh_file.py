@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -28,6 +30,8 @@ def start_gmsh() -> None:
         os.dup2(said.fileno(), 2)
         try:
             gmsh.initialize([], readConfigFiles=False, interruptible=False)
+            if threading.current_thread() is threading.main_thread():  # gmsh lets SIGTERM end the process unsaved
+                signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGTERM))
         finally:
             os.dup2(terminal, 2)
             os.close(terminal)

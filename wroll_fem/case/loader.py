@@ -83,7 +83,8 @@ def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
         raise InputError(f"cannot be read ({reason})", remedy=f"give a readable YAML {what}", file=str(path)) from None
     data = _parse(text, str(path))
     if not isinstance(data, dict):
-        kind = "is empty" if data is None else f"is not a {what.removesuffix(' file')}: it holds a {type(data).__name__}"
+        noun = what.removesuffix(" file")
+        kind = "is empty" if data is None else f"is not a {noun}: it holds a {type(data).__name__}"
         raise InputError(kind, remedy="write sections as key: value pairs (see configs/)", file=str(path))
     return data
 

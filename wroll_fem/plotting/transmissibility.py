@@ -17,14 +17,15 @@ from wroll_fem.signals.damping import HalfPower, half_power
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")
 
 
-def _magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> style.FloatArray:
+def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> style.FloatArray:
+    """|T| of a curve, (n_frequency,)."""
     return np.hypot(dataset[f"{stem}_real"].values, dataset[f"{stem}_imag"].values)
 
 
 def reading(dataset: xr.Dataset) -> HalfPower:
     """Half-power reading of the demodulated curve."""
     style.require(dataset, _PARTS, "transmissibility curve")
-    return half_power(dataset["frequency"].values, _magnitude(dataset))
+    return half_power(dataset["frequency"].values, magnitude(dataset))
 
 
 def _box(read: HalfPower) -> str:
@@ -58,10 +59,10 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """
     read = reading(dataset)
     ax = style.axes(ax)
-    frequency, size = dataset["frequency"].values, _magnitude(dataset)
+    frequency, size = dataset["frequency"].values, magnitude(dataset)
     top = float(size.max())
     if "transmissibility_spectrum_real" in dataset:
-        spectrum = _magnitude(dataset, "transmissibility_spectrum")
+        spectrum = magnitude(dataset, "transmissibility_spectrum")
         top = max(top, min(float(np.nanmax(spectrum)), 1.6 * top))
         ax.plot(frequency, spectrum, color=style.GREY, lw=1.0, ls=":", label="spectrum ratio (FFT)")
     ax.plot(frequency, size, color=style.BLUE, lw=1.8, label="demodulated envelope")
@@ -133,7 +134,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
         read = reads[name] = reading(dataset)
         damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.complete else r"$\zeta$ not readable"
         text = f"{name}: {read.f_n:.1f} Hz, {damping}"
-        ax.plot(dataset["frequency"].values, _magnitude(dataset), color=colour, lw=1.6, ls=dash, label=text)
+        ax.plot(dataset["frequency"].values, magnitude(dataset), color=colour, lw=1.6, ls=dash, label=text)
         ax.plot(read.f_n, read.peak, "o", color=colour, ms=4.5, mec="black", mew=0.5)
     ax.set_ylim(bottom=0.0)
     ax.margins(x=0.0)

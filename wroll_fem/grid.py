@@ -1,0 +1,192 @@
+"""The grid file of `wroll batch`: several case files and dotted keys with their values, expanded into checked cases."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import Field, ValidationError, field_validator, model_validator
+
+from .case import Case, load_case
+from .case.base import Section, wrong
+from .case.loader import read_yaml
+from .case.messages import input_error
+from .errors import InputError
+from .run_folder import plain
+
+REFERENCE = "reference"
+"""Name of the one case outside the grid."""
+
+
+class GridFile(Section):
+    """What a grid file says: a case file, dotted keys with their values, what to draw."""
+
+    base: Path | None = Field(default=None, description="case file to start from (path, relative to the grid file)")
+    cases: list[Path] = Field(
+        default_factory=list, description="several case files in place of base: one more axis of the grid"
+    )
+    reference: Path | None = Field(
+        default=None,
+        description="case file run once beside the grid, to compare with (path, relative to the grid file)",
+    )
+    grid: dict[str, list[Any]] = Field(
+        default_factory=dict, description="dotted key: list of values; every combination is a case"
+    )
+    figure: str | list[str] = Field(default_factory=list, description="figure of the study, or a list of them")
+
+    @field_validator("grid", mode="before")
+    @classmethod
+    def _lists(cls, value: Any) -> Any:
+        if not isinstance(value, Mapping):
+            raise wrong("must be dotted keys with lists of values", remedy="write key: [value, value]", value=value)
+        for key, values in value.items():
+            if not isinstance(values, list) or not values:
+                problem = "is an empty list" if isinstance(values, list) else "is not a list"
+                raise wrong(
+                    f"{key} {problem}", remedy=f"write the values in brackets, {key}: [value, ...]", value=values
+                )
+            if len({json.dumps(plain(v)) for v in values}) < len(values):
+                raise wrong(f"{key} holds a value twice", remedy="write each value once", value=values)
+        return value
+
+    @field_validator("figure")
+    @classmethod
+    def _known(cls, value: str | list[str]) -> list[str]:
+        from .plotting.series import FIGURES
+
+        names = [value] if isinstance(value, str) else value
+        for name in names:
+            if name not in FIGURES:
+                raise wrong("no such figure", remedy=f"use one of: {', '.join(FIGURES)}", value=name)
+        return names
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.base is None) == (not self.cases):
+            problem = "is missing" if self.base is None else "is given beside cases"
+            raise wrong(
+                problem, key="base", show_value=False, remedy="give one case file as base, or a list of them as cases"
+            )
+        if not self.grid and not self.cases:
+            remedy = "write grid: {dotted.key: [value, ...]}"
+            raise wrong("is empty: there is nothing to vary", key="grid", show_value=False, remedy=remedy)
+        return self
+
+
+@dataclass(frozen=True)
+class Member:
+    """One case of a grid.
+
+    Attributes
+    ----------
+    name
+        Name of its run folder, from the values that vary.
+    file
+        Case file it starts from.
+    values
+        Dotted key -> value as the case holds it; with several case files also "case" -> name of the file.
+    overrides
+        The same as `--set` of `wroll run` takes them.
+    case
+        The case itself, checked.
+    """
+
+    name: str
+    file: Path
+    values: dict[str, Any]
+    overrides: list[str]
+    case: Case
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A grid file, expanded and checked."""
+
+    source: Path
+    members: list[Member]
+    figures: list[str]
+
+
+def load_grid(path: str | Path) -> Grid:
+    """Read a grid file and check every case in it.
+
+    Raises
+    ------
+    InputError
+        One line: grid file, key, what is wrong, what would be right.
+    """
+    path = Path(path)
+    try:
+        given = GridFile.model_validate(read_yaml(path, "grid file"))
+    except ValidationError as error:
+        raise input_error(error, GridFile, file=str(path)) from None
+    files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
+    keys = list(given.grid)
+    shown = _short_names([key for key in keys if len(given.grid[key]) > 1])
+    members = []
+    for file, *values in itertools.product(files, *given.grid.values()):
+        case, overrides = _case(file, dict(zip(keys, values, strict=True)), path)
+        read = {key: _value(case, key) for key in keys}
+        parts = [file.stem] if len(files) > 1 else []
+        parts += [f"{shown[key]}_{_value_name(value)}" for key, value in read.items() if key in shown]
+        origin = {"case": file.stem} if given.cases else {}
+        members.append(Member("__".join(parts) or file.stem, file, origin | read, overrides, case))
+    if given.reference is not None:
+        file = path.parent / given.reference
+        members.append(Member(REFERENCE, file, {}, [], _case(file, {}, path, key="reference")[0]))
+    names = [member.name for member in members]
+    for name in names:
+        if names.count(name) > 1:
+            remedy = "give case files different names, and values that differ"
+            raise InputError(f"two cases would share the folder {name}", file=str(path), remedy=remedy)
+    return Grid(path, members, list(given.figure))
+
+
+def _case(file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base") -> tuple[Case, list[str]]:
+    """Case of a file with keys changed, and the changes as `--set` takes them."""
+    if not file.is_file():
+        remedy = "give a case file, its path relative to the grid file"
+        raise InputError(f"case file not found: {file}", key=key, file=str(source), remedy=remedy)
+    overrides = []
+    for dotted, value in chosen.items():
+        if dotted == "mesh.file" and isinstance(value, str):  # relative to the grid file, as case files are
+            value = str((source.parent / value).resolve())
+        overrides.append(f"{dotted}={json.dumps(plain(value))}")
+    try:
+        case = load_case(file, overrides)
+    except InputError as error:
+        if error.key and error.key.startswith("--set "):
+            error.key, error.file = f"grid.{error.key.removeprefix('--set ')}", str(source)
+        raise
+    return case, overrides
+
+
+def _value(case: Case, key: str) -> Any:
+    """Value of a dotted key as the case holds it: "3e4" of a YAML file has become a number."""
+    here: Any = case.resolved()
+    for part in key.split("."):
+        here = here[part]
+    return here
+
+
+def _short_names(keys: Sequence[str]) -> dict[str, str]:
+    """Last word of each dotted key, or the whole key where last words agree."""
+    last = [key.rsplit(".", 1)[-1] for key in keys]
+    return {key: word if last.count(word) == 1 else key for key, word in zip(keys, last, strict=True)}
+
+
+def _value_name(value: Any) -> str:
+    """Value as part of a folder name."""
+    if isinstance(value, list):
+        if len(value) > 1 and all(entry == value[0] for entry in value):
+            return f"{len(value)}x{_value_name(value[0])}"
+        return "-".join(_value_name(entry) for entry in value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        short = f"{value:g}"
+        return short if float(short) == value else repr(value)
+    return re.sub(r"[^\w.+-]+", "-", str(value)).strip("-") or "empty"

@@ -1,0 +1,358 @@
+"""Figures of a study: many cases of one grid in one picture.
+
+Every function takes the finished cases of the study, returns an axes and puts one sentence above it that is computed
+from what it draws. `FIGURES` are the names that a grid file may give as `figure`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+
+from wroll_fem.errors import InputError
+from wroll_fem.plotting import style
+from wroll_fem.plotting.history import plot_response
+from wroll_fem.plotting.slip_series import plot_slip_extent, plot_slip_vectors
+from wroll_fem.plotting.study import (
+    LAYER_BASE,
+    PRESSURE,
+    SeriesMember,
+    axis_label,
+    friction_work,
+    grid_members,
+    having,
+    is_sweep,
+    percent,
+    read,
+    scaled,
+    shown,
+    trend,
+    values_of,
+)  # fmt: skip
+from wroll_fem.plotting.transmissibility import magnitude
+from wroll_fem.results import label
+
+_BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
+_MARKERS = ("o", "s", "^", "D", "v", "P")
+
+
+def _colours(count: int) -> list[Any]:
+    return list(_BLUE_TO_RED(np.linspace(0.0, 1.0, count))) if count > 1 else [style.BLUE]
+
+
+def _base_key(members: Sequence[SeriesMember]) -> str | None:
+    """Key of the layers' base condition when the study varies it."""
+    return LAYER_BASE if any(LAYER_BASE in m.values for m in members) else None
+
+
+def _panels(count: int, height: float) -> list[Axes]:
+    """Panels below each other."""
+    _, panels = plt.subplots(
+        count, 1, figsize=(style.WIDTH, 0.4 + height * count), dpi=style.DPI, layout="constrained", squeeze=False
+    )
+    return [style.axes(ax) for ax in panels[:, 0]]
+
+
+def plot_family(
+    members: Sequence[SeriesMember],
+    *,
+    colour: str,
+    panel: str | None = None,
+    sentence: Callable[[Sequence[SeriesMember]], str] | None = None,
+    figure: str = "family",
+) -> Axes:
+    """Plot transmissibility curves of a study: one colour per value of a key, one panel per value of another.
+
+    Parameters
+    ----------
+    members
+        Finished cases. Sweeps are full lines, steady-state curves of the same case dashed in the same colour, the
+        reference is dashed in black and cut off where it leaves the panel.
+    colour, panel
+        Dotted keys.
+    sentence
+        Title from the sweeps; names the range of the resonance without.
+    figure
+        Name of the figure, for errors.
+
+    Raises
+    ------
+    InputError
+        When no case has the keys, or one has no curve.
+    """
+    keys = [colour] + ([panel] if panel is not None else [])
+    grid = grid_members(members, figure, *keys)
+    values = values_of(grid, colour)
+    rooms = values_of(grid, panel) if panel is not None else [None]
+    panels = _panels(len(rooms), 3.9 if len(rooms) == 1 else 3.1)
+    references = [m for m in members if m.reference]
+    for ax, room in zip(panels, rooms, strict=True):
+        here = having(grid, panel, room) if panel is not None else grid
+        top = _draw_curves(ax, here, colour, values)
+        ends = ax.get_xlim()
+        for m in references:
+            text = f"mandrel alone: {read(m).f_n:.1f} Hz, undamped" if m.data.sizes.get("interface", 0) == 0 else m.name
+            ax.plot(m.data["frequency"], magnitude(m.data), color="black", lw=1.2, ls=(0, (5, 2)), label=text)
+        ax.set_xlim(ends)
+        ax.set_ylim(0.0, 1.1 * top)
+        ax.set_ylabel("Transmissibility |T| (–)")
+        ax.legend(fontsize=7.5, framealpha=0.9, title=shown(panel, room) if panel else None, title_fontsize=8)
+    panels[-1].set_xlabel(label("frequency"))
+    said = sentence(grid) if sentence is not None else _range_of_resonance(grid, colour, panel)
+    style.title(panels[0], said)
+    return panels[0]
+
+
+def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Sequence[Any]) -> float:
+    """Draw one panel of `plot_family`; returns the highest point of its curves."""
+    top = 0.0
+    colours = _colours(len(values))
+    for value, shade in zip(values, colours, strict=True):
+        for m in having(members, key, value):
+            found, sweep = read(m), is_sweep(m)
+            text = f"{shown(key, value)}: {found.f_n:.1f} Hz, ζ = {percent(found.zeta)}"
+            text = text if sweep or not any(is_sweep(o) for o in members) else f"{shown(key, value)}, harmonic balance"
+            size = magnitude(m.data)
+            ax.plot(
+                m.data["frequency"], size, color=shade, lw=1.6 if sweep else 1.1, ls="-" if sweep else (0, (3, 1.5)),
+                label=text,
+            )  # fmt: skip
+            if sweep:
+                ax.plot(found.f_n, found.peak, "o", color=shade, ms=4, mec="black", mew=0.5)
+            top = max(top, float(np.nanmax(size)))
+    ax.margins(x=0.0)
+    ax.autoscale_view()
+    return top
+
+
+def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | None) -> str:
+    """Say "free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)", panel by panel."""
+    parts = []
+    for room in values_of(grid, panel) if panel is not None else [None]:
+        here = [m for m in (having(grid, panel, room) if panel else grid) if is_sweep(m)]
+        here = sorted(here, key=lambda m: values_of(grid, key).index(m.values[key]))
+        if not here:
+            continue
+        f = [read(m).f_n for m in here]
+        first, last = (shown(key, here[k].values[key]) for k in (0, -1))
+        word = {"rises": "rises", "falls": "falls"}.get(trend(f), "goes")
+        where = f"{shown(panel, room)}: " if panel is not None else ""
+        parts.append(f"{where}resonance {word} from {f[0]:.1f} Hz ({first}) to {f[-1]:.1f} Hz ({last})")
+    text = "; ".join(parts)
+    return text[:1].upper() + text[1:]
+
+
+def _lines(members: Sequence[SeriesMember], key: str | None) -> dict[str, list[SeriesMember]]:
+    """Members in groups to be joined by a line: by value of a key, sweeps and steady states apart."""
+    groups: dict[str, list[SeriesMember]] = {}
+    for value in values_of(members, key) if key is not None else [None]:
+        for m in having(members, key, value) if key is not None else members:
+            text = shown(key, value) if key is not None else ""
+            text += "" if is_sweep(m) else ", harmonic balance" if text else "harmonic balance"
+            groups.setdefault(text, []).append(m)
+    return groups
+
+
+def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
+    return sorted(members, key=lambda m: m.values[PRESSURE])
+
+
+def plot_damping_over_frequency(
+    members: Sequence[SeriesMember], ax: Axes | None = None, *, line: str | None = None
+) -> Axes:
+    """Plot zeta over f_n, one point per preload, one line per value of `line` (the base without; Figs 4.5 and 5.8)."""
+    grid = grid_members(members, "damping_over_frequency", PRESSURE, *([line] if line is not None else []))
+    line = line if line is not None else _base_key(grid)
+    ax = style.axes(ax, 4.4)
+    said = []
+    for k, (text, group) in enumerate(_lines(grid, line).items()):
+        group = [m for m in _by_pressure(group) if np.isfinite(read(m).zeta)]
+        found = [read(m) for m in group]
+        f, zeta = [r.f_n for r in found], [100 * r.zeta for r in found]
+        shade = style.LINES[k % len(style.LINES)]
+        ax.plot(f, zeta, marker=_MARKERS[k % 6], color=shade, ms=5, lw=1.2, label=text or None)
+        for m, x, y in zip(group, f, zeta, strict=True):
+            if k == 0:
+                ax.annotate(
+                    shown(PRESSURE, m.values[PRESSURE]), (x, y), (5, 4), textcoords="offset points", fontsize=7.5
+                )
+        if found:
+            best = int(np.argmax(zeta))
+            at = shown(PRESSURE, group[best].values[PRESSURE])
+            where = f"{text}: " if text else ""
+            said.append(f"{where}largest damping {zeta[best]:.2f} % at {at} and {f[best]:.1f} Hz")
+    for m in members:
+        if m.reference:
+            f_m = read(m).f_n
+            ax.axvline(f_m, color="black", lw=1.0, ls=(0, (5, 2)), label=f"mandrel alone, {f_m:.1f} Hz")
+    ax.set_ylim(bottom=0.0)
+    ax.set_xlabel("Resonance f_n (Hz)")
+    ax.set_ylabel("Damping ratio ζ, half power (%)")
+    if ax.get_legend_handles_labels()[1]:
+        ax.legend(fontsize=8, framealpha=0.9)
+    text = "; ".join(said)
+    style.title(ax, text[:1].upper() + text[1:])
+    return ax
+
+
+def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+    """Plot the friction work of a sweep over the preload, one line per base condition (Fig 4.7)."""
+    grid = [m for m in grid_members(members, "friction_over_preload", PRESSURE) if is_sweep(m)]
+    ax = style.axes(ax, 4.2)
+    said = []
+    line = _base_key(grid)
+    for k, (text, group) in enumerate(_lines(grid, line).items()):
+        group = _by_pressure(group)
+        work = [1e3 * friction_work(m) for m in group]
+        x = [scaled(PRESSURE, m.values[PRESSURE]) for m in group]
+        ax.plot(x, work, marker=_MARKERS[k], color=style.LINES[k], ms=5, lw=1.4, label=text or None)
+        first, last = (shown(PRESSURE, group[j].values[PRESSURE]) for j in (0, -1))
+        word = {"rises": "rises", "falls": "falls"}.get(trend(work), "goes, not always one way,")
+        where = f"{text}: " if text else ""
+        said.append(f"{where}friction work {word} from {work[0]:.3g} mJ at {first} to {work[-1]:.3g} mJ at {last}")
+    ax.set_xscale("log")
+    ax.set_ylim(bottom=0.0)
+    ax.set_xlabel(axis_label(PRESSURE))
+    ax.set_ylabel("Friction work of the sweep E_F (mJ)")
+    if line is not None:
+        ax.legend(fontsize=8, framealpha=0.9)
+    text = "; ".join(said)
+    style.title(ax, text[:1].upper() + text[1:])
+    return ax
+
+
+def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+    """Plot the friction work of a sweep over zeta, one point per preload (Fig 4.8); free base where both are there."""
+    grid = [m for m in grid_members(members, "friction_over_damping", PRESSURE) if is_sweep(m)]
+    grid = _by_pressure([m for m in having(grid, LAYER_BASE, "free") if np.isfinite(read(m).zeta)])
+    if len(grid) < 2:
+        raise InputError("the figure friction_over_damping needs two readable sweeps", remedy="add preloads")
+    ax = style.axes(ax, 4.2)
+    zeta, work = [100 * read(m).zeta for m in grid], [1e3 * friction_work(m) for m in grid]
+    ax.plot(zeta, work, color="#BBBBBB", lw=1.0, zorder=1)
+    ax.scatter(zeta, work, c=_colours(len(grid)), s=40, edgecolors="black", linewidths=0.6, zorder=3)
+    names = [shown(PRESSURE, m.values[PRESSURE]) for m in grid]
+    for name, x, y in zip(names, zeta, work, strict=True):
+        ax.annotate(name, (x, y), (6, 5), textcoords="offset points", fontsize=8)
+    ax.set_xlabel("Damping ratio ζ, half power (%)")
+    ax.set_ylabel("Friction work of the sweep E_F (mJ)")
+    ax.margins(0.12)
+    r = float(np.corrcoef(work, zeta)[0, 1])
+    style.title(
+        ax,
+        f"Friction work and damping correlate with r = {r:.2f}; most damping at {names[int(np.argmax(zeta))]}, "
+        f"most friction work at {names[int(np.argmax(work))]}",
+    )
+    return ax
+
+
+def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
+    """Plot tip acceleration and cumulative friction work along the sweep, lowest and highest preload (Fig 4.6)."""
+    grid = [m for m in grid_members(members, "friction_along_sweep", PRESSURE) if is_sweep(m)]
+    grid = _by_pressure(having(grid, LAYER_BASE, "free"))
+    drawing = plt.figure(figsize=(style.WIDTH, 7.2), dpi=style.DPI, layout="constrained")
+    pair = [grid[0], grid[-1]]
+    first: list[Axes] = []
+    for part, m in zip(np.ravel(drawing.subfigures(2, 1)), pair, strict=True):
+        ax = plot_response(m.data, style.axes(part.subplots()))
+        style.title(ax, f"{shown(PRESSURE, m.values[PRESSURE])}: {ax.get_title(loc='left')}".replace("\n", " "))
+        first.append(ax)
+    limit = max(ax.get_ylim()[1] for ax in first)
+    for ax in first:
+        ax.set_ylim(-limit, limit)
+    return first[0]
+
+
+def plot_convergence(members: Sequence[SeriesMember]) -> Axes:
+    """Plot f_n, peak, zeta and friction work over the number of elements along the axis, one line per grading."""
+    key = "mesh.axial"
+    grid = grid_members(members, "mesh_convergence", key)
+    line = "mesh.grading" if len(values_of(grid, "mesh.grading")) > 1 else None
+    figure, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 6.0), dpi=style.DPI, layout="constrained", sharex=True)
+    readings: list[tuple[str, Callable[[SeriesMember], float]]] = [
+        ("Resonance f_n (Hz)", lambda m: read(m).f_n),
+        ("Peak transmissibility (–)", lambda m: read(m).peak),
+        ("Damping ratio ζ (%)", lambda m: 100 * read(m).zeta),
+        ("Friction work (mJ)", lambda m: 1e3 * friction_work(m)),
+    ]
+    groups = {text: sorted(g, key=lambda m: m.values[key]) for text, g in _lines(grid, line).items()}
+    for ax, (name, value) in zip(panels.ravel(), readings, strict=True):
+        style.axes(ax)
+        for k, (text, group) in enumerate(groups.items()):
+            x = [m.values[key] for m in group]
+            y = [value(m) for m in group]
+            ax.plot(x, y, marker=_MARKERS[k], color=style.LINES[k], ms=4.5, lw=1.3, label=text or None)
+        ax.set_ylabel(name)
+    for ax in panels[1]:
+        ax.set_xlabel(axis_label(key))
+    if line is not None:
+        panels[0, 0].legend(fontsize=8)
+    finest = groups[list(groups)[-1]][-1]
+    coarsest = max(grid, key=lambda m: abs(read(m).peak / read(finest).peak - 1))
+    off = 100 * (read(coarsest).peak / read(finest).peak - 1)
+    off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
+    which = f"{coarsest.values[key]} elements along the axis"
+    which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
+    figure.suptitle(
+        f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest".replace("-", "−"),
+        x=0.01, ha="left", fontsize=10,
+    )  # fmt: skip
+    return panels[0, 0]
+
+
+def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
+    """Plot the transmissibility of one case by several integration schemes (Fig B.3)."""
+    key = "integrator.scheme"
+
+    def sentence(grid: Sequence[SeriesMember]) -> str:
+        peaks = {m.values[key]: read(m).peak for m in grid}
+        hht = {name: peak for name, peak in peaks.items() if name != "quasi_static"}
+        text = f"Peaks of the HHT schemes lie within {100 * (max(hht.values()) / min(hht.values()) - 1):.1f} %"
+        if "quasi_static" in peaks:
+            text += f"; backward Euler (quasi static) leaves {100 * peaks['quasi_static'] / max(hht.values()):.0f} %"
+        return text + " of the highest" if "quasi_static" in peaks else text
+
+    return plot_family(members, colour=key, sentence=sentence, figure="integrators")
+
+
+def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
+    """Plot the transmissibility of every preload, one panel per case file: constant and rate-dependent (Fig E.25)."""
+
+    def sentence(grid: Sequence[SeriesMember]) -> str:
+        files = values_of(grid, "case")
+        worst = 0.0
+        for value in values_of(grid, PRESSURE):
+            peaks = [read(m).peak for m in grid if m.values[PRESSURE] == value and is_sweep(m)]
+            worst = max(worst, max(peaks) / min(peaks) - 1) if peaks else worst
+        names = " and ".join(str(name).replace("_", " ") for name in files)
+        return f"The peaks of {names} differ by at most {100 * worst:.1f} % at any preload"
+
+    return plot_family(members, colour=PRESSURE, panel="case", sentence=sentence, figure="friction_laws")
+
+
+def _preload(members: Sequence[SeriesMember]) -> Axes:
+    return plot_family(members, colour=PRESSURE, panel=_base_key(members), figure="transmissibility_over_preload")
+
+
+FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
+    "transmissibility_over_preload": _preload,
+    "damping_over_frequency": plot_damping_over_frequency,
+    "friction_along_sweep": plot_friction_along_sweep,
+    "friction_over_preload": plot_friction_over_preload,
+    "friction_over_damping": plot_friction_over_damping,
+    "slip_extent": plot_slip_extent,
+    "slip_vectors": plot_slip_vectors,
+    "layer_count": partial(plot_damping_over_frequency, line="coil.layers"),
+    "layer_modulus": partial(plot_damping_over_frequency, line="coil.material.E"),
+    "elastic_slip": partial(plot_family, colour="contact.friction.elastic_slip", panel=PRESSURE, figure="elastic_slip"),
+    "integrators": plot_integrators,
+    "mesh_convergence": plot_convergence,
+    "friction_laws": plot_friction_laws,
+}
+"""Name in a grid file -> function of the finished cases."""

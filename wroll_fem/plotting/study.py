@@ -1,0 +1,154 @@
+"""The cases of a study as figures need them: values of the grid, readings, words for people."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from wroll_fem.errors import InputError
+from wroll_fem.plotting import style
+from wroll_fem.plotting.transmissibility import reading
+
+PRESSURE, LAYER_BASE = "preload.pressure", "coil.base"
+
+_QUANTITIES: dict[str, tuple[str, str, float]] = {
+    PRESSURE: ("external pressure", "kPa", 1e-3),
+    "contact.friction.elastic_slip": ("elastic slip γ*", "µm", 1e6),
+    "contact.friction.mu": ("friction coefficient", "", 1.0),
+    "coil.material.E": ("layer modulus", "GPa", 1e-9),
+    "coil.layers": ("layers", "", 1.0),
+    "excitation.amplitude": ("base acceleration", "g", 1.0 / 9.80665),
+    "mesh.axial": ("elements along the axis", "", 1.0),
+    "mesh.circumferential": ("elements around", "", 1.0),
+    "mesh.grading": ("grading", "", 1.0),
+}
+"""Dotted key -> name, unit and scale for people."""
+
+
+@dataclass(frozen=True)
+class SeriesMember:
+    """One finished case of a study.
+
+    Attributes
+    ----------
+    name
+        Name of its run folder.
+    values
+        Dotted key -> value in the grid; "case" -> name of the case file when the grid has several.
+    data
+        Its results.
+    reference
+        Whether it stands beside the grid, to compare with.
+    """
+
+    name: str
+    values: Mapping[str, Any]
+    data: xr.Dataset
+    reference: bool = False
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What is read from one curve: f_n in Hz, peak, zeta and skewness (nan when not readable)."""
+
+    f_n: float
+    peak: float
+    zeta: float
+    skewness: float
+
+
+def read(member: SeriesMember) -> Reading:
+    """Half-power reading of a case: that of its results, or else of its curve."""
+    attrs = member.data.attrs
+    if "f_n_hz" in attrs and "peak_transmissibility" in attrs:
+        rest = (attrs.get("zeta"), attrs.get("skewness"))
+        zeta, skewness = (np.nan if value is None else float(value) for value in rest)
+        return Reading(float(attrs["f_n_hz"]), float(attrs["peak_transmissibility"]), zeta, skewness)
+    found = reading(member.data)
+    return Reading(found.f_n, found.peak, found.zeta, found.skewness)
+
+
+def friction_work(member: SeriesMember) -> float:
+    """Friction work of the whole run, J."""
+    style.require(member.data, ("friction_energy",), "figure of friction work")
+    return float(member.data["friction_energy"].values[-1])
+
+
+def is_sweep(member: SeriesMember) -> bool:
+    """Whether the case is a time history with a transmissibility (not a steady-state curve)."""
+    return "time" in member.data.dims and "transmissibility_real" in member.data
+
+
+def shown(key: str, value: Any) -> str:
+    """Value of a key as people say it: "10 kPa", "0.1 µm", "free base"."""
+    if key == LAYER_BASE:
+        return f"{str(value).replace('_', ' ')} base"
+    if isinstance(value, list):
+        alike = all(entry == value[0] for entry in value)
+        return f"{len(value)} x {shown(key, value[0])}" if alike else ", ".join(shown(key, entry) for entry in value)
+    if key in _QUANTITIES and isinstance(value, int | float):
+        name, unit, scale = _QUANTITIES[key]
+        number = f"{scale * value:.4g}"
+        if key == "coil.layers":
+            return f"{number} layer{'s' if value != 1 else ''}"
+        return f"{number} {unit}" if unit else f"{name} {number}"
+    return str(value).replace("_", " ")
+
+
+def axis_label(key: str) -> str:
+    """Axis label of a key of the grid."""
+    name, unit, _ = _QUANTITIES[key]
+    return f"{name[0].upper()}{name[1:]}" + (f" ({unit})" if unit else "")
+
+
+def grid_members(members: Sequence[SeriesMember], figure: str, *keys: str) -> list[SeriesMember]:
+    """Return the members of the grid that have all keys.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+    """
+    found = [m for m in members if not m.reference and all(key in m.values for key in keys)]
+    if not found:
+        raise InputError(
+            f"the figure {figure} needs cases over {' and '.join(keys)}", key="figure",
+            remedy="add these keys to the grid, or choose another figure",
+        )  # fmt: skip
+    return found
+
+
+def values_of(members: Sequence[SeriesMember], key: str) -> list[Any]:
+    """Distinct values of a key; numbers rising, others as they come."""
+    unique = {json.dumps(m.values[key]): m.values[key] for m in members if key in m.values}
+    found = list(unique.values())
+    return sorted(found) if all(isinstance(value, int | float) for value in found) else found
+
+
+def having(members: Sequence[SeriesMember], key: str, value: Any) -> list[SeriesMember]:
+    """Return the members with this value; every member when the grid does not have the key."""
+    return [m for m in members if key not in m.values or m.values[key] == value]
+
+
+def scaled(key: str, value: float) -> float:
+    """Value of a key in the unit that figures show."""
+    return _QUANTITIES[key][2] * value
+
+
+def percent(zeta: float) -> str:
+    """Damping ratio as text, two decimals."""
+    return f"{100 * zeta:.2f} %" if np.isfinite(zeta) else "not readable"
+
+
+def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
+    """Tell "rises", "falls", or "does not change in one direction only" of a series (slack: share of its range)."""
+    steps = np.diff(np.asarray(values, dtype=float))
+    allowed = slack * float(np.ptp(values))
+    if np.all(steps > -allowed):
+        return "rises"
+    return "falls" if np.all(steps < allowed) else "changes both ways"
