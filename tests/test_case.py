@@ -72,7 +72,8 @@ def test_committed_schema_equals_the_generated_one(root: Path) -> None:
 
 
 def test_every_number_has_a_unit_in_its_description() -> None:
-    units = ("m", "Pa", "kg", "kg/m^3", "Hz", "s", "m/s^2", "Pa/m", "count", "cycles", "octaves", "dimensionless")
+    units = ("m", "Pa", "kg", "kg/m^3", "Hz", "s", "m/s", "m/s^2", "Pa/m")
+    units += ("count", "cycles", "octaves", "dimensionless")
     lacking = []
 
     def visit(model: Any, prefix: str) -> None:
@@ -130,6 +131,10 @@ def test_every_number_has_a_unit_in_its_description() -> None:
         ("geometry=3", "geometry: must be a section (key: value pairs), got 3; write its keys"),
         ("coil.layers=1.5", "coil.layers: must be a whole number, got 1.5"),
         ("coil.bending=1", "coil.bending: must be true or false, got 1"),
+        ("contact.friction.law=rough", "friction.law: is not one of the choices, got 'rough'; use penalty_coulomb, ra"),
+        ("contact.friction.law=rate_coulomb", "contact.friction.rate_table: required section is missing; add it (coef"),
+        ("contact.friction.law=smoothed_coulomb", "contact.friction.elastic_slip: unknown key, got 1e-06; known here:"),
+        ("contact.friction.reference_speed=1", "contact.friction.reference_speed: unknown key, got 1; known here: law"),
         ("contact.normal.penalty=stiff", "contact.normal.penalty: must be auto or a positive number, got 'stiff'"),
         ("contact.normal.penalty=0", "contact.normal.penalty: must be auto or a positive number, got 0"),
         ("mesh.circumferential=25", "mesh.circumferential: must be even (symmetry plane), got 25; use 24 or 26"),
@@ -143,6 +148,43 @@ def test_every_number_has_a_unit_in_its_description() -> None:
 )  # fmt: skip
 def test_a_wrong_value_gets_one_line_with_key_value_and_remedy(override: str, expected: str) -> None:
     assert expected in error_of(override)
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("slip_rate: [0, 0.01], mu: [0.25]", "rate_table.mu: has 1 values for 2 slip rates, got [0.25]; give one mu f"),
+        ("slip_rate: [], mu: []", "rate_table.slip_rate: is empty, got []; give at least the slip rate 0, m/s, and it"),
+        ("slip_rate: [0.01, 0.1], mu: [0.2, 0.3]", "rate_table.slip_rate: must start at 0 m/s, got [0.01, 0.1]; start"),
+        ("slip_rate: [0, 0.1, 0.1], mu: [0.2, 0.3, 0.4]", "rate_table.slip_rate: must rise, got [0.0, 0.1, 0.1]; sort"),
+        ("slip_rate: [0, 0.1], mu: [0.2, -0.3]", "rate_table.mu: must be 0 or more, got [0.2, -0.3]; give coefficient"),
+        ("slip_rate: [0, 0.1], mu: [0, 0.3]", "rate_table.mu: must not start at 0, got [0.0, 0.3]; give a positive on"),
+        ("slip_rate: [0, fast], mu: [0.2, 0.3]", "rate_table.slip_rate.1: must be a number, got 'fast'; write a plain"),
+        ("slip_rate: 0, mu: [0.2, 0.3]", "rate_table.slip_rate: must be a list, got 0; give the slip rates, m/s, risi"),
+    ],
+)  # fmt: skip
+def test_a_wrong_rate_table_gets_one_line(table: str, expected: str) -> None:
+    assert expected in error_of(f"contact.friction={{law: rate_coulomb, elastic_slip: 1e-6, rate_table: {{{table}}}}}")
+
+
+def test_the_coefficient_at_rest_is_the_first_of_the_rate_table(tmp_path: Path) -> None:
+    """It may be left out, then follows the table; a different one is refused."""
+    friction = "{law: rate_coulomb, elastic_slip: 1e-6, rate_table: {slip_rate: [0, 0.008, 0.1], mu: [0.2, 0.2, 0.4]}}"
+    case = load_case(SWEEP, [f"contact.friction={friction}"])
+    assert case.contact.friction.mu == 0.2
+    assert case.resolved()["contact"]["friction"]["mu"] == 0.2
+    again = load_case(written(tmp_path, case.resolved_yaml()))
+    assert again == case
+    assert again.hash() == case.hash() != load_case(SWEEP).hash()
+    assert case.changed("contact.friction.rate_table.mu=[0.3, 0.3, 0.4]").contact.friction.mu == 0.3
+    text = error_of(f"contact.friction={friction}", "contact.friction.mu=0.5")
+    assert "contact.friction.mu: must be the first coefficient of rate_table, 0.2, got 0.5; leave mu out, or" in text
+
+
+def test_friction_without_a_law_is_penalty_coulomb(tmp_path: Path) -> None:
+    case = load_case(edited(tmp_path, lambda data: data["contact"]["friction"].pop("law")))
+    assert case.resolved() == load_case(SWEEP).resolved()
+    assert case.hash() == load_case(SWEEP).hash()
 
 
 def test_a_bad_override_names_set_and_the_file() -> None:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .body import Body
-from .contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb
+from .case.contact import RateFriction, SmoothedFriction
+from .contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
 from .dynamics.system import System
 
 if TYPE_CHECKING:
@@ -52,6 +53,11 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
 def friction_law(case: Case) -> FrictionLaw:
     """Tangential law of every interface."""
     friction = case.contact.friction
+    if isinstance(friction, RateFriction):
+        table = friction.rate_table
+        return RateCoulomb(friction.mu, friction.elastic_slip, tuple(table.slip_rate), tuple(table.mu))
+    if isinstance(friction, SmoothedFriction):
+        return SmoothedCoulomb(friction.mu, friction.reference_speed)
     return PenaltyCoulomb(friction.mu, friction.elastic_slip)
 
 

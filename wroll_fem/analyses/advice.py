@@ -74,7 +74,10 @@ def shear_lag_length(case: Case, pressure: float) -> float:
     """Length in m over which friction hands axial force from layer to mandrel, sqrt((E t)_series / k_t)."""
     mandrel = case.mandrel.material.E * case.geometry.mandrel_thickness
     layer = case.coil.material.E * case.coil.layer_thickness
-    stick = case.contact.friction.mu * pressure / case.contact.friction.elastic_slip
+    friction = case.contact.friction
+    if friction.law == "smoothed_coulomb":  # sticks nowhere
+        return math.inf
+    stick = friction.mu * pressure / friction.elastic_slip
     return math.sqrt(mandrel * layer / (mandrel + layer) / stick) if stick > 0 else math.inf
 
 

@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_vali
 
 from .base import Section, wrong
 from .coil import Coil
-from .contact import Contact, Friction
+from .contact import Contact, PenaltyFriction
 from .excitation import DwellExcitation, Excitation
 from .geometry import Geometry
 from .integrator import Integrator
@@ -44,7 +44,7 @@ _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
 
 
 def _unused_contact() -> Contact:
-    return Contact(friction=Friction(mu=0.25, elastic_slip=1e-6))
+    return Contact(friction=PenaltyFriction(mu=0.25, elastic_slip=1e-6))
 
 
 def _unused_preload() -> Preload:

@@ -2,24 +2,93 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+import math
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from ..contact.rate_table import table_problem
 from .base import Real, Section, Switch, _number, wrong
 
+_ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)"
 
-class Friction(Section):
-    """Friction law of the interfaces."""
+
+def _from_table() -> float:
+    return math.nan
+
+
+class PenaltyFriction(Section):
+    """Coulomb friction with an elastic slip before sliding."""
 
     law: Literal["penalty_coulomb"] = Field(
         default="penalty_coulomb", description="penalty_coulomb: Coulomb friction with an elastic slip before sliding"
     )
     mu: Real = Field(ge=0, description="coefficient of friction, dimensionless")
-    elastic_slip: Real = Field(
-        gt=0,
-        description="allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)",
+    elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
+
+
+class RateTable(Section):
+    """Coefficient of friction over slip rate: linear between the rows, constant beyond the last."""
+
+    slip_rate: list[Real] = Field(description="slip rates, m/s, rising from 0")
+    mu: list[Real] = Field(description="coefficient of friction at each slip rate, dimensionless")
+
+    @model_validator(mode="after")
+    def _admissible(self) -> Self:
+        found = table_problem(self.slip_rate, self.mu)
+        if found is not None:
+            raise wrong(found.problem, key=found.column, value=getattr(self, found.column), remedy=found.remedy)
+        return self
+
+
+class RateFriction(Section):
+    """Coulomb friction whose coefficient depends on the slip rate."""
+
+    law: Literal["rate_coulomb"] = Field(
+        description="rate_coulomb: as penalty_coulomb with a coefficient that follows the slip rate"
     )
+    mu: Real = Field(
+        default_factory=_from_table,
+        description="coefficient of friction at rest, dimensionless; may be left out: the first of rate_table",
+    )
+    elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
+    rate_table: RateTable = Field(description="coefficient of friction over slip rate")
+
+    @model_validator(mode="after")
+    def _at_rest(self) -> Self:
+        first = self.rate_table.mu[0]
+        if "mu" not in self.model_fields_set:
+            self.__dict__["mu"] = first  # no field of its own: a changed table changes it
+        elif self.mu != first:
+            raise wrong(
+                f"must be the first coefficient of rate_table, {first:g}", key="mu", value=self.mu,
+                remedy="leave mu out, or change rate_table.mu too",
+            )  # fmt: skip
+        return self
+
+
+class SmoothedFriction(Section):
+    """Coulomb friction smoothed over the slip rate; it holds nothing at rest."""
+
+    law: Literal["smoothed_coulomb"] = Field(
+        description="smoothed_coulomb: mu p S(slip rate / reference_speed), S(x) = 2/(1 + exp(-x)) - 1; no elastic slip"
+    )
+    mu: Real = Field(ge=0, description="coefficient of friction well above reference_speed, dimensionless")
+    reference_speed: Real = Field(
+        gt=0, description="slip rate, m/s, below which friction acts as a viscous damper; S is 0.46 there"
+    )
+
+
+def _law_of(value: Any) -> Any:
+    """A friction section without `law` means penalty_coulomb."""
+    if isinstance(value, dict) and "law" not in value:
+        return {"law": "penalty_coulomb", **value}
+    return value
+
+
+Friction = Annotated[
+    PenaltyFriction | RateFriction | SmoothedFriction, Field(discriminator="law"), BeforeValidator(_law_of)
+]
 
 
 class Normal(Section):

@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from ..errors import InputError
 
+_TAGS = ("kind", "law")
 _BOUNDS = {
     "greater_than": ("must be greater than {gt:g}"),
     "greater_than_equal": ("must be {ge:g} or more"),
@@ -26,6 +27,7 @@ _KINDS = {
     "int_from_float": "must be a whole number",
     "model_type": "must be a section (key: value pairs)",
     "model_attributes_type": "must be a section (key: value pairs)",
+    "list_type": "must be a list",
     "dict_type": "must be a section (key: value pairs)",
 }
 
@@ -76,8 +78,9 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
         return key, f"required {'section' if section else 'key'} is missing", f"add it ({what})", ""
     if kind in ("literal_error", "union_tag_invalid"):
         options = str(context.get("expected") or context.get("expected_tags")).replace("'", "")
-        key = key if kind == "literal_error" else f"{key}.kind"
-        value = value if kind == "literal_error" else value.get("kind")
+        if kind == "union_tag_invalid":
+            tag = str(context["discriminator"]).strip("'")
+            key, value = f"{key}.{tag}", value.get(tag)
         return key, f"is not one of the choices, got {_show(value)}", f"use {options.replace(' or ', ', ')}", ""
     if kind == "union_tag_not_found":
         return f"{key}.kind", "required key is missing", f"add it ({what}): chirp or dwell", ""
@@ -96,7 +99,7 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
     here: Any = model
     for part in loc:
         options = _sections(here)
-        tagged = [m for m in options if len(options) > 1 and part in get_args(m.model_fields["kind"].annotation)]
+        tagged = [m for m in options if len(options) > 1 and part in _tags(m)]
         if tagged:
             here = tagged[0]
             continue
@@ -105,6 +108,11 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
         field = parent.model_fields.get(str(part)) if parent else None
         here = field.annotation if field is not None else None
     return keys, parent
+
+
+def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
+    """Names by which a section of several kinds is picked: the choices of its first key of that sort."""
+    return next((get_args(model.model_fields[key].annotation) for key in _TAGS if key in model.model_fields), ())
 
 
 def _sections(annotation: Any) -> list[type[BaseModel]]:
@@ -133,6 +141,7 @@ def _unknown_key(keys: list[str], parent: type[BaseModel] | None, root: type[Bas
     if near:
         return "unknown key", f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
     elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
+    elsewhere = [k for k in elsewhere if k.count(".") == min(other.count(".") for other in elsewhere)]
     known = f"known here: {', '.join(siblings)}"
     if elsewhere and ".".join(keys) not in elsewhere:
         return "unknown key", f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]

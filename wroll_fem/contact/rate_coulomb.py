@@ -9,7 +9,6 @@ Linear between the table's rates, constant beyond its last one. The stick stiffn
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numba
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from ..errors import InputError
 from . import penalty_coulomb
 from .penalty_coulomb import check_stick
+from .rate_table import steepest_fall, table_problem
 
 KIND = 1
 
@@ -44,38 +44,20 @@ class RateCoulomb:
 
     def __post_init__(self) -> None:
         check_stick(self.mu, self.elastic_slip)
-        problem, remedy = table_problem(self.rates, self.coefficients, self.mu)
-        if problem:
-            raise InputError(problem, key="contact.friction.rate_table", remedy=remedy)
+        wrong = table_problem(self.rates, self.coefficients)
+        if wrong:
+            raise InputError(f"{wrong.column} {wrong.problem}", key="contact.friction.rate_table", remedy=wrong.remedy)
+        if self.mu != self.coefficients[0]:
+            raise InputError(
+                f"coefficient at rest {self.mu} is not the table's first, {self.coefficients[0]}",
+                key="contact.friction.mu",
+                remedy="give the same",
+            )
 
     @property
     def steepest_fall(self) -> float:
         """Largest -d mu / dV of the table, s/m; 0 when it never falls."""
-        slopes = np.diff(self.coefficients) / np.diff(self.rates)
-        return float(max(0.0, -slopes.min(initial=0.0)))
-
-
-def table_problem(rates: tuple[float, ...], coefficients: tuple[float, ...], mu: float | None) -> tuple[str, str]:
-    """What is wrong with a table and what would be right; empty when nothing is."""
-    if len(rates) != len(coefficients) or not rates:
-        return (
-            f"has {len(rates)} slip rates and {len(coefficients)} coefficients",
-            "give one mu for each slip_rate, at least one of each",
-        )
-    if rates[0] != 0.0:
-        return f"starts at a slip rate of {rates[0]:g} m/s", "start at 0, the coefficient at rest"
-    if not all(b > a for a, b in pairwise(rates)):
-        return "has slip rates that do not rise", "sort them, each larger than the one before"
-    if not min(coefficients) >= 0.0:
-        return f"has a negative coefficient, {min(coefficients):g}", "give 0 or more"
-    if coefficients[0] == 0.0 and any(coefficients):
-        return "starts at a coefficient of 0", "give a positive one at rest: the stick stiffness is mu p / elastic_slip"
-    if mu is not None and mu != coefficients[0]:
-        return (
-            f"starts at a coefficient of {coefficients[0]:g}, but mu is {mu:g}",
-            "leave mu out, or give the table's first",
-        )
-    return "", ""
+        return steepest_fall(self.rates, self.coefficients)
 
 
 @numba.njit(cache=True, inline="always")

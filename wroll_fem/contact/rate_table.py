@@ -1,0 +1,42 @@
+"""Table of the coefficient of friction over the slip rate: what makes one admissible (no compiled code here)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+
+class TableProblem(NamedTuple):
+    """What is wrong with a table: which column (slip_rate or mu), the problem and what would be right."""
+
+    column: str
+    problem: str
+    remedy: str
+
+
+def table_problem(rates: Sequence[float], coefficients: Sequence[float]) -> TableProblem | None:
+    """First problem of a table of ``coefficients`` over slip ``rates`` (m/s); None when it is admissible."""
+    if not rates:
+        return TableProblem("slip_rate", "is empty", "give at least the slip rate 0, m/s, and its mu")
+    if len(rates) != len(coefficients):
+        return TableProblem(
+            "mu", f"has {len(coefficients)} values for {len(rates)} slip rates", "give one mu for each slip_rate"
+        )
+    if rates[0] != 0.0:
+        return TableProblem("slip_rate", "must start at 0 m/s", "start with 0 and the coefficient at rest")
+    if not all(b > a for a, b in pairwise(rates)):
+        return TableProblem("slip_rate", "must rise", "sort the slip rates, each larger than the one before")
+    if not all(value >= 0.0 for value in coefficients):
+        return TableProblem("mu", "must be 0 or more", "give coefficients of friction, dimensionless")
+    if coefficients[0] == 0.0 and any(coefficients):
+        return TableProblem(
+            "mu", "must not start at 0", "give a positive one at rest: sticking takes mu p / elastic_slip"
+        )
+    return None
+
+
+def steepest_fall(rates: Sequence[float], coefficients: Sequence[float]) -> float:
+    """Largest -d mu / dV of a table, s/m; 0 when it never falls."""
+    slopes = [(d - c) / (b - a) for (a, b), (c, d) in zip(pairwise(rates), pairwise(coefficients), strict=True)]
+    return max(0.0, -min(slopes, default=0.0))
