@@ -27,6 +27,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..body import FloatArray
+from ..errors import InputError
 from .condensation import condense
 from .condensed_kernel import advance_steps
 from .hht import Scheme
@@ -41,6 +42,10 @@ class CondensedStepper(Stepper):
     state_names = ("q", "v", "a", "residual", "residual_change", "jump", "jump_before", "elastic_slip", "traction")
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
+        if system.damping is not None:
+            raise InputError(
+                "condensed time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
+            )
         super().__init__(system, preload, scheme, options)
         self.condensation = condense(system, stick_springs(system, preload), scheme, dt)
         r = len(self.condensation.eigenvalues)

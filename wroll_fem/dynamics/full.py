@@ -22,6 +22,7 @@ from .stepper import (
     OPEN,
     SLIPPING,
     STRAIN,
+    VISCOUS,
     NewtonOptions,
     Stepper,
 )
@@ -73,7 +74,9 @@ class FullStepper(Stepper):
     def _solve(self, history_term: FloatArray, ag: float, dt: float) -> tuple[FloatArray, FloatArray, int] | None:
         """Newton for the new displacement (n,) and residual r (n,); None when it does not converge."""
         system, s, t_0 = self.system, self.scheme, self.preload.traction
-        inertia_factor = 1.0 / (s.beta * dt**2)
+        inertia_factor, velocity_factor = 1.0 / (s.beta * dt**2), s.gamma / (s.beta * dt)
+        damping = system.damping
+        coasting = self._coasting(dt)  # velocity at the end of a step that does not move
         state = self._committed()
         w = self.w.copy()
         self.last_history = []
@@ -82,6 +85,8 @@ class FullStepper(Stepper):
             jump = self.preload.jump + system.jump @ w
             traction = self.trial(jump, state, dt)
             r = system.stiffness @ w + system.jump.T @ (system.weights * (traction - t_0)) + self.inertia * ag
+            if damping is not None:
+                r += damping @ (coasting + velocity_factor * w)
             out = system.mass @ (inertia_factor * w) - history_term + (1.0 + s.alpha) * r
             return out, r, jump
 
@@ -94,6 +99,8 @@ class FullStepper(Stepper):
                 matrix = system.mass * inertia_factor + (1.0 + s.alpha) * (
                     system.stiffness + system.jump.T @ sp.diags(system.weights) @ tangent @ system.jump
                 )
+                if damping is not None:
+                    matrix += (1.0 + s.alpha) * velocity_factor * damping
                 self._factor = factor = dt, factorise(matrix)
             else:
                 factor = kept
@@ -101,20 +108,26 @@ class FullStepper(Stepper):
             jump_step = system.jump @ step if system.n_points else step
             new = float(np.abs(jump_step).max(initial=0.0))
             self.last_history.append(new)
-            damping, before = 1.0, float(np.linalg.norm(force))
+            stretch, before = 1.0, float(np.linalg.norm(force))
             force, r, jump = imbalance(w - step)
             if new <= self.residual_limit:
                 return w - step, r, iteration
             # stick, slip and opening make the residual piecewise smooth: full steps of a new tangent may alternate
-            while factor is not kept and damping > 0.1 and not np.linalg.norm(force) < before:
-                damping *= 0.5
-                force, r, jump = imbalance(w - damping * step)
-            w -= damping * step
+            while factor is not kept and stretch > 0.1 and not np.linalg.norm(force) < before:
+                stretch *= 0.5
+                force, r, jump = imbalance(w - stretch * step)
+            w -= stretch * step
             if new > FULL_NEWTON_RATE * size:
                 self._factor = None
             size = new
         self._factor = None
         return None
+
+    def _coasting(self, dt: float) -> FloatArray:
+        """(n,) the part of Newmark's new velocity that does not depend on the new displacement, m/s."""
+        s = self.scheme
+        h = (self.w + dt * self.v + dt**2 * (0.5 - s.beta) * self.a) / (s.beta * dt**2)
+        return self.v + dt * ((1.0 - s.gamma) * self.a - s.gamma * h)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
@@ -135,6 +148,8 @@ class FullStepper(Stepper):
             self.flows[0] -= 0.5 * (ag + ag_new) * (self.inertia @ du)
             self.flows[1] += 0.5 * s.alpha * du @ (dr + self.residual_change) - (s.gamma - 0.5) * du @ m_da
             self.flows[1] += dt**2 * (s.beta - 0.5 * s.gamma) * (mean_a @ m_da + (s.gamma - 0.5) * da @ m_da)
+            if system.damping is not None:
+                self.flows[2] += 0.5 * du @ (system.damping @ (v + self.v))
             jump = self.preload.jump + system.jump @ w
             kernels.interface_work(
                 self.jump, self.elastic_slip, self.traction, jump, self.trial.elastic_slip, self.trial.traction,
@@ -156,7 +171,7 @@ class FullStepper(Stepper):
         row[KINETIC] = 0.5 * self.v @ (system.mass @ self.v)
         change = self.jump - self.preload.jump
         row[STRAIN] = 0.5 * self.w @ (system.stiffness @ self.w) - (system.weights * self.preload.traction) @ change
-        row[INPUT], row[NUMERICAL] = self.flows
+        row[INPUT], row[NUMERICAL], row[VISCOUS] = self.flows
         row[FRICTION], row[CONTACT], row[MODULATION], row[INTERFACE] = self.totals
         row[ITERATIONS] = iterations
         if system.n_points:

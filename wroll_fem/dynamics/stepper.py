@@ -28,9 +28,12 @@ RECORDS = (
     "newton_iterations",
     "open_fraction",
     "slipping_fraction",
+    "viscous_energy",
 )
 """Columns of a step record; energies in J since the start of the run."""
-INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING = range(3, 14)
+INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING, VISCOUS = (
+    range(3, 15)
+)
 
 
 @dataclass
@@ -87,7 +90,7 @@ class Stepper(ABC):
         self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
         self.slip = SlipRecord.zeros(system.n_points)
         self.totals = np.zeros(4)  # friction, contact, modulation, interface work
-        self.flows = np.zeros(2)  # input work, numerical dissipation
+        self.flows = np.zeros(3)  # input work, numerical dissipation, viscous work
         self.cuts = 0
         self.base_acceleration = np.zeros(())  # m/s^2, that the committed acceleration is in balance with
         gamma = system.laws.gamma
@@ -173,6 +176,10 @@ class Stepper(ABC):
             advice=f"the step was cut {self.options.max_cuts} times; raise integrator.steps_per_cycle or the preload, "
             "or lower the excitation",
         )
+
+    def report(self) -> dict[str, float]:
+        """What a stepper has to say of itself, for the attributes of the results."""
+        return {}
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Copy of everything the future depends on."""

@@ -37,6 +37,8 @@ class System:
         Name -> (n,) static force vectors, N; "preload" is applied by the preload step.
     subspaces
         Invariant subspaces of a rotationally symmetric structure (see `cyclic`); empty when there are none.
+    damping
+        (n, n) sparse symmetric viscous damping, N s/m; None for none.
     """
 
     stiffness: sp.csr_matrix
@@ -46,6 +48,7 @@ class System:
     probes: Mapping[str, FloatArray] = field(default_factory=dict)
     loads: Mapping[str, FloatArray] = field(default_factory=dict)
     subspaces: tuple[Subspace, ...] = ()
+    damping: sp.csr_matrix | None = None
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -54,6 +57,8 @@ class System:
                 f"stiffness {self.stiffness.shape}, mass {self.mass.shape} and influence {self.influence.shape} "
                 "do not belong together"
             )
+        if self.damping is not None:
+            _check_damping(self.damping, n)
         for interface in self.interfaces:
             if interface.operator.shape[1] != n:
                 raise InputError(f"interface {interface.name} has {interface.operator.shape[1]} columns, system {n}")
@@ -161,3 +166,12 @@ class System:
             loads={"preload": preload},
             subspaces=cyclic_subspaces(bodies),
         )
+
+
+def _check_damping(damping: sp.csr_matrix, n: int) -> None:
+    """Raise unless ``damping`` is (n, n), finite and symmetric."""
+    if damping.shape != (n, n):
+        raise InputError(f"damping {damping.shape} does not belong to a stiffness ({n}, {n})", key="damping")
+    largest = abs(damping).max() if damping.nnz else 0.0
+    if not np.isfinite(largest) or abs(damping - damping.T).max() > 1e-9 * largest:
+        raise InputError("the viscous damping matrix is not finite or not symmetric", key="damping")

@@ -1,0 +1,230 @@
+r"""Alternating frequency-time evaluation of the contact: harmonics of the motion to harmonics of the traction.
+
+Periodic motions are Fourier series in the phase :math:`\varphi = \omega t`, coefficients in the order
+(constant, cos 1, sin 1, ..., cos H, sin H), R = 2 H + 1 of them. The constant term and the even harmonics matter:
+pressure varies, and the limit of friction with it. The law is evaluated at N samples of the period, the very law of
+the time integration with dt = T/N, and the samples are projected back by the trapezoidal rule.
+
+The memory of friction starts in the preload state and is wound on until the elastic slip repeats; derivatives are
+carried through all of it (`harmonic_kernel`), so that Newton's method sees the exact Jacobian. Slip rates are those
+of the Fourier series at the sample, not differences.
+
+References
+----------
+Cameron, Griffin (1989), J. Appl. Mech. 56, 149, doi:10.1115/1.3176036 (AFT).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..body import FloatArray
+from ..contact.kernels import PointLaws
+from ..errors import InputError
+from . import harmonic_kernel as kernel
+from .reduction import ReducedModel
+from .static import ContactState
+
+SETTLED = 1e-9
+"""The memory has settled when the elastic slip repeats to this fraction of gamma* over a period."""
+
+PRESSURE_CHANGE = 0.02
+"""Newton's matrix (never the residual) leaves out points that stick and change their pressure by less than this."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Phases of a period and the Fourier series at them.
+
+    Attributes
+    ----------
+    harmonics, samples : H and N
+    values : (N, R) motion at phase 2 pi j / N for unit coefficients
+    velocities : (N, R) its change per sample, (2 pi / N) d/d(phase)
+    project : (R, N) samples to coefficients
+    ramp, ramp_rate : (N + 1,) growth of the first period (half a cosine) and its change per sample
+    """
+
+    harmonics: int
+    samples: int
+    values: FloatArray = field(init=False)
+    velocities: FloatArray = field(init=False)
+    project: FloatArray = field(init=False)
+    ramp: FloatArray = field(init=False)
+    ramp_rate: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.harmonics < 1:
+            raise InputError(f"{self.harmonics} harmonics", key="harmonic.harmonics", remedy="use 1 or more")
+        if self.samples < 4 * self.harmonics + 4:
+            raise InputError(
+                f"{self.samples} samples per period do not resolve {self.harmonics} harmonics",
+                key="harmonic.samples",
+                remedy=f"use {4 * self.harmonics + 4} or more",
+            )
+        count, phase = self.samples, 2.0 * np.pi * np.arange(self.samples) / self.samples
+        values, slopes = np.zeros((count, self.size)), np.zeros((count, self.size))
+        values[:, 0] = 1.0
+        for k in range(1, self.harmonics + 1):
+            cos, sin = np.cos(k * phase), np.sin(k * phase)
+            values[:, 2 * k - 1], values[:, 2 * k] = cos, sin
+            slopes[:, 2 * k - 1], slopes[:, 2 * k] = -k * sin, k * cos
+        project = 2.0 / count * values.T
+        project[0] *= 0.5
+        grow = np.arange(count + 1) / count
+        for name, array in (
+            ("values", values),
+            ("velocities", 2.0 * np.pi / count * slopes),
+            ("project", np.ascontiguousarray(project)),
+            ("ramp", 0.5 * (1.0 - np.cos(np.pi * grow))),
+            ("ramp_rate", 0.5 * np.pi / count * np.sin(np.pi * grow)),
+        ):
+            object.__setattr__(self, name, array)
+
+    @property
+    def size(self) -> int:
+        """Coefficients of a series, R = 2 H + 1."""
+        return 2 * self.harmonics + 1
+
+    @property
+    def orders(self) -> FloatArray:
+        """(R,) harmonic number of each coefficient."""
+        return np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1), 2)])
+
+
+@dataclass(frozen=True)
+class PeriodicContact:
+    """Contact of all points over one settled period.
+
+    Attributes
+    ----------
+    motion : (3 n, N) relative displacement from the preload state, m; rate : its change per sample
+    slip : (2 n, N) elastic slip, m
+    correction : (3 n, N) s = t - t_0 - D_0 (g - g_0), Pa
+    coefficients : (3 n, R) its Fourier coefficients, Pa
+    sliding, open : (n, N)
+    moved : (n,) slid at any time, the ramp included
+    periods : (n,) whole periods computed; change : (n,) change of the elastic slip over the last, relative to gamma*
+    pressure_change : (n,) largest relative change of the pressure
+    dt : time per sample, s
+    """
+
+    motion: FloatArray
+    rate: FloatArray
+    slip: FloatArray
+    correction: FloatArray
+    coefficients: FloatArray
+    sliding: np.ndarray
+    open: np.ndarray
+    moved: np.ndarray
+    periods: np.ndarray
+    change: FloatArray
+    pressure_change: FloatArray
+    dt: float
+
+    @property
+    def settled(self) -> float:
+        """Largest change of the elastic slip over the last period computed, relative to gamma*."""
+        return float(self.change.max(initial=0.0))
+
+
+class HarmonicContact:
+    """Contact forces of a reduced model under periodic motion.
+
+    Parameters
+    ----------
+    model, preload, laws
+        Structure, state that motions are relative to, and laws of its points.
+    sampling
+        Harmonics and samples.
+    max_periods
+        Whole periods after the ramp that the memory may take to settle.
+    """
+
+    def __init__(
+        self,
+        model: ReducedModel,
+        preload: ContactState,
+        laws: PointLaws,
+        sampling: Sampling,
+        *,
+        max_periods: int = 20,
+    ):
+        self.model, self.preload, self.laws, self.sampling = model, preload, laws, sampling
+        self.max_periods = max_periods
+        self.n = len(laws.area)
+        self.weights = np.concatenate([np.repeat(laws.area, 2), laws.area])
+        self.force_operator = np.ascontiguousarray((model.jump * self.weights[:, None]).T)
+        k = np.arange(self.n)
+        self._slots = np.column_stack([2 * k, 2 * k + 1, 2 * self.n + k])
+
+    def motion(self, coefficients: FloatArray) -> FloatArray:
+        """(3 n, R) Fourier coefficients of the relative displacement for those of q (R, m), m."""
+        return np.asarray(self.model.jump @ coefficients.T)
+
+    def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
+        """Contact over a period of ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump."""
+        n, s = self.n, self.sampling
+        motion = np.ascontiguousarray(jump_coefficients @ s.values.T)
+        rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
+        dt = 2.0 * np.pi / (frequency * s.samples)
+        slip, out = np.zeros((2 * n, s.samples)), np.zeros((3 * n, s.samples))
+        sliding, is_open = np.zeros((n, s.samples), np.bool_), np.zeros((n, s.samples), np.bool_)
+        moved, periods = np.zeros(n, np.bool_), np.zeros(n, np.int64)
+        change, pressure_change = np.zeros(n), np.zeros(n)
+        kernel.settle(
+            motion, rate, s.ramp, s.ramp_rate, self.preload.elastic_slip, self.laws, dt, self.max_periods, SETTLED,
+            slip, sliding, moved, periods, change,
+        )  # fmt: skip
+        kernel.correction(
+            motion, slip, self.preload.jump, self.preload.traction, self.model.springs, self.laws,
+            out, is_open, pressure_change,
+        )  # fmt: skip
+        return PeriodicContact(
+            motion, rate, slip, out, out @ s.project.T, sliding, is_open, moved, periods, change, pressure_change, dt
+        )
+
+    def force(self, contact: PeriodicContact) -> FloatArray:
+        """(R, m) Fourier coefficients of the reduced force jump^T W s."""
+        return np.asarray((self.force_operator @ contact.coefficients).T)
+
+    def point_blocks(
+        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
+    ) -> tuple[np.ndarray, FloatArray, FloatArray]:
+        """Derivatives of the points that slide, open, or change their pressure by more than ``threshold``.
+
+        Returns
+        -------
+        points : (a,)
+        blocks : (a, 3, R, 3, R) d(s coefficients)/d(jump coefficients), Pa/m
+        by_frequency : (a, 2, R) d(tangential s)/d(ln frequency), Pa
+        """
+        wanted = contact.moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
+        points, size, s = np.flatnonzero(wanted), self.sampling.size, self.sampling
+        blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
+        kernel.derivatives(
+            points, contact.moved, contact.periods, contact.motion, contact.rate, s.ramp, s.ramp_rate,
+            self.preload.elastic_slip, self.preload.jump, self.model.springs, self.laws, contact.dt,
+            s.values, s.velocities, s.project, blocks, by_frequency,
+        )  # fmt: skip
+        return points, blocks, by_frequency
+
+    def jacobian(
+        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
+    ) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of `force`: (R m, R m) by the coefficients of q, (R, m) by the logarithm of the frequency."""
+        m, size = self.model.size, self.sampling.size
+        points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
+        if len(points) == 0:
+            return np.zeros((size * m, size * m)), np.zeros((size, m))
+        a, slots = len(points), self._slots[points]
+        jump = self.model.jump[slots]  # (a, 3, m)
+        # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
+        right = blocks.transpose(0, 1, 2, 4, 3).reshape(a, 3 * size * size, 3) @ jump
+        left = self.force_operator[:, slots.ravel()]  # (m, 3 a)
+        full = left @ right.reshape(3 * a, size * size * m)
+        matrix = full.reshape(m, size, size, m).transpose(1, 0, 2, 3).reshape(size * m, size * m)
+        tangential = left.reshape(m, a, 3)[:, :, :2].reshape(m, 2 * a)
+        return matrix, np.asarray((tangential @ by_frequency.reshape(2 * a, size)).T)

@@ -1,0 +1,241 @@
+"""Curves of solutions by arc length: predictor along the tangent, Newton corrector, adaptive steps, folds.
+
+The problem is F(z) = 0 with n equations for n + 1 unknowns z = (y, p); the curve parameter p is the last. Unknowns
+are scaled by the problem such that unit steps of y and of p matter alike.
+
+References
+----------
+Allgower, Georg (1990), Numerical Continuation Methods, chapters 2 and 6, doi:10.1007/978-3-642-61257-2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg as la
+
+from ..body import FloatArray
+from ..errors import ConvergenceError
+
+
+class CurveProblem(Protocol):
+    """F(z) = 0; z (n + 1,), the parameter last."""
+
+    def residual(self, z: FloatArray) -> FloatArray:
+        """F (n,)."""
+        ...
+
+    def jacobian(self, z: FloatArray) -> FloatArray:
+        """dF/dz (n, n + 1)."""
+        ...
+
+    def describe(self, z: FloatArray) -> str:
+        """Where on the curve, in words, for messages."""
+        ...
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """Controls of the continuation; lengths in the scaled unknowns.
+
+    Attributes
+    ----------
+    first, smallest, largest : step along the arc
+    angle : largest turn of the tangent per step, rad
+    tolerance : largest Newton correction at convergence
+    max_iterations : corrector iterations before a step is cut
+    max_points : points of a curve before it is given up
+    """
+
+    first: float = 0.05
+    smallest: float = 1e-6
+    largest: float = 0.3
+    angle: float = 0.25
+    tolerance: float = 1e-7
+    max_iterations: int = 12
+    max_points: int = 2000
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """One solution: z (n + 1,), unit tangent (n + 1,), Newton iterations, and what the Jacobian says.
+
+    ``regular`` is False behind a bifurcation that the curve went straight through (the sign of the bordered
+    determinant has changed); the tangent's last entry is negative between two folds.
+    """
+
+    z: FloatArray
+    tangent: FloatArray
+    iterations: int
+    regular: bool
+
+
+CHORD_RATE = 0.25
+"""A kept Jacobian is renewed when an iteration reduces the residual by less than this."""
+LEAST_STEP = 0.05
+"""Newton steps are not cut below this; a step taken in vain is."""
+
+
+class _Bordered:
+    """LU factors of the Jacobian with one more row."""
+
+    def __init__(self, jacobian: FloatArray, row: FloatArray):
+        self.factor = la.lu_factor(np.vstack([jacobian, row]), overwrite_a=True, check_finite=False)
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        return np.asarray(la.lu_solve(self.factor, rhs, check_finite=False))
+
+    @property
+    def sign(self) -> float:
+        """Sign of the determinant."""
+        lu, pivots = self.factor
+        swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+        return float(np.prod(np.sign(np.diag(lu))) * (-1.0) ** swaps)
+
+
+def correct(
+    problem: CurveProblem,
+    z: FloatArray,
+    row: FloatArray,
+    control: StepControl,
+    *,
+    kept: _Bordered | None = None,
+) -> tuple[FloatArray | None, list[float]]:
+    """Newton's method for F(z) = 0 and row . (z - start) = 0; chord steps while they contract.
+
+    Returns
+    -------
+    (n + 1,) solution, or None when it does not converge, and the sizes of the corrections
+    """
+    history: list[float] = []
+    factor, fresh = kept, False
+    residual = problem.residual(z)
+    norm = float(np.linalg.norm(residual))
+    for _ in range(control.max_iterations):
+        if factor is None:
+            factor, fresh = _Bordered(problem.jacobian(z), row), True
+        step = factor.solve(np.append(residual, 0.0))
+        size = float(np.linalg.norm(step))
+        history.append(size)
+        if not np.isfinite(size):
+            return None, history
+        trial = problem.residual(z - step)
+        if size <= control.tolerance:
+            return z - step, history
+        new, stretch = float(np.linalg.norm(trial)), 1.0
+        # slip, stick and opening make F piecewise smooth: a kept Jacobian may point elsewhere, full steps may alternate
+        if not new < norm and not fresh:
+            factor = None
+            continue
+        while stretch > LEAST_STEP and not new < norm:
+            stretch *= 0.5
+            trial = problem.residual(z - stretch * step)
+            new = float(np.linalg.norm(trial))
+        z, residual = z - stretch * step, trial
+        if new > CHORD_RATE * norm:
+            factor = None
+        norm, fresh = new, False
+    return None, history
+
+
+def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> FloatArray:
+    """Solution at the parameter of ``z`` (n + 1,), starting there, by damped Newton steps.
+
+    Raises
+    ------
+    ConvergenceError
+        With the residual history.
+    """
+    row = np.zeros(len(z))
+    row[-1] = 1.0
+    many = StepControl(tolerance=control.tolerance, max_iterations=5 * control.max_iterations)
+    solution, history = correct(problem, z, row, many)
+    if solution is None:
+        raise _stalled("no periodic motion found", problem.describe(z), history)
+    return solution
+
+
+def follow(
+    problem: CurveProblem,
+    start: FloatArray,
+    end: float,
+    control: StepControl,
+    *,
+    on_point: Callable[[list[CurvePoint]], None] | None = None,
+) -> list[CurvePoint]:
+    """Curve from ``start`` (n + 1,), a solution, until its parameter reaches ``end``.
+
+    Raises
+    ------
+    ConvergenceError
+        When the steps become too small, the curve returns to its start, or has too many points; ``partial`` holds
+        the points so far (list of CurvePoint).
+    """
+    direction = 1.0 if end >= start[-1] else -1.0
+    lowest = start[-1]
+    border = np.zeros(len(start))
+    border[-1] = direction
+    tangent, factor, sign = _tangent(problem, start, border)
+    points = [CurvePoint(start, tangent, 0, True)]
+    step = control.first
+    history: list[float] = []
+    while direction * (end - points[-1].z[-1]) > 1e-12:
+        if on_point is not None:
+            on_point(points)
+        last = points[-1]
+        step = min(step, control.largest)
+        arrives = last.tangent[-1] * direction > 0.0 and direction * (
+            last.z[-1] + step * last.tangent[-1] - end
+        ) > -1e-3 * abs(step * last.tangent[-1])
+        if arrives:  # the last step lands on the end itself
+            z, row = last.z + (end - last.z[-1]) / last.tangent[-1] * last.tangent, np.abs(border)
+            solution, history = correct(problem, z, row, control)
+        else:
+            z, row = last.z + step * last.tangent, last.tangent
+            solution, history = correct(problem, z, row, control, kept=factor)
+        if solution is not None:
+            tangent, factor, new_sign = _tangent(problem, solution, last.tangent)
+            turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
+            if turn <= 1.6 * control.angle or step <= 1e3 * control.smallest:
+                points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
+                growth = min(control.angle / max(turn, 1e-6), np.sqrt(6.0 / len(history)))
+                step *= float(np.clip(growth, 0.4, 1.7))
+                if direction * (solution[-1] - lowest) < 0.0:
+                    raise _with_points(
+                        _stalled("the curve runs back out of its start", problem.describe(z), history), points
+                    )
+                if len(points) > control.max_points:
+                    raise _with_points(_stalled("the curve does not end", problem.describe(z), history), points)
+                continue
+            tangent, factor, _ = _tangent(problem, last.z, last.tangent)
+        step *= 0.4
+        if step < control.smallest:
+            raise _with_points(_stalled("the curve could not be followed", problem.describe(last.z), history), points)
+    return points
+
+
+def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:
+    """Unit tangent (n + 1,) with before . tangent > 0, the factors it came from, and the sign of their determinant."""
+    factor = _Bordered(problem.jacobian(z), before)
+    rhs = np.zeros(len(z))
+    rhs[-1] = 1.0
+    tangent = factor.solve(rhs)
+    return tangent / np.linalg.norm(tangent), factor, factor.sign
+
+
+def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
+    return ConvergenceError(
+        f"{what} ({where})",
+        time_s=0.0,
+        iterations=len(history),
+        residual_history=history,
+        advice="use more samples per period or harmonics, a lower amplitude or a higher preload",
+    )
+
+
+def _with_points(error: ConvergenceError, points: list[CurvePoint]) -> ConvergenceError:
+    error.partial = points  # type: ignore[attr-defined]
+    return error

@@ -1,0 +1,247 @@
+"""The compiled half of harmonic balance: contact laws over one period, and their exact derivatives (see `aft`).
+
+A point's motion relative to the preload state is known at N phases of the period (`motion`, with `rate` its change per
+sample by its exact velocity). The memory of friction starts in the preload state: one period in which the motion grows
+from nothing (`ramp`), then whole periods until the elastic slip repeats. Tractions are those of the last period.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from ..compiled import drop_stale_cache
+from ..contact.laws import PENALTY, SMOOTHED, slip_derivatives, slip_update
+
+drop_stale_cache(__file__)
+
+
+@numba.njit(cache=True)
+def settle(motion, rate, ramp, ramp_rate, e_0, laws, dt, max_periods, tolerance, slip, sliding, moved, periods, change):
+    """Elastic slip of every point over a settled period.
+
+    Parameters
+    ----------
+    motion, rate : (3 n, N) relative displacement from the preload state at phases 2 pi j / N, and its change
+        per sample (velocity times ``dt``), m
+    ramp, ramp_rate : (N + 1,) growth of the motion in the first period and its change per sample
+    e_0 : (2 n,) elastic slip of the preload state, m
+    dt : time per sample, s
+    max_periods, tolerance : whole periods at most; the change of the elastic slip over a period, relative to gamma*,
+        below which it repeats
+    slip : output (2 n, N) elastic slip of the last period, m
+    sliding : output (n, N) whether the point slides there
+    moved : output (n,) whether it ever slid, the ramp included
+    periods : output (n,) whole periods computed
+    change : output (n,) change of the elastic slip over the last of them, relative to gamma*
+    """
+    n, count = sliding.shape
+    for k in range(n):
+        h, z = 2 * k, 2 * k + 1
+        eh, ez = e_0[h], e_0[z]
+        before_h = before_z = 0.0
+        moved[k] = laws.kind[k] == SMOOTHED
+        for i in range(1, count + 1):
+            j = i % count
+            now_h, now_z = ramp[i] * motion[h, j], ramp[i] * motion[z, j]
+            eh, ez, slides = slip_update(
+                k, eh + now_h - before_h, ez + now_z - before_z,
+                ramp[i] * rate[h, j] + ramp_rate[i] * motion[h, j], ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j],
+                laws, dt,
+            )  # fmt: skip
+            before_h, before_z = now_h, now_z
+            if slides:
+                moved[k] = True
+        periods[k] = 0
+        for _ in range(max_periods):
+            start_h, start_z = eh, ez
+            for i in range(1, count + 1):
+                j = i % count
+                eh, ez, slides = slip_update(
+                    k, eh + motion[h, j] - before_h, ez + motion[z, j] - before_z, rate[h, j], rate[z, j], laws, dt
+                )
+                before_h, before_z = motion[h, j], motion[z, j]
+                slip[h, j], slip[z, j] = eh, ez
+                sliding[k, j] = slides
+                if slides:
+                    moved[k] = True
+            periods[k] += 1
+            change[k] = max(abs(eh - start_h), abs(ez - start_z)) / laws.gamma[k]
+            if change[k] <= tolerance:
+                break
+
+
+@numba.njit(cache=True)
+def correction(motion, slip, g_0, t_0, springs, laws, s, is_open, pressure_change):
+    """Traction less that of the stuck preload state, s = t - t_0 - D_0 (g - g_0), over the period.
+
+    Parameters
+    ----------
+    motion, slip : (3 n, N) and (2 n, N), m
+    g_0, t_0, springs : (3 n,) preload state m, Pa, and its springs Pa/m
+    s : output (3 n, N), Pa
+    is_open : output (n, N) whether the surfaces are apart
+    pressure_change : output (n,) largest relative change of the stick stiffness
+    """
+    n, count = is_open.shape
+    for k in range(n):
+        stick = laws.mu[k] / laws.gamma[k]
+        p_0 = -t_0[2 * n + k]
+        largest = 0.0
+        for j in range(count):
+            gn = g_0[2 * n + k] + motion[2 * n + k, j]
+            closed = gn <= 0.0 or not laws.separation[k]
+            tn = laws.kn[k] * gn if closed else 0.0
+            p = -tn if tn < 0.0 else 0.0
+            is_open[k, j] = not closed
+            for c in range(2):
+                i = 2 * k + c
+                s[i, j] = stick * p * slip[i, j] - t_0[i] - springs[i] * motion[i, j]
+            s[2 * n + k, j] = tn - t_0[2 * n + k] - springs[2 * n + k] * motion[2 * n + k, j]
+            largest = max(largest, abs(p - p_0))
+        pressure_change[k] = largest / p_0 if p_0 > 0.0 else np.inf
+
+
+@numba.njit(cache=True)
+def derivatives(
+    points, moved, periods, motion, rate, ramp, ramp_rate, e_0, g_0, springs, laws, dt,
+    values, velocities, project, blocks, by_frequency,
+):  # fmt: skip
+    """Exact derivatives of the harmonics of s with respect to the harmonics of the motion, through the memory.
+
+    Parameters
+    ----------
+    points : (a,) points wanted
+    moved, periods : as `settle` left them: a point that never slid keeps de = d(motion)
+    values, velocities : (N, R) motion and its change per sample for unit coefficients
+    project : (R, N) samples to coefficients
+    blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
+    by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
+        fixed coefficients, Pa (laws that depend on the slip rate)
+    """
+    count, size = values.shape
+    n = laws.mu.shape[0]
+    de, trial, new = np.zeros((2, 2 * size)), np.zeros((2, 2 * size)), np.zeros((2, 2 * size))
+    rows = np.zeros((count, 7 * size + 2))
+    for index in range(points.shape[0]):
+        k = points[index]
+        h, z = 2 * k, 2 * k + 1
+        stick = laws.mu[k] / laws.gamma[k]
+        eh, ez = e_0[h], e_0[z]
+        before_h = before_z = 0.0
+        de[:] = 0.0
+        wh = wz = 0.0
+        for step in range(1, (periods[k] + 1) * count + 1):
+            j = step % count
+            first = step <= count
+            last = step > periods[k] * count
+            if not moved[k] and not last:
+                continue
+            if first:
+                grown, growth, grown_before = ramp[step], ramp_rate[step], ramp[step - 1]
+            else:
+                grown, growth, grown_before = 1.0, 0.0, 1.0
+            now_h, now_z = grown * motion[h, j], grown * motion[z, j]
+            if moved[k]:
+                previous = (step - 1) % count
+                th, tz = eh + now_h - before_h, ez + now_z - before_z
+                vh = grown * rate[h, j] + growth * motion[h, j]
+                vz = grown * rate[z, j] + growth * motion[z, j]
+                eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
+                for r in range(size):
+                    moves = grown * values[j, r] - grown_before * values[previous, r]
+                    for c in range(2):
+                        trial[c, r], trial[c, size + r] = de[c, r], de[c, size + r]
+                    trial[0, r] += moves
+                    trial[1, size + r] += moves
+                if slides or laws.kind[k] != PENALTY:
+                    a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, laws, dt)
+                    for r in range(2 * size):
+                        new[0, r] = a00 * trial[0, r] + a01 * trial[1, r]
+                        new[1, r] = a10 * trial[0, r] + a11 * trial[1, r]
+                    for r in range(size):
+                        fast = grown * velocities[j, r] + growth * values[j, r]
+                        new[0, r] += b00 * fast
+                        new[1, r] += b10 * fast
+                        new[0, size + r] += b01 * fast
+                        new[1, size + r] += b11 * fast
+                    # at fixed coefficients the velocity is (change per sample)/dt, so d/d ln(w) = B (change per sample)
+                    wh, wz = a00 * wh + a01 * wz + b00 * vh + b01 * vz, a10 * wh + a11 * wz + b10 * vh + b11 * vz
+                    de[:] = new
+                else:
+                    de[:] = trial
+            else:
+                eh, ez = e_0[h] + now_h, e_0[z] + now_z
+                for r in range(size):
+                    de[0, r] = values[j, r]
+                    de[1, size + r] = values[j, r]
+            before_h, before_z = now_h, now_z
+            if last:
+                gn = g_0[2 * n + k] + motion[2 * n + k, j]
+                closed = gn <= 0.0 or not laws.separation[k]
+                normal = laws.kn[k] if closed else 0.0
+                pressed = closed and gn < 0.0
+                kt = -stick * normal * gn if pressed else 0.0
+                slope = -stick * normal if pressed else 0.0
+                for r in range(2 * size):
+                    rows[j, r] = kt * de[0, r]
+                    rows[j, 2 * size + r] = kt * de[1, r]
+                for r in range(size):
+                    rows[j, 4 * size + r] = slope * eh * values[j, r]
+                    rows[j, 5 * size + r] = slope * ez * values[j, r]
+                    rows[j, 6 * size + r] = normal * values[j, r]
+                rows[j, 7 * size] = kt * wh
+                rows[j, 7 * size + 1] = kt * wz
+        found = np.dot(project, rows)
+        for r in range(size):
+            for q in range(size):
+                for c in range(2):
+                    blocks[index, c, r, 0, q] = found[r, 2 * c * size + q]
+                    blocks[index, c, r, 1, q] = found[r, (2 * c + 1) * size + q]
+                    blocks[index, c, r, 2, q] = found[r, (4 + c) * size + q]
+                    blocks[index, 2, r, c, q] = 0.0
+                blocks[index, 2, r, 2, q] = found[r, 6 * size + q]
+            blocks[index, 0, r, 0, r] -= springs[h]
+            blocks[index, 1, r, 1, r] -= springs[z]
+            blocks[index, 2, r, 2, r] -= springs[2 * n + k]
+            by_frequency[index, 0, r] = found[r, 7 * size]
+            by_frequency[index, 1, r] = found[r, 7 * size + 1]
+
+
+@numba.njit(cache=True)
+def cycle_work(motion, slip, g_0, laws, friction, path, peak):
+    """Friction work per area and period, slip path and peak displacement of every point.
+
+    Parameters
+    ----------
+    motion, slip : (3 n, N), (2 n, N) of a settled period, m
+    g_0 : (3 n,) m
+    friction : output (n,) mean traction times plastic slip, summed over the period, J/m^2
+    path : output (n,) length of the plastic slip path per period, m
+    peak : output (n, 3) largest tangential displacement from the preload state and its components, m
+    """
+    n, count = friction.shape[0], motion.shape[1]
+    for k in range(n):
+        h, z = 2 * k, 2 * k + 1
+        stick = laws.mu[k] / laws.gamma[k]
+        friction[k] = path[k] = 0.0
+        peak[k, :] = 0.0
+        for j in range(count):
+            b = (j - 1) % count
+            p, p_b = _pressure(k, motion, g_0, laws, n, j), _pressure(k, motion, g_0, laws, n, b)
+            dh, dz = motion[h, j] - motion[h, b], motion[z, j] - motion[z, b]
+            if laws.kind[k] != SMOOTHED:  # that law stores nothing: all its slip is lost
+                dh, dz = dh - (slip[h, j] - slip[h, b]), dz - (slip[z, j] - slip[z, b])
+            friction[k] += (
+                0.5 * stick * ((p * slip[h, j] + p_b * slip[h, b]) * dh + (p * slip[z, j] + p_b * slip[z, b]) * dz)
+            )
+            path[k] += np.sqrt(dh * dh + dz * dz)
+            size = np.sqrt(motion[h, j] ** 2 + motion[z, j] ** 2)
+            if size > peak[k, 0]:
+                peak[k, 0], peak[k, 1], peak[k, 2] = size, motion[h, j], motion[z, j]
+
+
+@numba.njit(cache=True)
+def _pressure(k, motion, g_0, laws, n, j):
+    gn = g_0[2 * n + k] + motion[2 * n + k, j]
+    return -laws.kn[k] * gn if gn < 0.0 else 0.0
