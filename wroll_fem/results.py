@@ -105,6 +105,7 @@ FIELDS: dict[str, Field] = {
     "mode_harmonic": Field("1", "circumferential wave number of the mode"),
     "mode_residual": Field("1", "relative residual of the eigenpair"),
     "effective_mass_fraction": Field("1", "effective mass over total mass"),
+    "tip_participation": Field("1", "share of the mode in the tip's motion under motion of the base"),
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
     "node_position": Field("m", "node coordinates"),
     "cell_nodes": Field("1", "nodes of each quadratic quad"),

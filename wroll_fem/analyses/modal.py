@@ -51,7 +51,7 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
     -------
     xr.Dataset
         `mode_frequency`, `mode_kind`, `mode_harmonic`, `effective_mass_fraction` (mode, component), `mode_residual`,
-        `mode_shape` (mode, node, component) with the mesh it lives on.
+        `tip_participation`, `mode_shape` (mode, node, component) with the mesh it lives on.
     """
     from ..fem.eigen import solve_pairs
 
@@ -84,6 +84,7 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
                 ("mode", "component"),
                 effective_mass_fractions(system.mass, influence, vectors, total),
             ),
+            "tip_participation": ("mode", tip_participation(system, vectors)),
             "mode_shape": (("mode", "node", "component"), _shapes(bodies, vectors)),
             "node_position": (("node", "component"), np.vstack([body.nodes for body in bodies])),
             "cell_nodes": (("cell", "corner"), _cells(bodies)),
@@ -92,6 +93,14 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
     )
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": total}
     return annotate(dataset)
+
+
+def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
+    """(n_modes,) share p of each M-normalised mode in the tip's motion under motion of the base.
+
+    The undamped transmissibility is |1 + sum over modes of p f^2 / (f_n^2 - f^2)|.
+    """
+    return np.asarray((system.probes["tip"] @ vectors) * (system.mass @ system.influence @ vectors))
 
 
 def _structure_modes(case: Case, progress: Progress) -> xr.Dataset:

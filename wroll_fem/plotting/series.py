@@ -28,11 +28,13 @@ from wroll_fem.plotting.study import (
     grid_members,
     having,
     is_sweep,
+    natural_frequency,
     percent,
     read,
     scaled,
     shown,
     trend,
+    undamped_curve,
     values_of,
 )  # fmt: skip
 from wroll_fem.plotting.transmissibility import magnitude
@@ -73,7 +75,7 @@ def plot_family(
     ----------
     members
         Finished cases. Sweeps are full lines, steady-state curves of the same case dashed in the same colour, the
-        reference is dashed in black and cut off where it leaves the panel.
+        reference (a modal analysis) is dashed in black and cut off where it leaves the panel.
     colour, panel
         Dotted keys.
     sentence
@@ -97,8 +99,9 @@ def plot_family(
         top = _draw_curves(ax, here, colour, values)
         ends = ax.get_xlim()
         for m in references:
-            text = f"mandrel alone: {read(m).f_n:.1f} Hz, undamped" if m.data.sizes.get("interface", 0) == 0 else m.name
-            ax.plot(m.data["frequency"], magnitude(m.data), color="black", lw=1.2, ls=(0, (5, 2)), label=text)
+            frequency = np.linspace(*ends, 2000)
+            text = f"mandrel alone, undamped: {natural_frequency(m):.1f} Hz"
+            ax.plot(frequency, undamped_curve(m, frequency), color="black", lw=1.2, ls=(0, (5, 2)), label=text)
         ax.set_xlim(ends)
         ax.set_ylim(0.0, 1.1 * top)
         ax.set_ylabel("Transmissibility |T| (–)")
@@ -189,7 +192,7 @@ def plot_damping_over_frequency(
             said.append(f"{where}largest damping {zeta[best]:.2f} % at {at} and {f[best]:.1f} Hz")
     for m in members:
         if m.reference:
-            f_m = read(m).f_n
+            f_m = natural_frequency(m)
             ax.axvline(f_m, color="black", lw=1.0, ls=(0, (5, 2)), label=f"mandrel alone, {f_m:.1f} Hz")
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("Resonance f_n (Hz)")

@@ -73,6 +73,21 @@ def read(member: SeriesMember) -> Reading:
     return Reading(found.f_n, found.peak, found.zeta, found.skewness)
 
 
+def natural_frequency(member: SeriesMember) -> float:
+    """Frequency of the mode that moves the tip most under motion of the base, Hz, of a modal analysis."""
+    style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
+    return float(member.data["mode_frequency"].values[np.abs(member.data["tip_participation"].values).argmax()])
+
+
+def undamped_curve(member: SeriesMember, frequency: style.FloatArray) -> style.FloatArray:
+    """|T| of the modes of a modal analysis, (n,), without any damping: |1 + sum of p f^2 / (f_n^2 - f^2)|."""
+    style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
+    natural = member.data["mode_frequency"].values[:, None]
+    share = member.data["tip_participation"].values
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.abs(1.0 + share @ (frequency**2 / (natural**2 - frequency**2))))
+
+
 def friction_work(member: SeriesMember) -> float:
     """Friction work of the whole run, J."""
     style.require(member.data, ("friction_energy",), "figure of friction work")
