@@ -13,6 +13,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from ..body import FloatArray
+from .blocks import Blocks, by_component, spread
 from .hht import Scheme
 from .linear import factorise
 from .system import System
@@ -22,9 +23,6 @@ DENSE_LIMIT = 2500
 
 LOW_MODES = 120
 """Low modes kept by the projection of a larger structure without rotational symmetry."""
-
-DECOUPLING = 1e-9
-"""Largest relative coupling between harmonics that still counts as none (rounding leaves 1e-15)."""
 
 
 @dataclass(frozen=True)
@@ -77,21 +75,9 @@ class Condensation:
         blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude per amplitude of force, m/N
         dense : (3 n_points, 3 n_points) in slot order, m/Pa
         """
-        n, n_theta = len(area), self.n_theta
-        rows = n // n_theta
         parts = np.split(inverse, self.blocks[1:-1])
         blocks = np.array([(j * p) @ j.T for j, p in zip(self.jump, parts, strict=True)])
-        split = blocks.reshape(len(blocks), 3, rows, 3, rows)
-        whole = np.empty((3, rows, n_theta, 3, rows, n_theta))
-        for i in range(3):
-            for k in range(3):
-                whole[i, :, :, k] = np.einsum(
-                    "bt,brs,bu->rtsu", self.profiles[:, i], split[:, i, :, k], self.profiles[:, k], optimize=True
-                )
-        slots = _by_component(n)
-        dense = np.empty((3 * n, 3 * n))
-        dense[np.ix_(slots, slots)] = whole.reshape(3 * n, 3 * n) * np.tile(area, 3)
-        return blocks, dense
+        return blocks, spread(blocks, self.profiles, area)
 
     def coordinates(self, momentum: FloatArray) -> FloatArray:
         """(r,) modal coordinates of a displacement u, from M u (n_dofs,)."""
@@ -106,14 +92,8 @@ def condense_cyclic(system: System, springs: FloatArray) -> Condensation | None:
     springs
         (3 n_points,) interface springs per slot, Pa/m; they are levelled around each row of points.
     """
-    n_theta = _points_per_row(system)
-    if not system.subspaces or (n_theta == 1 and system.interfaces):
-        return None
-    level = _level_springs(system, springs, n_theta)
-    stiffness = system.with_interface_springs(level)
-    if not _decoupled(system, stiffness):
-        return None
-    return _condense_blocks(system, stiffness, level, n_theta)
+    blocks = Blocks.of(system, springs)
+    return None if blocks is None else _condense_blocks(blocks)
 
 
 def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> Condensation:
@@ -137,7 +117,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> 
         eigenvalues=values,
         blocks=np.array([0, len(values)]),
         vectors=[(sp.identity(system.n_dofs, format="csc"), vectors)],
-        jump=[np.ascontiguousarray((system.jump @ vectors)[_by_component(system.n_points)])],
+        jump=[np.ascontiguousarray((system.jump @ vectors)[by_component(system.n_points)])],
         profiles=np.ones((1, 3, 1)),
         base=vectors.T @ (system.mass @ system.influence),
         tip=vectors.T @ system.probes["tip"],
@@ -146,60 +126,20 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> 
     )
 
 
-def _by_component(n: int) -> np.ndarray:
-    """Slots of n points ordered hoop, axial, normal."""
-    k = np.arange(n)
-    return np.concatenate([2 * k, 2 * k + 1, 2 * n + k])
-
-
-def _level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
-    """Springs (3 n_points,) that are the same all around each row of points: means, or none where a point is open."""
-    n = system.n_points
-    tangential = springs[: 2 * n].reshape(-1, 2 * n_theta).mean(axis=1)
-    closed = (springs[2 * n :] > 0).reshape(-1, n_theta).all(axis=1)
-    return np.concatenate(
-        [np.repeat(tangential, 2 * n_theta), np.repeat(np.where(closed, system.laws.kn[::n_theta], 0.0), n_theta)]
-    )
-
-
-def _points_per_row(system: System) -> int:
-    """Points per height when all interfaces share one set of angles at every height, else 1."""
-    theta = np.concatenate([i.points[:, 0] for i in system.interfaces] or [np.zeros(0)])
-    if theta.size == 0:
-        return 1
-    count = int(np.argmax(np.diff(theta) < 0)) + 1 if np.any(np.diff(theta) < 0) else len(theta)
-    if len(theta) % count or np.ptp(theta.reshape(-1, count), axis=0).max() > 1e-7:
-        return 1
-    return count
-
-
-def _decoupled(system: System, stiffness: sp.spmatrix) -> bool:
-    """Whether harmonics really do not couple, checked on random motions of every subspace."""
-    rng = np.random.default_rng(0)
-    for matrix in (stiffness, system.mass):
-        motions = np.column_stack([s.basis @ rng.standard_normal(s.basis.shape[1]) for s in system.subspaces])
-        energy = motions.T @ (matrix @ motions)
-        scale = np.sqrt(np.outer(np.diag(energy), np.diag(energy)))
-        if np.abs(energy / scale - np.eye(len(energy))).max() > DECOUPLING:
-            return False
-    return True
-
-
-def _condense_blocks(system: System, stiffness: sp.spmatrix, springs: FloatArray, n_theta: int) -> Condensation:
-    n, inertia, tip = system.n_points, system.mass @ system.influence, system.probes["tip"]
-    theta = system.interfaces[0].points[:n_theta, 0] if n else np.zeros(1)
-    area = system.laws.area.reshape(-1, n_theta)
-    values, vectors, jumps, profiles, base, probe = [], [], [], [], [], []
-    for space in system.subspaces:
-        basis: sp.csc_matrix = space.basis
-        block = [np.asarray((basis.T @ matrix @ basis).todense()) for matrix in (stiffness, system.mass)]
-        eigenvalues, ritz = la.eigh(*block)
-        profile = space.profile(theta)
-        slot_jump = np.asarray((system.jump @ basis).todense()) @ ritz
+def _condense_blocks(blocks: Blocks) -> Condensation:
+    system = blocks.system
+    inertia, tip = system.mass @ system.influence, system.probes["tip"]
+    values, vectors, jumps, base, probe = [], [], [], [], []
+    for b in range(len(blocks)):
+        basis = blocks.basis(b)
+        # symmetric: the transposes are the column-major arrays that LAPACK works on in place
+        eigenvalues, ritz = la.eigh(
+            blocks.stiffness(b).toarray().T, blocks.mass(b).toarray().T,
+            overwrite_a=True, overwrite_b=True, check_finite=False,
+        )  # fmt: skip
         values.append(eigenvalues)
         vectors.append((basis, ritz))
-        jumps.append(_amplitudes(slot_jump, profile, area, n))
-        profiles.append(profile)
+        jumps.append(np.ascontiguousarray(blocks.jump(b) @ ritz))
         base.append(ritz.T @ (basis.T @ inertia))
         probe.append(ritz.T @ (basis.T @ tip))
     return Condensation(
@@ -207,27 +147,12 @@ def _condense_blocks(system: System, stiffness: sp.spmatrix, springs: FloatArray
         blocks=np.concatenate([[0], np.cumsum([len(v) for v in values])]),
         vectors=vectors,
         jump=jumps,
-        profiles=np.array(profiles),
+        profiles=blocks.profiles,
         base=np.concatenate(base),
         tip=np.concatenate(probe),
-        springs=springs,
+        springs=blocks.springs,
         exact=True,
     )
-
-
-def _amplitudes(slot_jump: FloatArray, profile: FloatArray, area: FloatArray, n: int) -> FloatArray:
-    """(3 n_rows, r) amplitudes of a jump (3 n, r) that follows ``profile`` around every row."""
-    rows, n_theta = area.shape
-    r = slot_jump.shape[1]
-    tangential = slot_jump[: 2 * n].reshape(rows, n_theta, 2, r)
-    parts = []
-    for c, values in enumerate(
-        (tangential[:, :, 0], tangential[:, :, 1], slot_jump[2 * n :].reshape(rows, n_theta, r))
-    ):
-        norm = area @ profile[c] ** 2
-        projected = np.einsum("ij,j,ijk->ik", area, profile[c], values)
-        parts.append(projected / np.where(norm > 1e-12 * norm.max(initial=1e-300), norm, np.inf)[:, None])
-    return np.ascontiguousarray(np.concatenate(parts))
 
 
 def _attachment_projection(

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse as sp
 
 from ..body import FloatArray
 from ..contact import kernels
+from ..contact.laws import PointLaws
 from ..errors import ConvergenceError
-from .condensation import Condensation, condense_cyclic
 from .linear import Factorisation, factorise
 from .system import System
+
+if TYPE_CHECKING:
+    from .condensed_static import CondensedStatic
 
 KEEP_RATE = 0.1
 """A factorisation is kept while each iteration reduces the residual by this."""
 
 LEAST_TANGENT = 1e-6
 """Share of the normal penalty that Newton's matrix (never the residual) gives to a point that holds nothing yet."""
-
-ROUNDING = 1e3
-"""A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,19 @@ def slot_blocks(d: FloatArray) -> sp.csr_matrix:
     return sp.csr_matrix((d.ravel(), (rows, cols)), shape=(3 * n, 3 * n))
 
 
+class WithLaws(Protocol):
+    """A system, or a part of its points."""
+
+    @property
+    def laws(self) -> PointLaws:
+        """Law parameters of the points."""
+        ...
+
+
 class TrialContact:
     """Trial evaluation of all interfaces from a committed state (which it never changes)."""
 
-    def __init__(self, system: System):
+    def __init__(self, system: WithLaws):
         self.laws = system.laws
         n = self.laws.n
         self.traction, self.elastic_slip = np.zeros(3 * n), np.zeros(2 * n)
@@ -166,7 +175,7 @@ def solve_static(
                 continue
         u = u - best[1] * step
         r, jump, size = residual(u)
-    raise _unconverged(load_factor, max_iterations, history)
+    raise unconverged(load_factor, max_iterations, history)
 
 
 def stick_springs(system: System, state: ContactState) -> FloatArray:
@@ -176,76 +185,8 @@ def stick_springs(system: System, state: ContactState) -> FloatArray:
     return np.concatenate([np.repeat(law.mu * pressure / law.gamma, 2), np.where(closed, law.kn, 0.0)])
 
 
-class CondensedStatic:
-    """`solve_static` on the interfaces alone, for a roll with rotational symmetry: exact, dense, much faster.
-
-    With springs D in the interfaces, u = (K + G^T W D G)^{-1} (f - G^T W s) and s = t(g) - D g, so that
-    g = g_f - F s is a dense system of interface size.
-    """
-
-    @classmethod
-    def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
-        """Solver for ``system``, or None when it has no interfaces or no rotational symmetry.
-
-        ``traction_scale``: pressure in Pa near which the solver's built-in springs are chosen; any positive
-        value gives the same solution.
-        """
-        law = system.laws
-        if not system.interfaces:
-            return None
-        stick = np.maximum(law.mu * traction_scale / law.gamma, LEAST_TANGENT * law.kn)
-        condensation = condense_cyclic(system, np.concatenate([np.repeat(stick, 2), law.kn]))
-        return None if condensation is None else cls(system, condensation)
-
-    def __init__(self, system: System, condensation: Condensation):
-        self.system, self.condensation = system, condensation
-        self.springs = condensation.springs
-        self.flexibility = 1.0 / condensation.eigenvalues
-        self.compliance = condensation.compliance(self.flexibility, system.laws.area)[1]
-
-    def __call__(
-        self,
-        force: FloatArray,
-        state: ContactState,
-        *,
-        tolerance: float = 1e-9,
-        max_iterations: int = 40,
-        load_factor: float = 1.0,
-    ) -> ContactState:
-        """Equilibrium under ``force`` (n_dofs,); arguments and errors as `solve_static`."""
-        system, trial = self.system, TrialContact(self.system)
-        free = self.condensation.coordinates(force) * self.flexibility
-        g_free = system.jump @ self.condensation.displacement(free)
-        floor = LEAST_TANGENT * float(system.laws.kn.max())
-        limit = tolerance * max(float(np.abs(g_free).max(initial=0.0)), float(system.laws.gamma.min()))
-
-        def residual(g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-            s = trial(g, state) - self.springs * g
-            rho = g - g_free + self.compliance @ s
-            return rho, s, float(np.abs(rho).max())
-
-        g = state.jump.copy()
-        rho, s, size = residual(g)
-        history, stalled = [size], False
-        for _ in range(max_iterations):
-            if size <= limit or (stalled and size <= ROUNDING * limit):
-                q = free - self.flexibility * self.condensation.coordinates(system.jump.T @ (system.weights * s))
-                return trial.committed(self.condensation.displacement(q), g)
-            change = trial.stiffness(g, state, floor) - sp.diags(self.springs)
-            matrix = np.eye(len(g)) + self.compliance @ change
-            step = la.solve(matrix, rho, overwrite_a=True, check_finite=False)
-            damping = 1.0
-            while damping > 0.01 and not residual(g - damping * step)[2] < size:
-                damping *= 0.5
-            previous = size
-            g = g - damping * step
-            rho, s, size = residual(g)
-            stalled = not size < 0.5 * previous
-            history.append(size)
-        raise _unconverged(load_factor, max_iterations, history)
-
-
-def _unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:
+def unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:
+    """Error of a static step, at ``load_factor`` in place of the time."""
     return ConvergenceError(
         f"static step did not converge (load factor {load_factor:.4g})",
         time_s=load_factor,
@@ -315,6 +256,8 @@ def solve_preload(
     condensed
         Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
     """
+    from .condensed_static import CondensedStatic  # which builds on this file
+
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):
         return ContactState.unloaded(system)

@@ -1,0 +1,145 @@
+"""A roll with rotational symmetry and springs in its interfaces, one circumferential block at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import FloatArray
+from .system import System
+
+DECOUPLING = 1e-9
+"""Largest relative coupling between harmonics that still counts as none (rounding leaves 1e-15)."""
+
+
+class Blocks:
+    """Stiffness, mass and relative displacement of the motions of each subspace (`cyclic`).
+
+    Attributes
+    ----------
+    system
+        The roll.
+    springs
+        (3 n_points,) springs in the interfaces, the same all around each row of points, Pa/m.
+    area
+        (n_rows, n_theta) area of the points, m^2.
+    profiles
+        (n_blocks, 3, n_theta) shape of the hoop, axial and normal jump of each block around a row.
+    """
+
+    @classmethod
+    def of(cls, system: System, springs: FloatArray) -> Blocks | None:
+        """Blocks of ``system``; None when its harmonics couple or its interfaces have no common rows of points.
+
+        ``springs`` (3 n_points,) per slot, Pa/m, are levelled around each row.
+        """
+        n_theta = points_per_row(system)
+        if not system.subspaces or (n_theta == 1 and system.interfaces):
+            return None
+        blocks = cls(system, level_springs(system, springs, n_theta), n_theta)
+        return blocks if blocks._decoupled() else None
+
+    def __init__(self, system: System, springs: FloatArray, n_theta: int):
+        self.system, self.springs = system, springs
+        self.area = system.laws.area.reshape(-1, n_theta)
+        theta = system.interfaces[0].points[:n_theta, 0] if system.interfaces else np.zeros(1)
+        self.profiles = np.array([space.profile(theta) for space in system.subspaces])
+        self._stiffness = system.with_interface_springs(springs).tocsr()
+        self._mass = system.mass.tocsr()
+
+    def __len__(self) -> int:
+        return len(self.system.subspaces)
+
+    def basis(self, block: int) -> sp.csc_matrix:
+        """(n_dofs, k) motions of a block."""
+        return self.system.subspaces[block].basis
+
+    def stiffness(self, block: int) -> sp.csr_matrix:
+        """(k, k) stiffness with the springs."""
+        return self._projected(self._stiffness, block)
+
+    def mass(self, block: int) -> sp.csr_matrix:
+        """(k, k) mass."""
+        return self._projected(self._mass, block)
+
+    def jump(self, block: int) -> sp.csr_matrix:
+        """(3 n_rows, k) amplitude of the hoop, axial and normal jump in each row of points."""
+        return (amplitudes(self.profiles[block], self.area) @ self.system.jump) @ self.basis(block).tocsr()
+
+    def _projected(self, matrix: sp.csr_matrix, block: int) -> sp.csr_matrix:
+        basis = self.basis(block)
+        return (basis.T @ matrix) @ basis.tocsr()
+
+    def _decoupled(self) -> bool:
+        """Whether harmonics really do not couple, checked on random motions of every subspace."""
+        rng = np.random.default_rng(0)
+        for matrix in (self._stiffness, self._mass):
+            bases = [self.basis(b) for b in range(len(self))]
+            motions = np.column_stack([basis @ rng.standard_normal(basis.shape[1]) for basis in bases])
+            energy = motions.T @ (matrix @ motions)
+            scale = np.sqrt(np.outer(np.diag(energy), np.diag(energy)))
+            if np.abs(energy / scale - np.eye(len(energy))).max() > DECOUPLING:
+                return False
+        return True
+
+
+def by_component(n: int) -> np.ndarray:
+    """Slots of n points ordered hoop, axial, normal."""
+    k = np.arange(n)
+    return np.concatenate([2 * k, 2 * k + 1, 2 * n + k])
+
+
+def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
+    """(3 n_rows, 3 n_points) amplitudes of a jump in slot order that follows ``profile`` (3, n_theta) in every row."""
+    rows, n = len(area), area.size
+    norm = area @ (profile**2).T
+    norm = np.where(norm > 1e-12 * norm.max(axis=0, initial=1e-300), norm, np.inf)  # (n_rows, 3)
+    share = area[:, :, None] * profile.T / norm[:, None, :]
+    row = np.arange(rows)[:, None, None] + rows * np.arange(3)
+    data, index = share.transpose(2, 0, 1).ravel(), np.broadcast_to(row, share.shape).transpose(2, 0, 1).ravel()
+    return sp.csr_matrix((data, (index, by_component(n))), shape=(3 * rows, 3 * n))
+
+
+def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatArray:
+    """(3 n_points, 3 n_points) jump per traction in slot order, m/Pa.
+
+    Parameters
+    ----------
+    blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per amplitude of the force, m/N
+    profiles : (n_blocks, 3, n_theta)
+    area : (n_points,) m^2
+    """
+    n, n_theta = len(area), profiles.shape[2]
+    rows = n // n_theta
+    split = blocks.reshape(len(blocks), 3, rows, 3, rows)
+    whole = np.empty((3, rows, n_theta, 3, rows, n_theta))
+    for i in range(3):
+        for k in range(3):
+            whole[i, :, :, k] = np.einsum(
+                "bt,brs,bu->rtsu", profiles[:, i], split[:, i, :, k], profiles[:, k], optimize=True
+            )
+    slots = by_component(n)
+    dense = np.empty((3 * n, 3 * n))
+    dense[np.ix_(slots, slots)] = whole.reshape(3 * n, 3 * n) * np.tile(area, 3)
+    return dense
+
+
+def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
+    """Springs (3 n_points,) that are the same all around each row of points: means, or none where a point is open."""
+    n = system.n_points
+    tangential = springs[: 2 * n].reshape(-1, 2 * n_theta).mean(axis=1)
+    closed = (springs[2 * n :] > 0).reshape(-1, n_theta).all(axis=1)
+    return np.concatenate(
+        [np.repeat(tangential, 2 * n_theta), np.repeat(np.where(closed, system.laws.kn[::n_theta], 0.0), n_theta)]
+    )
+
+
+def points_per_row(system: System) -> int:
+    """Points per height when all interfaces share one set of angles at every height, else 1."""
+    theta = np.concatenate([i.points[:, 0] for i in system.interfaces] or [np.zeros(0)])
+    if theta.size == 0:
+        return 1
+    count = int(np.argmax(np.diff(theta) < 0)) + 1 if np.any(np.diff(theta) < 0) else len(theta)
+    if len(theta) % count or np.ptp(theta.reshape(-1, count), axis=0).max() > 1e-7:
+        return 1
+    return count

@@ -1,0 +1,195 @@
+r"""Static equilibrium on the interfaces alone, for a roll with rotational symmetry: exact, dense, much faster.
+
+With springs D in the interfaces, :math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g, so that
+g = g_f - F s is a dense system of interface size. K falls into blocks, one per circumferential harmonic (`cyclic`);
+a block is factored when a load first reaches it.
+
+Under a load that is the same all around (a pressure), the state stays so: one point then stands for its row, and only
+the blocks of harmonic 0 are touched.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from ..body import FloatArray
+from ..contact.laws import PointLaws
+from .blocks import Blocks, spread
+from .linear import Factorisation, factorise
+from .static import LEAST_TANGENT, ContactState, TrialContact, unconverged
+from .system import System
+
+ROUNDING = 1e3
+"""A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""
+
+NO_LOAD = 1e-12
+"""A block's share of the load that is rounding error, relative to the load."""
+
+
+@dataclass(frozen=True)
+class _Unknowns:
+    """Interface unknowns of a static solve: all points, or one point for each row of them."""
+
+    laws: PointLaws
+    springs: FloatArray
+    compliance: FloatArray
+
+
+class CondensedStatic:
+    """`solve_static` for one system, by its interfaces; arguments and results are the same."""
+
+    @classmethod
+    def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
+        """Solver for ``system``, or None when it has no interfaces or no rotational symmetry.
+
+        ``traction_scale``: pressure in Pa near which the solver's built-in springs are chosen; any positive
+        value gives the same solution.
+        """
+        law = system.laws
+        if not system.interfaces:
+            return None
+        stick = np.maximum(law.mu * traction_scale / law.gamma, LEAST_TANGENT * law.kn)
+        blocks = Blocks.of(system, np.concatenate([np.repeat(stick, 2), law.kn]))
+        return None if blocks is None else cls(blocks)
+
+    def __init__(self, blocks: Blocks):
+        self.system, self.blocks = blocks.system, blocks
+        self._factors: dict[int, Factorisation] = {}
+        self._compliances: dict[int, FloatArray] = {}
+
+    def __call__(
+        self,
+        force: FloatArray,
+        state: ContactState,
+        *,
+        tolerance: float = 1e-9,
+        max_iterations: int = 40,
+        load_factor: float = 1.0,
+    ) -> ContactState:
+        """Equilibrium under ``force`` (n_dofs,); arguments and errors as `solve_static`."""
+        system = self.system
+        free = self._displacement(force)
+        g_free, start = system.jump @ free, state
+        even = self._even_around if self._is_even(force, state) else None
+        unknowns = even or self._points
+        if even is not None:
+            g_free, start = self._rows(g_free), self._row_state(state)
+        trial = TrialContact(unknowns)
+        floor = LEAST_TANGENT * float(unknowns.laws.kn.max())
+        limit = tolerance * max(float(np.abs(g_free).max(initial=0.0)), float(unknowns.laws.gamma.min()))
+
+        def residual(g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+            s = trial(g, start) - unknowns.springs * g
+            rho = g - g_free + unknowns.compliance @ s
+            return rho, s, float(np.abs(rho).max())
+
+        g = start.jump.copy()
+        rho, s, size = residual(g)
+        history, stalled = [size], False
+        for _ in range(max_iterations):
+            if size <= limit or (stalled and size <= ROUNDING * limit):
+                reached = trial.committed(start.displacement, g)
+                if even is not None:
+                    reached, s = self._all_around(reached), self._repeat(s)
+                load = force - system.jump.T @ (system.weights * s)
+                return replace(reached, displacement=self._displacement(load))
+            change = trial.stiffness(g, start, floor) - sp.diags(unknowns.springs)
+            matrix = np.eye(len(g)) + unknowns.compliance @ change
+            step = la.solve(matrix, rho, overwrite_a=True, check_finite=False)
+            damping = 1.0
+            while damping > 0.01 and not residual(g - damping * step)[2] < size:
+                damping *= 0.5
+            previous = size
+            g = g - damping * step
+            rho, s, size = residual(g)
+            stalled = not size < 0.5 * previous
+            history.append(size)
+        raise unconverged(load_factor, max_iterations, history)
+
+    # ---- linear structure ----------------------------------------------------------------------------------------
+
+    def _factor(self, block: int) -> Factorisation:
+        if block not in self._factors:
+            self._factors[block] = factorise(self.blocks.stiffness(block))
+        return self._factors[block]
+
+    def _compliance(self, block: int) -> FloatArray:
+        """(3 n_rows, 3 n_rows) amplitude of the jump per amplitude of the force, m/N."""
+        if block not in self._compliances:
+            jump = self.blocks.jump(block).toarray()
+            self._compliances[block] = jump @ self._factor(block).solve(np.ascontiguousarray(jump.T))
+        return self._compliances[block]
+
+    def _loads(self, force: FloatArray) -> dict[int, FloatArray]:
+        """Block -> its part of ``force``, for the blocks that the force reaches."""
+        parts = {b: self.blocks.basis(b).T @ force for b in range(len(self.blocks))}
+        least = NO_LOAD * np.linalg.norm(force)
+        return {b: part for b, part in parts.items() if np.linalg.norm(part) > least}
+
+    def _displacement(self, force: FloatArray) -> FloatArray:
+        """(n_dofs,) displacement under ``force``, with the springs in the interfaces."""
+        u = np.zeros(self.system.n_dofs)
+        for block, load in self._loads(force).items():
+            u += self.blocks.basis(block) @ self._factor(block).solve(load)
+        return u
+
+    # ---- unknowns ------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _points(self) -> _Unknowns:
+        """Every point on its own."""
+        blocks = np.array([self._compliance(b) for b in range(len(self.blocks))])
+        laws = self.system.laws
+        return _Unknowns(laws, self.blocks.springs, spread(blocks, self.blocks.profiles, laws.area))
+
+    @cached_property
+    def _even_around(self) -> _Unknowns | None:
+        """One point for each row; None when the laws vary around a row."""
+        laws, (rows, n_theta) = self.system.laws, self.blocks.area.shape
+        per_point = [laws.kn, laws.separation, laws.mu, laws.gamma, laws.kind, laws.speed, laws.table]
+        firsts = [values.reshape(rows, n_theta)[:, 0] for values in per_point]
+        if not all(np.array_equal(np.repeat(a, n_theta), b) for a, b in zip(firsts, per_point, strict=True)):
+            return None
+        area = self.blocks.area.sum(axis=1)
+        ring = [b for b, space in enumerate(self.system.subspaces) if space.harmonic == 0]
+        blocks = np.array([self._compliance(b) for b in ring]).reshape(-1, 3 * rows, 3 * rows)
+        # a profile of harmonic 0 is 1 or 0 all around: the same for the one point that stands for a row
+        compliance = spread(blocks, self.blocks.profiles[ring][:, :, :1], area)
+        names = ("kn", "separation", "mu", "gamma", "kind", "speed", "table")
+        single = laws._replace(area=area, **dict(zip(names, firsts, strict=True)))
+        return _Unknowns(single, self._rows(self.blocks.springs), compliance)
+
+    def _is_even(self, force: FloatArray, state: ContactState) -> bool:
+        """Whether load and state are the same all around."""
+        ring = all(self.system.subspaces[b].harmonic == 0 for b in self._loads(force))
+        return ring and all(
+            np.array_equal(self._repeat(self._rows(values)), values) for values in (state.jump, state.elastic_slip)
+        )
+
+    def _rows(self, values: FloatArray) -> FloatArray:
+        """Slots (tangential, or tangential and normal) of the first point of each row."""
+        rows, n_theta = self.blocks.area.shape
+        n = rows * n_theta
+        tangential = values[: 2 * n].reshape(rows, n_theta, 2)[:, 0].ravel()
+        return np.concatenate([tangential, values[2 * n :].reshape(-1, n_theta)[:, 0]])
+
+    def _repeat(self, values: FloatArray) -> FloatArray:
+        """Slots of all points from those of one point for each row."""
+        rows, n_theta = self.blocks.area.shape
+        tangential = np.repeat(values[: 2 * rows].reshape(rows, 2), n_theta, axis=0).ravel()
+        return np.concatenate([tangential, np.repeat(values[2 * rows :], n_theta)])
+
+    def _row_state(self, state: ContactState) -> ContactState:
+        status = state.status.reshape(self.blocks.area.shape)[:, 0]
+        parts = {name: self._rows(getattr(state, name)) for name in ("jump", "elastic_slip", "traction")}
+        return replace(state, status=status, **parts)
+
+    def _all_around(self, state: ContactState) -> ContactState:
+        status = np.repeat(state.status, self.blocks.area.shape[1])
+        parts = {name: self._repeat(getattr(state, name)) for name in ("jump", "elastic_slip", "traction")}
+        return replace(state, status=status, **parts)
