@@ -40,6 +40,7 @@ class Condensation:
     tip : (r,) tip displacement
     springs : (3 n_points,) D_0, Pa/m
     exact : False when a large structure without symmetry was projected
+    damping : (r, r) viscous damping between modes, 1/s; None without
     """
 
     eigenvalues: FloatArray
@@ -51,6 +52,7 @@ class Condensation:
     tip: FloatArray
     springs: FloatArray
     exact: bool
+    damping: FloatArray | None = None
 
     @property
     def n_theta(self) -> int:
@@ -92,7 +94,7 @@ def condense_cyclic(system: System, springs: FloatArray) -> Condensation | None:
     springs
         (3 n_points,) interface springs per slot, Pa/m; they are levelled around each row of points.
     """
-    blocks = Blocks.of(system, springs)
+    blocks = Blocks.of(system, springs) if system.damping is None else None
     return None if blocks is None else _condense_blocks(blocks)
 
 
@@ -123,6 +125,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> 
         tip=vectors.T @ system.probes["tip"],
         springs=springs,
         exact=exact,
+        damping=None if system.damping is None else vectors.T @ (system.damping @ vectors),
     )
 
 
