@@ -20,6 +20,11 @@ import scipy.sparse as sp
 
 from ..body import Body, FloatArray
 
+_Entries = tuple[np.ndarray, np.ndarray, FloatArray]
+"""Column labels, rows and values."""
+
+_Columns = dict[tuple[int, bool], list[_Entries]]
+
 EVEN_COSINE = np.array([True, False, True, False, True, False])
 """Components (u_r, u_theta, u_z, r_r, r_theta, r_z) that are cosines in an even motion."""
 
@@ -48,28 +53,29 @@ class Subspace:
 
 def cyclic_subspaces(bodies: Sequence[Body]) -> tuple[Subspace, ...]:
     """Harmonic subspaces of stacked bodies, or an empty tuple when their meshes have no common rotational symmetry."""
-    columns: dict[tuple[int, bool], list[tuple[FloatArray, FloatArray, FloatArray]]] = {}
-    start = 0
-    sectors = {_sector_count(body) for body in bodies}
-    if len(sectors) != 1 or None in sectors:
+    rings = [_rings(body) for body in bodies]
+    if not bodies or any(r is None for r in rings) or len({r.shape[1] for r in rings if r is not None}) != 1:
         return ()
-    (count,) = sectors
-    for body in bodies:
-        _body_columns(body, int(count), start, columns)  # type: ignore[arg-type]
+    columns: _Columns = {}
+    start = label = 0
+    for body, of_body in zip(bodies, rings, strict=True):
+        label = _body_columns(body, of_body, start, label, columns)  # type: ignore[arg-type]
         start += body.n_dofs
     subspaces = []
     for (harmonic, even), parts in sorted(columns.items()):
-        width = np.concatenate([np.full(len(p[0]), i) for i, p in enumerate(parts)])
-        rows, values = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-        basis = sp.csc_matrix((values, (rows, width)), shape=(start, len(parts)))
+        labels, rows, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+        names, width = np.unique(labels, return_inverse=True)
+        basis = sp.csc_matrix((values, (rows, width)), shape=(start, len(names)))
         subspaces.append(Subspace(harmonic, even, basis))
     if sum(s.basis.shape[1] for s in subspaces) != start:
         return ()
     return tuple(subspaces)
 
 
-def _rings(body: Body) -> list[np.ndarray] | None:
-    """Node numbers of each ring, by angle from 0 to 2 pi; None when rings differ in size or are not even."""
+def _rings(body: Body) -> np.ndarray | None:
+    """(n_rings, nodes per ring) node numbers, by angle from 0 to 2 pi; None when rings differ in size or are uneven."""
+    if body.unknown_node is None or body.unknown_component is None:
+        return None
     x, y, z = body.nodes.T
     theta = np.mod(np.arctan2(y, x), 2 * np.pi)
     theta[theta > 2 * np.pi - 1e-6] = 0.0
@@ -85,57 +91,49 @@ def _rings(body: Body) -> list[np.ndarray] | None:
     expected = 2 * np.pi * np.arange(counts[0]) / counts[0]
     if np.abs(theta[rings] - expected).max() > 1e-6 or np.ptp(np.hypot(x, y)) > 1e-6 * size:
         return None
-    return list(rings)
+    return rings
 
 
-def _sector_count(body: Body) -> int | None:
-    if body.unknown_node is None or body.unknown_component is None:
-        return None
-    rings = _rings(body)
-    return None if rings is None else len(rings[0]) // 2
+def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns: _Columns) -> int:
+    """Add this body's harmonic motions, a label for each column, by ring; returns the next free label.
 
-
-def _body_columns(
-    body: Body,
-    sectors: int,
-    start: int,
-    columns: dict[tuple[int, bool], list[tuple[FloatArray, FloatArray, FloatArray]]],
-) -> None:
-    """Add this body's harmonic motions, orbit by orbit (quadratic quads have two nodes per sector and ring)."""
-    rows_of = np.full((len(body.nodes), 6), -1)
-    own = body.unknown_node >= 0  # type: ignore[operator]
-    rows_of[body.unknown_node[own], body.unknown_component[own]] = np.flatnonzero(own)  # type: ignore[index]
-    parities = (True,) if body.symmetric else (True, False)
-    for ring in _rings(body) or []:
-        for offset in (0, 1):
-            orbit = ring[offset::2]
-            if np.all(rows_of[orbit] < 0):
-                continue
-            theta = np.arctan2(body.nodes[orbit, 1], body.nodes[orbit, 0])
-            for even in parities:
-                for harmonic in range(sectors // 2 + 1):
-                    for c in range(6):
-                        cosine = EVEN_COSINE[c] == even
-                        wave = np.cos(harmonic * theta) if cosine else np.sin(harmonic * theta)
-                        if np.abs(wave).max() > 1e-9:
-                            _append(columns, (harmonic, even), rows_of[orbit], c, theta, wave, start)
+    Quadratic quads have two nodes per sector and ring: the nodes of a ring are two orbits.
+    """
+    unknown_node, unknown_component = np.asarray(body.unknown_node), np.asarray(body.unknown_component)
+    row_of = np.full((len(body.nodes), 6), -1)
+    own = unknown_node >= 0
+    row_of[unknown_node[own], unknown_component[own]] = start + np.flatnonzero(own)
+    sectors = rings.shape[1] // 2
+    ring_label = label + 12 * np.arange(len(rings))
+    for offset in (0, 1):
+        orbits = rings[:, offset::2]
+        free = (row_of[orbits] >= 0).any(axis=(1, 2))
+        theta = np.arctan2(body.nodes[orbits[free], 1], body.nodes[orbits[free], 0])
+        rows, first_label = row_of[orbits[free]], ring_label[free, None] + 6 * offset
+        for even in (True,) if body.symmetric else (True, False):
+            for harmonic in range(sectors // 2 + 1):
+                parts = columns.setdefault((harmonic, even), [])
+                for c in range(6):
+                    wave = np.cos(harmonic * theta) if EVEN_COSINE[c] == even else np.sin(harmonic * theta)
+                    if np.abs(wave).max(initial=0.0) > 1e-9:
+                        parts += _entries(rows, c, theta, wave, first_label + c)
+    next_label = label + 12 * len(rings)
     for row in np.flatnonzero(~own):
-        component = int(body.unknown_component[row])  # type: ignore[index]
-        harmonic = 0 if component in (2, 5) else 1
-        key = (harmonic, component in (0, 2, 4))
-        columns.setdefault(key, []).append((np.array([start + row]), np.ones(1), theta[:1]))
+        component = int(unknown_component[row])
+        key = (0 if component in (2, 5) else 1, component in (0, 2, 4))
+        columns.setdefault(key, []).append((np.array([next_label + row]), np.array([start + row]), np.ones(1)))
+    return next_label + body.n_dofs
 
 
-def _append(columns, key, rows, component, theta, wave, start):  # type: ignore[no-untyped-def]
-    """One cylindrical component of one orbit as a column over the Cartesian unknowns."""
+def _entries(
+    rows: np.ndarray, component: int, theta: FloatArray, wave: FloatArray, label: np.ndarray
+) -> list[_Entries]:
+    """One cylindrical component of the orbits (n_rings, nodes) over the Cartesian unknowns ``rows`` (.., 6)."""
     first = 3 * (component // 3)
-    axes = {0: (np.cos(theta), np.sin(theta)), 1: (-np.sin(theta), np.cos(theta))}
-    if component % 3 == 2:
-        picks = [(first + 2, wave)]
-    else:
-        along = axes[component % 3]
-        picks = [(first, wave * along[0]), (first + 1, wave * along[1])]
-    index = np.concatenate([rows[:, c] for c, _ in picks])
-    value = np.concatenate([v for _, v in picks])
-    keep = (index >= 0) & (np.abs(value) > 1e-14)
-    columns.setdefault(key, []).append((start + index[keep], value[keep], theta))
+    along = [(0, np.cos(theta)), (1, np.sin(theta))], [(0, -np.sin(theta)), (1, np.cos(theta))], [(2, np.ones(1))]
+    entries = []
+    for axis, share in along[component % 3]:
+        index, value = rows[:, :, first + axis], wave * share
+        keep = (index >= 0) & (np.abs(value) > 1e-14)
+        entries.append((np.broadcast_to(label, index.shape)[keep], index[keep], value[keep]))
+    return entries
