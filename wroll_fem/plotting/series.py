@@ -17,10 +17,12 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
+from wroll_fem.plotting.convergence import plot_frequency_convergence, plot_friction_convergence
 from wroll_fem.plotting.history import plot_response
 from wroll_fem.plotting.slip_series import plot_slip_extent, plot_slip_vectors
 from wroll_fem.plotting.study import (
     LAYER_BASE,
+    MARKERS,
     PRESSURE,
     SeriesMember,
     axis_label,
@@ -28,6 +30,7 @@ from wroll_fem.plotting.study import (
     grid_members,
     having,
     is_sweep,
+    lines_of,
     natural_frequency,
     percent,
     read,
@@ -41,7 +44,6 @@ from wroll_fem.plotting.transmissibility import magnitude
 from wroll_fem.results import label
 
 _BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
-_MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
 def _colours(count: int) -> list[Any]:
@@ -151,17 +153,6 @@ def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | Non
     return text[:1].upper() + text[1:]
 
 
-def _lines(members: Sequence[SeriesMember], key: str | None) -> dict[str, list[SeriesMember]]:
-    """Members in groups to be joined by a line: by value of a key, sweeps and steady states apart."""
-    groups: dict[str, list[SeriesMember]] = {}
-    for value in values_of(members, key) if key is not None else [None]:
-        for m in having(members, key, value) if key is not None else members:
-            text = shown(key, value) if key is not None else ""
-            text += "" if is_sweep(m) else ", harmonic balance" if text else "harmonic balance"
-            groups.setdefault(text, []).append(m)
-    return groups
-
-
 def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
     return sorted(members, key=lambda m: m.values[PRESSURE])
 
@@ -174,12 +165,12 @@ def plot_damping_over_frequency(
     line = line if line is not None else _base_key(grid)
     ax = style.axes(ax, 4.4)
     said = []
-    for k, (text, group) in enumerate(_lines(grid, line).items()):
+    for k, (text, group) in enumerate(lines_of(grid, line).items()):
         group = [m for m in _by_pressure(group) if np.isfinite(read(m).zeta)]
         found = [read(m) for m in group]
         f, zeta = [r.f_n for r in found], [100 * r.zeta for r in found]
         shade = style.LINES[k % len(style.LINES)]
-        ax.plot(f, zeta, marker=_MARKERS[k % 6], color=shade, ms=5, lw=1.2, label=text or None)
+        ax.plot(f, zeta, marker=MARKERS[k % 6], color=shade, ms=5, lw=1.2, label=text or None)
         for m, x, y in zip(group, f, zeta, strict=True):
             if k == 0:
                 ax.annotate(
@@ -210,11 +201,11 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
     ax = style.axes(ax, 4.2)
     said = []
     line = _base_key(grid)
-    for k, (text, group) in enumerate(_lines(grid, line).items()):
+    for k, (text, group) in enumerate(lines_of(grid, line).items()):
         group = _by_pressure(group)
         work = [1e3 * friction_work(m) for m in group]
         x = [scaled(PRESSURE, m.values[PRESSURE]) for m in group]
-        ax.plot(x, work, marker=_MARKERS[k], color=style.LINES[k], ms=5, lw=1.4, label=text or None)
+        ax.plot(x, work, marker=MARKERS[k], color=style.LINES[k], ms=5, lw=1.4, label=text or None)
         first, last = (shown(PRESSURE, group[j].values[PRESSURE]) for j in (0, -1))
         word = {"rises": "rises", "falls": "falls"}.get(trend(work), "goes, not always one way,")
         where = f"{text}: " if text else ""
@@ -272,43 +263,6 @@ def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
     return first[0]
 
 
-def plot_convergence(members: Sequence[SeriesMember]) -> Axes:
-    """Plot f_n, peak, zeta and friction work over the number of elements along the axis, one line per grading."""
-    key = "mesh.axial"
-    grid = grid_members(members, "mesh_convergence", key)
-    line = "mesh.grading" if len(values_of(grid, "mesh.grading")) > 1 else None
-    figure, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 6.0), dpi=style.DPI, layout="constrained", sharex=True)
-    readings: list[tuple[str, Callable[[SeriesMember], float]]] = [
-        ("Resonance f_n (Hz)", lambda m: read(m).f_n),
-        ("Peak transmissibility (–)", lambda m: read(m).peak),
-        ("Damping ratio ζ (%)", lambda m: 100 * read(m).zeta),
-        ("Friction work (mJ)", lambda m: 1e3 * friction_work(m)),
-    ]
-    groups = {text: sorted(g, key=lambda m: m.values[key]) for text, g in _lines(grid, line).items()}
-    for ax, (name, value) in zip(panels.ravel(), readings, strict=True):
-        style.axes(ax)
-        for k, (text, group) in enumerate(groups.items()):
-            x = [m.values[key] for m in group]
-            y = [value(m) for m in group]
-            ax.plot(x, y, marker=_MARKERS[k], color=style.LINES[k], ms=4.5, lw=1.3, label=text or None)
-        ax.set_ylabel(name)
-    for ax in panels[1]:
-        ax.set_xlabel(axis_label(key))
-    if line is not None:
-        panels[0, 0].legend(fontsize=8)
-    finest = groups[list(groups)[-1]][-1]
-    coarsest = max(grid, key=lambda m: abs(read(m).peak / read(finest).peak - 1))
-    off = 100 * (read(coarsest).peak / read(finest).peak - 1)
-    off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
-    which = f"{coarsest.values[key]} elements along the axis"
-    which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
-    figure.suptitle(
-        f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest".replace("-", "−"),
-        x=0.01, ha="left", fontsize=10,
-    )  # fmt: skip
-    return panels[0, 0]
-
-
 def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
     """Plot the transmissibility of one case by several integration schemes (Fig B.3)."""
     key = "integrator.scheme"
@@ -355,7 +309,8 @@ FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "layer_modulus": partial(plot_damping_over_frequency, line="coil.material.E"),
     "elastic_slip": partial(plot_family, colour="contact.friction.elastic_slip", panel=PRESSURE, figure="elastic_slip"),
     "integrators": plot_integrators,
-    "mesh_convergence": plot_convergence,
+    "mesh_friction": plot_friction_convergence,
+    "mesh_frequency": plot_frequency_convergence,
     "friction_laws": plot_friction_laws,
 }
 """Name in a grid file -> function of the finished cases."""

@@ -15,6 +15,7 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.transmissibility import reading
 
 PRESSURE, LAYER_BASE = "preload.pressure", "coil.base"
+MARKERS = ("o", "s", "^", "D", "v", "P")
 
 _QUANTITIES: dict[str, tuple[str, str, float]] = {
     PRESSURE: ("external pressure", "kPa", 1e-3),
@@ -167,3 +168,14 @@ def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
     if np.all(steps > -allowed):
         return "rises"
     return "falls" if np.all(steps < allowed) else "changes both ways"
+
+
+def lines_of(members: Sequence[SeriesMember], key: str | None) -> dict[str, list[SeriesMember]]:
+    """Members in groups to be joined by a line: by value of a key, sweeps and steady states apart."""
+    groups: dict[str, list[SeriesMember]] = {}
+    for value in values_of(members, key) if key is not None else [None]:
+        for m in having(members, key, value) if key is not None else members:
+            text = shown(key, value) if key is not None else ""
+            text += "" if is_sweep(m) else ", harmonic balance" if text else "harmonic balance"
+            groups.setdefault(text, []).append(m)
+    return groups

@@ -1,0 +1,96 @@
+"""Figures of a study of the mesh: what the friction response and the linear frequency do with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+
+from wroll_fem.plotting import style
+from wroll_fem.plotting.study import (
+    MARKERS,
+    SeriesMember,
+    axis_label,
+    friction_work,
+    grid_members,
+    lines_of,
+    read,
+    shown,
+    values_of,
+)
+
+AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
+
+
+def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
+    """Plot f_n, peak, zeta and friction work over the number of elements along the axis, one line per grading."""
+    key = AXIAL
+    grid = grid_members(members, "mesh_friction", key)
+    line = GRADING if len(values_of(grid, GRADING)) > 1 else None
+    figure, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 6.0), dpi=style.DPI, layout="constrained", sharex=True)
+    readings: list[tuple[str, Callable[[SeriesMember], float]]] = [
+        ("Resonance f_n (Hz)", lambda m: read(m).f_n),
+        ("Peak transmissibility (–)", lambda m: read(m).peak),
+        ("Damping ratio ζ (%)", lambda m: 100 * read(m).zeta),
+        ("Friction work (mJ)", lambda m: 1e3 * friction_work(m)),
+    ]
+    groups = {text: sorted(g, key=lambda m: m.values[key]) for text, g in lines_of(grid, line).items()}
+    for ax, (name, value) in zip(panels.ravel(), readings, strict=True):
+        style.axes(ax)
+        for k, (text, group) in enumerate(groups.items()):
+            x = [m.values[key] for m in group]
+            y = [value(m) for m in group]
+            ax.plot(x, y, marker=MARKERS[k], color=style.LINES[k], ms=4.5, lw=1.3, label=text or None)
+        ax.set_ylabel(name)
+    for ax in panels[1]:
+        ax.set_xlabel(axis_label(key))
+    if line is not None:
+        panels[0, 0].legend(fontsize=8)
+    finest = groups[list(groups)[-1]][-1]
+    coarsest = max(grid, key=lambda m: abs(read(m).peak / read(finest).peak - 1))
+    off = 100 * (read(coarsest).peak / read(finest).peak - 1)
+    off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
+    which = f"{coarsest.values[key]} elements along the axis"
+    which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
+    figure.suptitle(
+        f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest".replace("-", "−"),
+        x=0.01, ha="left", fontsize=10,
+    )  # fmt: skip
+    return panels[0, 0]
+
+
+def first_bending(member: SeriesMember) -> float:
+    """Frequency of the first bending mode of a modal analysis, Hz."""
+    style.require(member.data, ("mode_frequency", "mode_kind"), "figure of frequencies")
+    bending = [str(kind) == "bending" for kind in member.data["mode_kind"].values]
+    return float(member.data["mode_frequency"].values[bending][0])
+
+
+def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+    """Plot the first bending frequency over the elements along the axis, one line per number around the circumference.
+
+    The band is 1 % around the finest mesh (most elements): the source's criterion.
+    """
+    grid = grid_members(members, "mesh_frequency", AXIAL, AROUND)
+    ax = style.axes(ax, 4.2)
+    finest = max(grid, key=lambda m: (m.values[AXIAL] * m.values[AROUND], m.values[AXIAL]))
+    limit = first_bending(finest)
+    ax.axhspan(0.99 * limit, 1.01 * limit, color="#E4EEF5", label="within 1 % of the finest mesh")
+    for k, around in enumerate(values_of(grid, AROUND)):
+        group = sorted((m for m in grid if m.values[AROUND] == around), key=lambda m: m.values[AXIAL])
+        ax.plot(
+            [m.values[AXIAL] for m in group], [first_bending(m) for m in group], marker=MARKERS[k], ms=5, lw=1.3,
+            color=style.LINES[k], label=shown(AROUND, around),
+        )  # fmt: skip
+    ax.set_xlabel(axis_label(AXIAL))
+    ax.set_ylabel("First bending frequency (Hz)")
+    ax.legend(fontsize=8, framealpha=0.9)
+    worst = max(grid, key=lambda m: abs(first_bending(m) - limit))
+    off = 100 * (first_bending(worst) / limit - 1)
+    style.title(
+        ax,
+        f"The worst mesh, {worst.values[AROUND]} elements around and {worst.values[AXIAL]} along, is {off:+.3f} % off "
+        f"the finest, {limit:.2f} Hz",
+    )
+    return ax
