@@ -28,12 +28,14 @@ import numpy as np
 
 from ..body import FloatArray
 from ..errors import InputError
+from .built_in import built_in_springs
 from .condensation import condense
 from .condensed_kernel import advance_steps
 from .hht import Scheme
-from .static import ContactState, TrialContact, stick_springs
+from .static import ContactState, TrialContact
 from .stepper import NewtonOptions, Stepper
 from .system import System
+from .uniqueness import check_unambiguous
 
 
 class CondensedStepper(Stepper):
@@ -47,7 +49,8 @@ class CondensedStepper(Stepper):
                 "condensed time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
             )
         super().__init__(system, preload, scheme, options)
-        self.condensation = condense(system, stick_springs(system, preload), scheme, dt)
+        check_unambiguous(system, preload, scheme, dt)
+        self.condensation = condense(system, built_in_springs(system, preload, dt), scheme, dt)
         r = len(self.condensation.eigenvalues)
         self.q, self.v, self.a = np.zeros(r), np.zeros(r), np.zeros(r)
         self.residual, self.residual_change = np.zeros(r), np.zeros(r)

@@ -27,6 +27,7 @@ from .stepper import (
     Stepper,
 )
 from .system import System
+from .uniqueness import check_unambiguous
 
 FULL_NEWTON_RATE = 0.1
 """A kept factorisation is renewed when an iteration reduces the residual by less than this."""
@@ -47,6 +48,7 @@ class FullStepper(Stepper):
         self.inertia = system.mass @ system.influence
         self.trial = TrialContact(system)
         self._factor: tuple[float, Factorisation] | None = None
+        self._longest_step = 0.0  # checked so far
         self.last_history = []
 
     def displacement(self) -> FloatArray:
@@ -133,6 +135,9 @@ class FullStepper(Stepper):
         """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
         system, s = self.system, self.scheme
         self._factor = None  # so that a restored run repeats the same numbers
+        if dt > self._longest_step:
+            check_unambiguous(system, self.preload, s, dt)
+            self._longest_step = dt
         for step in range(len(acceleration) - 1):
             ag, ag_new = float(acceleration[step]), float(acceleration[step + 1])
             h = (self.w + dt * self.v + dt**2 * (0.5 - s.beta) * self.a) / (s.beta * dt**2)

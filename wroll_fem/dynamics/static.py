@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from ..body import FloatArray
 from ..contact import kernels
-from ..contact.laws import PointLaws
+from ..contact.laws import SMOOTHED, PointLaws
 from ..errors import ConvergenceError
 from .linear import Factorisation, factorise
 from .system import System
@@ -179,10 +179,14 @@ def solve_static(
 
 
 def stick_springs(system: System, state: ContactState) -> FloatArray:
-    """(3 n_points,) stiffness per slot of the contact that sticks at ``state``, Pa/m; open points have none."""
+    """(3 n_points,) stiffness per slot of the contact that sticks at ``state``, Pa/m.
+
+    Open points have none, nor has the smoothed law along the surface: it holds nothing at rest.
+    """
     law, pressure = system.laws, state.pressure
     closed = (pressure > 0) | ~law.separation
-    return np.concatenate([np.repeat(law.mu * pressure / law.gamma, 2), np.where(closed, law.kn, 0.0)])
+    stick = np.where(law.kind == SMOOTHED, 0.0, law.mu * pressure / law.gamma)
+    return np.concatenate([np.repeat(stick, 2), np.where(closed, law.kn, 0.0)])
 
 
 def unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:

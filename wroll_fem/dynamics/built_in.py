@@ -1,0 +1,26 @@
+"""Springs that a solver builds into the linear structure in place of the interfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..body import FloatArray
+from ..contact.laws import SMOOTHED
+from .static import ContactState, stick_springs
+from .system import System
+
+
+def built_in_springs(system: System, state: ContactState, dt: float) -> FloatArray:
+    """(3 n_points,) springs D_0 per slot, Pa/m, near the tangents that Newton meets in steps of ``dt`` (s).
+
+    Any D_0 gives the same solution; a good one leaves few points to solve for. Points that stick have their stick
+    stiffness. The smoothed law sticks nowhere: below its reference speed V_0 it is the dashpot mu p / (2 V_0), whose
+    tangent in a step is mu p / (2 V_0 dt). Unlike no spring at all, that also leaves no body free to drift.
+    """
+    law, springs = system.laws, stick_springs(system, state)
+    smoothed = law.kind == SMOOTHED
+    if smoothed.any():
+        dashpot = law.mu * state.pressure / (2.0 * law.speed * dt)
+        n = law.n
+        springs[: 2 * n] = np.where(np.repeat(smoothed, 2), np.repeat(dashpot, 2), springs[: 2 * n])
+    return springs
