@@ -42,6 +42,7 @@ FIELDS: dict[str, Field] = {
     "layer": Field("1", "layer, inner first"),
     "body": Field("1", "body, inner first"),
     "interface": Field("1", "interface, inner first"),
+    "interface_name": Field("1", "bodies on both sides of an interface"),
     "point": Field("1", "contact point"),
     "node": Field("1", "node"),
     "step": Field("1", "step"),

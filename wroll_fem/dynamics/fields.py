@@ -54,7 +54,10 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
         }
     dataset = xr.Dataset(
         {name: (dims, per_interface(system, values)) for name, values in data.items()},
-        coords={"interface": np.arange(len(system.interfaces))},
+        coords={
+            "interface": np.arange(len(system.interfaces)),
+            "interface_name": ("interface", [interface.name for interface in system.interfaces]),
+        },
     )
     points = np.vstack([interface.points for interface in system.interfaces])
     if not np.isfinite(points).all():

@@ -8,7 +8,7 @@ import scipy.sparse.linalg as spla
 
 from ..body import FloatArray
 
-SYMMETRY = 1e-8
+SYMMETRY = 1e-9
 """Largest difference between an entry and its mirror image, relative to the largest entry."""
 
 DEFINITENESS = 1e-8

@@ -22,7 +22,7 @@ from ..errors import InputError
 
 SUFFIXES = (".npz", ".mat")
 _PARTS = ("data", "indices", "indptr", "shape", "format")
-_V5 = "save it again in MATLAB with: save('-v7', ...), or in Octave: save('-v7', ...)"
+_V7 = "save it again with -v7: save -v7 FILE.mat K M ..."
 
 
 def check_suffix(path: str | os.PathLike[str]) -> Path:
@@ -108,9 +108,7 @@ class ArrayFile:
                     try:
                         values[name] = archive[name]
                     except ValueError:
-                        remedy = (
-                            f"save {name}_data, {name}_indices, {name}_indptr and {name}_shape, or {name}.toarray()"
-                        )
+                        remedy = f"save {name}_data, {name}_indices, {name}_indptr, {name}_shape, or {name}.toarray()"
                         raise self.error("is a pickled Python object", key=name, remedy=remedy) from None
         except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
             reason = " ".join(str(error).split())[:80]
@@ -146,13 +144,13 @@ class ArrayFile:
         with self.path.open("rb") as file:
             start = file.read(128)
         if start.startswith((b"MATLAB 7.3", b"\x89HDF")):
-            raise self.error("is a MATLAB v7.3 (HDF5) file, which is not read here", remedy=_V5)
+            raise self.error("is a MATLAB v7.3 (HDF5) file, which is not read here", remedy=_V7)
         try:
             found = scipy.io.loadmat(self.path)
         except Exception as error:
             # whatever scipy stumbles over in a damaged file (ValueError, TypeError, zlib.error, struct.error, ...)
             reason = " ".join(str(error).split())[:80]
-            raise self.error(f"is not a readable .mat file ({reason})", remedy=_V5) from None
+            raise self.error(f"is not a readable .mat file ({reason})", remedy=_V7) from None
         return {name: value for name, value in found.items() if not name.startswith("__")}
 
     @property

@@ -25,7 +25,7 @@ import difflib
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -83,9 +83,8 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
         For another ending, or a name that no field can have.
     """
     content: dict[str, Any] = {"wroll_format": VERSION, "K": system.stiffness, "M": system.mass}
-    damping = getattr(system, "damping", None)
-    if damping is not None:
-        content["C"] = sp.csr_matrix(damping)
+    if system.damping is not None:
+        content["C"] = sp.csr_matrix(system.damping)
     content["influence"] = system.influence
     for kind, vectors in (("probe", system.probes), ("load", system.loads)):
         for name, vector in vectors.items():
@@ -181,18 +180,15 @@ def load_system(
     n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
     laws = [_laws(file, k, friction, normal_stiffness, separation) for k in range(1, count + 1)]
     system = System(
-        _square(file, "K", n, "stiffness matrix, N/m"),
-        _square(file, "M", n, "mass matrix, kg"),
-        file.vector("influence", n, "displacement of each DOF under a unit base translation"),
-        tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
-        _vectors(file, "probe", n, "row that gives a displacement in m"),
-        _vectors(file, "load", n, "static force, N"),
-        _subspaces(file, n),
+        stiffness=_square(file, "K", n, "stiffness matrix, N/m"),
+        mass=_square(file, "M", n, "mass matrix, kg"),
+        damping=_square(file, "C", n, "damping matrix, N s/m") if "C" in file else None,
+        influence=file.vector("influence", n, "displacement of each DOF under a unit base translation"),
+        interfaces=tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
+        probes=_vectors(file, "probe", n, "row that gives a displacement in m"),
+        loads=_vectors(file, "load", n, "static force, N"),
+        subspaces=_subspaces(file, n),
     )
-    if "C" in file:
-        if "damping" not in {entry.name for entry in fields(System)}:
-            raise file.error("damping matrices are not supported yet", key="C", remedy="leave it out")
-        system = replace(system, damping=_square(file, "C", n, "damping matrix, N s/m"))
     if "tip" not in system.probes:
         remedy = "add it (row that gives the displacement to follow, along the excitation)"
         raise file.error("required field is missing", key="probe_tip", remedy=remedy)
@@ -260,7 +256,7 @@ def _interface(file: ArrayFile, number: int, n: int, friction: FrictionLaw, norm
     points = np.full((area.size, 3), np.nan)
     if f"{own}points" in file:
         points = file.table(f"{own}points", (area.size, 3), "theta (rad), z (m), r (m) of each point")
-    name = file.text(f"{own}name", "name of the interface") if f"{own}name" in file else f"interface {number}"
+    name = file.text(f"{own}name", "name of the interface") if f"{own}name" in file else f"contact {number}"
     return Interface(name, operator, area, points, friction, normal)
 
 

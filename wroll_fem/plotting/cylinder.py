@@ -1,19 +1,20 @@
-"""Pictures and files in three dimensions: slip on the cylinder, mode shapes (pyvista, off-screen)."""
+"""Slip on the cylinder: pictures, drawn pixel by pixel, and files for three-dimensional viewers."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from scipy.ndimage import map_coordinates
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
@@ -23,25 +24,25 @@ from wroll_fem.slip import cylinder_cells, interface_radius, raster, slipping_ar
 
 FloatArray = npt.NDArray[np.float64]
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")
-_VTK_QUAD9 = 28
+GREY = (0.824, 0.824, 0.824, 1.0)
+AMBIENT, DIFFUSE = 0.6, 0.42  # light from the viewer
+PIXELS = (620, 330)  # height and width that a view may take; each pixel is the mean of 2 x 2 rays
 
 
-def _pyvista() -> ModuleType:
-    """Import pyvista set up for rendering without a display."""
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    try:
-        import pyvista
-    except ImportError as error:
-        raise InputError(
-            f"pictures in three dimensions need pyvista ({error})", remedy='install it: pip install "wroll-fem[view]"'
-        ) from error
-    return pyvista
+class Sight(NamedTuple):
+    """What the rays of a parallel projection see of an upright tube that is open at both ends.
 
+    Attributes
+    ----------
+    theta, z
+        (rows, columns) angle in rad in [-pi, pi] and share of the height in [0, 1] of the point hit; NaN where none is.
+    brightness
+        (rows, columns) of the surface there.
+    """
 
-def _target(path: str | os.PathLike[str]) -> Path:
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    return target
+    theta: FloatArray
+    z: FloatArray
+    brightness: FloatArray
 
 
 def slip_surface(
@@ -95,61 +96,54 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     ]
     data = {name: np.concatenate([part[2][name] for part in parts]) for name in parts[0][2]}
     data["interface"] = np.repeat(np.arange(count, dtype=float), sizes)
-    target = _target(path)
+    target = style.target(path)
     meshio.Mesh(np.concatenate([part[0] for part in parts]), cells, point_data=data).write(target, file_format="vtu")
     return target
 
 
-def _render(
-    meshes: Sequence[tuple[Any, dict[str, Any]]], centre: FloatArray, direction: Sequence[float], extent: float
-) -> npt.NDArray[np.uint8]:
-    """Picture (rows, columns, 3) of meshes with their `add_mesh` options on white."""
-    plotter = _pyvista().Plotter(off_screen=True, window_size=(1000, 1000))
-    try:
-        plotter.set_background("white")
-        for mesh, options in meshes:
-            plotter.add_mesh(mesh, show_scalar_bar=False, **options)
-        plotter.camera.focal_point = centre
-        plotter.camera.position = centre + 8.0 * extent * np.asarray(direction) / np.linalg.norm(direction)
-        plotter.camera.up = (0.0, 0.0, 1.0)
-        plotter.camera.parallel_projection = True
-        plotter.camera.parallel_scale = 0.75 * extent
-        plotter.enable_anti_aliasing("ssaa")
-        picture = np.asarray(plotter.screenshot(return_img=True))
-    finally:
-        plotter.close()
-    return picture
+def line_of_sight(direction: Sequence[float], radius: float, height: float) -> Sight:
+    """Points of a tube about z seen from ``direction`` (3,), a ray for each half pixel of `PIXELS`.
+
+    On the screen (x to the right, y upward, the tube's middle at 0) a point at angle phi from the viewer lies at
+    x = R sin(phi), y = (z - H/2) cos(e) - R sin(e) cos(phi), e being the viewer's elevation; each ray meets the
+    cylinder at the front, cos(phi) > 0, and at the back, which is seen through an open end.
+    """
+    towards = np.asarray(direction, dtype=np.float64) / np.linalg.norm(direction)
+    azimuth, sin_e, cos_e = np.arctan2(towards[1], towards[0]), towards[2], np.hypot(towards[0], towards[1])
+    half_width, half_height = radius, 0.5 * height * cos_e + radius * abs(sin_e)
+    scale = 2.0 * min(PIXELS[0] / (2.0 * half_height), PIXELS[1] / (2.0 * half_width))  # rays per m
+    rows, columns = (2 * int(np.ceil(0.5 * scale * size)) for size in (2.0 * half_height, 2.0 * half_width))
+    x = (np.arange(columns) + 0.5 - 0.5 * columns) / scale
+    y = (0.5 * rows - 0.5 - np.arange(rows))[:, None] / scale
+    sine = np.clip(x / radius, -1.0, 1.0)
+    cosine = np.sqrt(1.0 - sine**2)
+    front = (y + radius * sin_e * cosine) / (cos_e * height) + 0.5
+    back = (y - radius * sin_e * cosine) / (cos_e * height) + 0.5
+    outside, inside = ((z >= 0.0) & (z <= 1.0) & (np.abs(x) <= radius) for z in (front, back))
+    z = np.where(outside, front, np.where(inside, back, np.nan))
+    phi = np.where(outside, np.arcsin(sine), np.pi - np.arcsin(sine))
+    theta = np.where(np.isnan(z), np.nan, np.mod(phi + azimuth + np.pi, 2.0 * np.pi) - np.pi)
+    return Sight(theta, z, np.minimum(1.0, AMBIENT + DIFFUSE * cos_e * np.broadcast_to(cosine, z.shape)))
 
 
-def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8]]:
-    """Crop all pictures to the one box that holds whatever is not white in any: same scale in each."""
-    seen = np.argwhere(np.any([(picture < 250).any(axis=2) for picture in pictures], axis=0))
-    if seen.size == 0:
-        return pictures
-    (top, left), (bottom, right) = seen.min(axis=0), seen.max(axis=0)
-    return [picture[top : bottom + 1, left : right + 1] for picture in pictures]
+def sample(values: FloatArray, sight: Sight) -> FloatArray:
+    """Values (rows, columns) of a raster (n_z, n_theta) from base to tip and -pi to pi at the points seen."""
+    where = [sight.z * (values.shape[0] - 1), (sight.theta + np.pi) / (2.0 * np.pi) * (values.shape[1] - 1)]
+    return np.asarray(map_coordinates(values, np.nan_to_num(where), order=1, mode="nearest"))
 
 
-def _cylinder_mesh(dataset: xr.Dataset, interface: int, quantity: str) -> tuple[Any, float, str]:
-    """Fine mesh of the interface coloured by `quantity` (nan where it stuck), its largest value and the unit."""
-    pv = _pyvista()
-    points = surface(dataset, interface, quantity, "slipped")
-    radius = interface_radius(dataset, interface)
-    theta, z, values = raster(points, quantity, radius=radius)
-    slipped = raster(points, "slipped", radius=radius)[2]
-    shown, unit = in_small_unit(values)
-    if quantity == "cumulative_slip":
-        shown = np.where(slipped >= 0.5, shown, np.nan)
-    angle, height = np.meshgrid(theta, z)
-    grid = pv.StructuredGrid(radius * np.cos(angle), radius * np.sin(angle), height)
-    grid["value"] = shown.ravel(order="F")
-    return grid, float(np.nanmax(shown, initial=0.0)) or 1.0, unit
+def shaded(colours: FloatArray, sight: Sight) -> FloatArray:
+    """Picture (rows / 2, columns / 2, 3) of coloured points (rows, columns, 4) on white, with smooth edges."""
+    picture = colours[..., :3] * sight.brightness[..., None]
+    picture[np.isnan(sight.z)] = 1.0
+    rows, columns = sight.z.shape
+    return np.asarray(picture.reshape(rows // 2, 2, columns // 2, 2, 3).mean(axis=(1, 3)))
 
 
 def plot_slip_on_cylinder(
     dataset: xr.Dataset, path: str | os.PathLike[str], interface: int = 0, quantity: str = "cumulative_slip"
 ) -> Path:
-    """Render an interface with its slip in space, from the excitation direction and from across.
+    """Draw an interface with its slip in space, from the excitation direction and from across.
 
     Parameters
     ----------
@@ -170,15 +164,16 @@ def plot_slip_on_cylinder(
     Raises
     ------
     InputError
-        When pyvista is missing, or the Dataset lacks a field or the interface.
+        When the Dataset lacks a field or the interface.
     """
-    mesh, largest, unit = _cylinder_mesh(dataset, interface, quantity)
-    extent = float(np.ptp(mesh.points, axis=0).max())
-    centre = np.asarray(mesh.center)
-    options = {
-        "scalars": "value", "cmap": "viridis", "clim": (0.0, largest), "nan_color": "#D2D2D2",
-        "smooth_shading": True, "ambient": 0.6, "diffuse": 0.42, "specular": 0.0,
-    }  # fmt: skip
+    points = surface(dataset, interface, quantity, "slipped")
+    radius = interface_radius(dataset, interface)
+    theta, z, values = raster(points, quantity, radius=radius)
+    shown, unit = in_small_unit(values)
+    stuck = np.zeros_like(values)
+    if quantity == "cumulative_slip":
+        stuck = 1.0 - raster(points, "slipped", radius=radius)[2]
+    largest = float(np.nanmax(np.where(stuck <= 0.5, shown, 0.0), initial=0.0)) or 1.0
     direction = dataset.attrs.get("excitation_direction", "x")
     faces, across = ("90°", "0°") if direction == "y" else ("0°", "90°")
     along, over = (1.0, 0.0, 0.25), (0.0, 1.0, 0.25)
@@ -190,9 +185,12 @@ def plot_slip_on_cylinder(
     views = {f"seen {faces}": along, "seen from 45°": (1.0, 1.0, 0.35), f"seen {across}": over}
     figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
     panels = figure.subplots(1, len(views))
-    pictures = [_render([(mesh.copy(), options)], centre, direction, extent) for direction in views.values()]
-    for ax, heading, picture in zip(panels, views, _cropped(pictures), strict=True):
-        ax.imshow(picture)
+    height = float(z[-1] - z[0])
+    for ax, (heading, direction) in zip(panels, views.items(), strict=True):
+        sight = line_of_sight(direction, radius, height)
+        colours = colormaps["viridis"](sample(shown, sight) / largest)
+        colours[~(sample(stuck, sight) <= 0.5)] = GREY
+        ax.imshow(shaded(colours, sight))
         ax.set_title(heading, fontsize=9)
         ax.axis("off")
     scale = ScalarMappable(Normalize(0.0, largest), "viridis")
@@ -200,93 +198,12 @@ def plot_slip_on_cylinder(
     grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
     bar.set_label(label(quantity, unit) + grey)
     fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
-    found = f"Nothing slipped between {interface_name(interface)}"
+    found = f"Nothing slipped between {interface_name(interface, dataset)}"
     if fraction > 0.0:
         most = f"{style.three_digits(largest)} {unit}"
         share = f"{100 * fraction:.0f} % of the area slipped"
-        found = f"Between {interface_name(interface)}, {share}; longest slip path {most}"
+        found = f"Between {interface_name(interface, dataset)}, {share}; longest slip path {most}"
     figure.suptitle(found, fontsize=10)
-    target = _target(path)
-    figure.savefig(target)
-    return target
-
-
-def plot_mode_shapes(
-    points: FloatArray,
-    cells: npt.NDArray[np.int64],
-    shapes: FloatArray,
-    titles: Sequence[str],
-    path: str | os.PathLike[str],
-    *,
-    columns: int = 5,
-) -> Path:
-    r"""Render deformed mode shapes side by side, coloured by displacement over its largest value.
-
-    Parameters
-    ----------
-    points
-        (n, 3) m.
-    cells
-        (m, 9) node numbers in VTK_BIQUADRATIC_QUAD order.
-    shapes
-        (k, n, 3) displacements of any scale.
-    titles
-        k titles, for example "1  bending\n148.2 Hz".
-    path
-        PNG to write; parents are made.
-    columns
-        Pictures per row.
-
-    Returns
-    -------
-    Path
-        The file written.
-
-    Raises
-    ------
-    InputError
-        For arrays that do not match, or when pyvista is missing.
-
-    Notes
-    -----
-    The largest displacement is drawn as 12 % of the structure's largest extent. Nodes that no cell uses are ignored.
-    """
-    pv = _pyvista()
-    points, shapes = np.asarray(points, dtype=np.float64), np.asarray(shapes, dtype=np.float64)
-    if shapes.ndim != 3 or shapes.shape[1:] != points.shape or len(titles) != len(shapes) or len(shapes) == 0:
-        raise InputError(
-            f"{len(titles)} titles and shapes {shapes.shape} for points {points.shape}",
-            remedy="pass (k, n, 3) shapes, (n, 3) points and k titles, k >= 1",
-        )
-    used = np.unique(cells)
-    extent = float(np.ptp(points[used], axis=0).max())
-    kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
-    grid = pv.UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
-    rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
-    options = {"scalars": "size", "cmap": "viridis", "clim": (0.0, 1.0), "smooth_shading": True, "ambient": 0.35}
-    columns = min(columns, len(shapes))
-    rows = -(-len(shapes) // columns)
-    figure = Figure(figsize=(style.WIDTH, 0.7 + 2.5 * rows), dpi=style.DPI, layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for ax in panels:
-        ax.axis("off")
-    pictures = []
-    for shape in shapes:
-        length = np.linalg.norm(shape, axis=1)
-        largest = float(length[used].max()) or 1.0
-        deformed = grid.copy()
-        deformed.points = points + 0.12 * extent / largest * shape
-        deformed["size"] = length / largest
-        skin = deformed.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
-        edges = {"color": "#777777", "line_width": 2.0}
-        parts = [(skin, options), (rest.copy(), edges)]
-        pictures.append(_render(parts, np.asarray(grid.center), (0.5, -1.0, 0.45), extent))
-    for ax, picture, text in zip(panels, _cropped(pictures), titles, strict=False):
-        ax.imshow(picture)
-        ax.set_title(text, fontsize=9)
-    scale = ScalarMappable(Normalize(0.0, 1.0), "viridis")
-    bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.5, aspect=35, pad=0.02)
-    bar.set_label("Displacement over its largest (–); grey rings: at rest")
-    target = _target(path)
+    target = style.target(path)
     figure.savefig(target)
     return target

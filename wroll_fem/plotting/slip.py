@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
@@ -15,8 +17,12 @@ from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, sur
 _STUCK = "#E4E4E4"
 
 
-def interface_name(interface: int) -> str:
-    """Return the bodies on both sides: "mandrel and layer 1", "layer 1 and layer 2", ..."""
+def interface_name(interface: int, dataset: xr.Dataset | None = None) -> str:
+    """Return the bodies on both sides: "mandrel and layer 1", "layer 1 and layer 2", ...; as the results name them."""
+    if dataset is not None and "interface_name" in dataset.variables:
+        name = str(dataset["interface_name"].values[interface])
+        inner, slash, outer = re.sub(r"_0*(?=\d)", " ", name).partition("/")
+        return f"{inner} and {outer}" if slash else f"the surfaces of {inner}"
     return "mandrel and layer 1" if interface == 0 else f"layer {interface} and layer {interface + 1}"
 
 
@@ -104,7 +110,7 @@ def plot_slip_map(
 
 def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float) -> str:
     """Say where and how much: "41 % of the interface ... slipped; most, 12.3 µm, at 0° and 25 mm above the base"."""
-    name = interface_name(interface)
+    name = interface_name(interface, dataset)
     points = surface(dataset, interface, quantity)
     values = points.values[quantity]
     k = int(np.argmax(values))
@@ -179,7 +185,7 @@ def plot_peak_slip_vectors(
     share = "axial" if abs(axial[longest]) >= abs(hoop[longest]) else "hoop"
     style.title(
         ax,
-        f"Largest relative displacement between {interface_name(interface)}: "
+        f"Largest relative displacement between {interface_name(interface, dataset)}: "
         f"{style.three_digits(size[longest])} {unit}, mostly "
         f"{share}, at {'±' if 0.5 < angle < 179.5 else ''}{angle:.0f}°, {z_mm[longest]:.0f} mm above the base",
     )
