@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..case import Case
 
-SECONDS_PER_UNIT = {"condensed": 3.0e-8, "full": 1.2e-5}
-"""Time per step: `condensed` x contact points x modes per harmonic, `full` x DOFs; measured on one 2.5 GHz core."""
+SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
+"""Time per step: `reduced` x contact points, `condensed` x contact points x modes per harmonic, `full` x DOFs; one core."""
 
 
 def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
@@ -195,7 +195,7 @@ def estimate(case: Case) -> dict[str, Any]:
         dofs, points = system_size(case.structure.file)
         return {"dofs": dofs, "interface_points": points} | _time_steps(case)
     shells = 1 + (case.coil.layers if case.coil.model in ("layers", "bonded") else 0)
-    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method == "condensed"
+    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full"
     around, along = case.mesh.circumferential, case.mesh.axial
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
@@ -207,7 +207,8 @@ def estimate(case: Case) -> dict[str, Any]:
     seconds = 10.0 + 2e-3 * result["dofs"]
     if "steps" in result:
         per_harmonic = 2.0 * result["dofs"] / around
-        unit = {"condensed": result["interface_points"] * per_harmonic, "full": result["dofs"]}[case.solver.method]
+        points = result["interface_points"]
+        unit = {"reduced": points, "condensed": points * per_harmonic, "full": result["dofs"]}[case.solver.method]
         seconds += result["steps"] * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)
     result["estimated_seconds"] = seconds
     return result

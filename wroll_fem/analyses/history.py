@@ -11,6 +11,7 @@ import xarray as xr
 from ..dynamics.condensed import CondensedStepper
 from ..dynamics.fields import interface_fields
 from ..dynamics.hht import Scheme
+from ..dynamics.reduced import ReducedStepper
 from ..dynamics.simulate import Checkpointing, make_stepper, simulate
 from ..dynamics.stepper import NewtonOptions, Stepper
 from ..errors import ConvergenceError
@@ -40,8 +41,11 @@ def run_history(case: Case, *, progress: Progress, checkpoint: Path | None = Non
     integrator, solver = case.integrator, case.solver
     scheme = Scheme.named(integrator.scheme, integrator.alpha)
     options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
-    with progress.stage("condensation" if solver.method == "condensed" else "set-up", 1) as stage:
-        stepper = make_stepper(system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step)
+    with progress.stage("set-up" if solver.method == "full" else "condensation", 1) as stage:
+        stepper = make_stepper(
+            system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step,
+            reduction_tolerance=solver.reduction_tolerance,
+        )  # fmt: skip
         stage.update(1)
     _remarks(stepper, progress)
     try:
@@ -66,13 +70,13 @@ def run_history(case: Case, *, progress: Progress, checkpoint: Path | None = Non
 
 
 def _remarks(stepper: Stepper, progress: Progress) -> None:
-    if not isinstance(stepper, CondensedStepper):
+    if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
     participation = np.abs(condensation.base * condensation.tip)
     main = int(np.argmax(participation))
     frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
-    progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes kept")
+    progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
             "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "

@@ -12,9 +12,16 @@ from .base import Real, Section, Switch, Whole
 class Solver(Section):
     """Nonlinear solver and its safeguards."""
 
-    method: Literal["condensed", "full"] = Field(
-        default="condensed",
-        description="condensed: exact condensation on the interface; full: sparse Newton on everything (reference)",
+    method: Literal["reduced", "condensed", "full"] = Field(
+        default="reduced",
+        description="reduced: a few shapes that grow with the motion, checked against the whole structure; "
+        "condensed: exact condensation on the interface; full: sparse Newton on everything (reference)",
+    )
+    reduction_tolerance: Real = Field(
+        default=2e-3,
+        gt=0,
+        le=0.1,
+        description="reduced: energy norm that the shapes may miss, over the largest of the motion, dimensionless",
     )
     tolerance: Real = Field(
         default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"

@@ -23,7 +23,7 @@ STALE_RATE = 0.3
 
 
 @numba.njit(cache=True)
-def _correction(g, t, g_0, t_0, springs, s):
+def correction(g, t, g_0, t_0, springs, s):
     """s = t - t_0 - D_0 (g - g_0), Pa."""
     for i in range(g.shape[0]):
         s[i] = t[i] - t_0[i] - springs[i] * (g[i] - g_0[i])
@@ -206,7 +206,7 @@ def advance_steps(
             for i in range(3 * n):
                 g[i] = 2.0 * jump[i] - jump_before[i]
             trial_traction(g, jump, elastic_slip, laws, dt, t, e, status)
-            _correction(g, t, g_0, t_0, springs, s)
+            correction(g, t, g_0, t_0, springs, s)
             size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
             history[:] = 0.0
             history[0] = size
@@ -229,7 +229,7 @@ def advance_steps(
                     for i in range(3 * n):
                         g_try[i] = g[i] + damping * delta[i]
                     trial_traction(g_try, jump, elastic_slip, laws, dt, t, e, status)
-                    _correction(g_try, t, g_0, t_0, springs, s)
+                    correction(g_try, t, g_0, t_0, springs, s)
                     new = _interface_residual(g_try, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     if new < size or not fresh or damping < 0.1:
                         break
@@ -238,7 +238,7 @@ def advance_steps(
                 if rate >= 1.0 and not fresh:
                     # a kept factor failed: go back and renew it where we were
                     trial_traction(g, jump, elastic_slip, laws, dt, t, e, status)
-                    _correction(g, t, g_0, t_0, springs, s)
+                    correction(g, t, g_0, t_0, springs, s)
                     size = _interface_residual(g, g_hat, blocks, profiles, area, s, n, amplitudes, rho)
                     have_factor = False
                     continue
@@ -252,7 +252,7 @@ def advance_steps(
             if not converged:
                 return step
             _modal_force(s, area, starts, modal_jump, profiles, n, amplitudes, force)
-        _commit(
+        commit_modal(
             step, ag, ag_new, dt, alpha, beta, gamma_n, eigenvalues, base, tip, inverse, q_hat, h, force,
             q, v, a, residual, residual_change, flows, records,
         )  # fmt: skip
@@ -263,7 +263,7 @@ def advance_steps(
             jump[:] = g
             elastic_slip[:] = e
             traction[:] = t
-        records[step, 5] = _strain(q, eigenvalues, jump, g_0, t_0, springs, area, n)
+        records[step, 5] = strain_energy(q, eigenvalues, jump, g_0, t_0, springs, area, n)
         records[step, 6] = totals[1]
         records[step, 7] = totals[0]
         records[step, 8] = totals[2]
@@ -280,7 +280,7 @@ def advance_steps(
 
 
 @numba.njit(cache=True)
-def _strain(q, eigenvalues, jump, g_0, t_0, springs, area, n):
+def strain_energy(q, eigenvalues, jump, g_0, t_0, springs, area, n):
     """Strain energy of the bodies and work of the preload forces since the preload state, J."""
     energy = 0.5 * np.dot(q * eigenvalues, q)
     for i in range(3 * n):
@@ -291,7 +291,7 @@ def _strain(q, eigenvalues, jump, g_0, t_0, springs, area, n):
 
 
 @numba.njit(cache=True)
-def _commit(
+def commit_modal(
     step, ag, ag_new, dt, alpha, beta, gamma_n, eigenvalues, base, tip, inverse, q_hat, h, force,
     q, v, a, residual, residual_change, flows, records,
 ):  # fmt: skip

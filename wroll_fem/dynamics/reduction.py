@@ -57,7 +57,7 @@ class ReducedModel:
     @classmethod
     def complete(cls, condensation: Condensation) -> ReducedModel:
         """Every mode kept: exact; for small systems."""
-        return cls._of(condensation, np.eye(len(condensation.eigenvalues)), condensation.eigenvalues)
+        return cls.on(condensation, np.eye(len(condensation.eigenvalues)), condensation.eigenvalues)
 
     @classmethod
     def of_vectors(cls, condensation: Condensation, vectors: FloatArray) -> ReducedModel:
@@ -73,10 +73,11 @@ class ReducedModel:
             raise InputError("a reduced model needs at least one vector that moves")
         stiffness = basis.T @ (condensation.eigenvalues[:, None] * basis)
         values, ritz = la.eigh(0.5 * (stiffness + stiffness.T))
-        return cls._of(condensation, basis @ ritz, values)
+        return cls.on(condensation, basis @ ritz, values)
 
     @classmethod
-    def _of(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
+    def on(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
+        """Model on mass-orthonormal ``vectors`` (r, m) that make the stiffness diagonal, ``values`` (m,)."""
         return cls(
             eigenvalues=np.ascontiguousarray(values),
             jump=slot_jump(condensation, vectors),
@@ -85,6 +86,7 @@ class ReducedModel:
             springs=condensation.springs,
             vectors=vectors,
             condensation=condensation,
+            damping=None if condensation.damping is None else vectors.T @ condensation.damping @ vectors,
         )
 
     def enriched(self, vectors: FloatArray) -> ReducedModel:
@@ -141,7 +143,7 @@ def _parts(condensation: Condensation, vectors: FloatArray) -> list[FloatArray]:
 
 
 def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
-    """Mass-orthonormal basis of the span: pivoted in the energy norm, so that interface shapes count as much as modes."""
+    """Mass-orthonormal basis of the span, pivoted in the energy norm: interface shapes count as much as modes."""
     root = np.sqrt(np.maximum(eigenvalues, 0.0))[:, None]
     energy = root * vectors
     size = np.linalg.norm(energy, axis=0)

@@ -20,6 +20,7 @@ from .condensed import CondensedStepper
 from .fields import interface_fields, per_interface
 from .full import FullStepper
 from .hht import Scheme
+from .reduced import ReducedStepper
 from .static import ContactState
 from .stepper import ITERATIONS, RECORDS, NewtonOptions, Stepper
 from .system import System
@@ -65,14 +66,17 @@ class Checkpointing:
 
 
 def make_stepper(
-    system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float
-) -> Stepper:
-    """Stepper by the name of `solver.method`: "condensed" or "full"."""
+    system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float,
+    reduction_tolerance: float = 2e-3,
+) -> Stepper:  # fmt: skip
+    """Stepper by the name of `solver.method`: "reduced", "condensed" or "full"."""
+    if method == "reduced":
+        return ReducedStepper(system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance)
     if method == "condensed":
         return CondensedStepper(system, preload, scheme, options, dt=dt)
     if method == "full":
         return FullStepper(system, preload, scheme, options)
-    raise InputError(f"unknown method {method!r}", key="solver.method", remedy="use condensed or full")
+    raise InputError(f"unknown method {method!r}", key="solver.method", remedy="use reduced, condensed or full")
 
 
 def simulate(
@@ -251,5 +255,6 @@ class _Run:
             "newton_iterations_mean": float(iterations.mean()) if self.done else 0.0,
             "dofs": system.n_dofs,
             "interface_points": system.n_points,
+            **self.stepper.report(),
         }
         return annotate(dataset)
