@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from ..case import Case
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
-"""Time per step: `reduced` x contact points, `condensed` x contact points x modes per harmonic, `full` x DOFs; one core."""
+"""Time per step: `reduced` x points, `condensed` x points x modes per harmonic, `full` x DOFs; one 2.5 GHz core."""
 
 
 def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
@@ -164,6 +164,11 @@ def _contact_warnings(case: Case) -> list[str]:
             f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
             f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
             f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
+        )
+    if case.contact.friction.law == "smoothed_coulomb":
+        warnings.append(
+            "contact.friction.law smoothed_coulomb holds nothing at rest: the preload is frictionless, and below "
+            "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
     total, limit = sum(case.preload.per_layer(case.coil.layers)), buckling_pressure(case)
     if total > limit:
