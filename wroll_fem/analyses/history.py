@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from ..contact.laws import SMOOTHED
 from ..dynamics.condensed import CondensedStepper
 from ..dynamics.fields import interface_fields
 from ..dynamics.hht import Scheme
@@ -73,10 +74,11 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
-    participation = np.abs(condensation.base * condensation.tip)
-    main = int(np.argmax(participation))
-    frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
-    progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
+    if not np.any(stepper.system.laws.kind == SMOOTHED):  # that law never sticks
+        participation = np.abs(condensation.base * condensation.tip)
+        main = int(np.argmax(participation))
+        frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
+        progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
             "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "
