@@ -18,7 +18,7 @@ from matplotlib.image import imread
 from wroll_fem import plotting
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.cylinder import slip_surface
+from wroll_fem.plotting.cylinder import line_of_sight, sample, slip_surface
 from wroll_fem.signals.damping import half_power
 from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, surface
 
@@ -281,12 +281,46 @@ def quad9_tube(around=12, along=6, radius=0.04, height=0.3):
     return points, np.array(cells)
 
 
-def test_slip_on_the_cylinder_is_rendered_without_a_display(tmp_path):
-    pytest.importorskip("pyvista")
+def test_slip_on_the_cylinder_is_drawn_grey_where_it_stuck(tmp_path):
     picture = imread(plotting.plot_slip_on_cylinder(synthetic_roll.contact_points(half=True), tmp_path / "c.png"))
     assert picture.shape[1] == 1080
     coloured = np.ptp(picture[..., :3], axis=2) > 0.15
     assert 0.02 < coloured[: int(0.85 * len(coloured))].mean() < 0.3  # slip near the root of each view, the rest grey
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.25), (0.0, 1.0, 0.25), (1.0, 1.0, 0.35), (-1.0, 0.2, 0.1)])
+def test_rays_hit_the_cylinder_where_its_points_are_projected(direction):
+    """Points of the tube, projected by the camera's axes, are what the rays at those pixels report."""
+    radius, height = 0.04, 0.3
+    sight = line_of_sight(direction, radius, height)
+    towards = np.array(direction) / np.linalg.norm(direction)
+    right = np.cross([0.0, 0.0, 1.0], towards)
+    right /= np.linalg.norm(right)
+    up = np.cross(towards, right)
+    rows, columns = sight.z.shape
+    per_metre = columns / (2 * radius)
+    seen = 0
+    for theta in np.linspace(-3.0, 3.0, 25):
+        for share in np.linspace(0.02, 0.98, 9):
+            normal = np.array([np.cos(theta), np.sin(theta), 0.0])
+            if normal @ towards < 0.1:
+                continue  # on the far side, or too close to the outline for a pixel's width
+            point = radius * normal + np.array([0.0, 0.0, (share - 0.5) * height])
+            row, column = int(rows / 2 - per_metre * (point @ up)), int(columns / 2 + per_metre * (point @ right))
+            assert abs(sight.theta[row, column] - theta) < 0.06
+            assert sight.z[row, column] == pytest.approx(share, abs=0.005)
+            seen += 1
+    assert seen > 80
+    hidden = np.isfinite(sight.theta) & (np.cos(sight.theta - np.arctan2(towards[1], towards[0])) < 0.0)
+    assert 0.0 < sight.z[hidden].min() > 0.7  # the far side shows through the open tip alone
+
+
+def test_the_seam_does_not_show_on_the_cylinder():
+    sight = line_of_sight((-1.0, 0.0, 0.25), 0.04, 0.3)
+    theta = np.linspace(-np.pi, np.pi, 361)
+    values = sample(np.tile(np.cos(theta), (5, 1)), sight)
+    seen = np.isfinite(sight.z)
+    np.testing.assert_allclose(values[seen], np.cos(sight.theta[seen]), atol=1e-4)
 
 
 def test_mode_shapes_are_rendered_and_arrays_checked(tmp_path):
@@ -308,5 +342,7 @@ def test_missing_pyvista_names_the_extra_to_install(tmp_path, monkeypatch):
         return real(name, *args, **options)
 
     monkeypatch.setattr(builtins, "__import__", without)
+    points, cells = quad9_tube()
+    plotting.plot_slip_on_cylinder(synthetic_roll.contact_points(), tmp_path / "c.png")  # does without
     with pytest.raises(InputError, match=r"wroll-fem\[view\]"):
-        plotting.plot_slip_on_cylinder(synthetic_roll.contact_points(), tmp_path / "c.png")
+        plotting.plot_mode_shapes(points, cells, np.zeros((1, *points.shape)), ["1"], tmp_path / "m.png")

@@ -120,7 +120,7 @@ def _write_modes(dataset: xr.Dataset, path: Path) -> Path:
 def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Draw what the results hold.
 
-    Pictures in space need pyvista and are left out without it; slip maps need points that span a cylinder.
+    Pictures of mode shapes need pyvista and are left out without it; slip maps need points that span a cylinder.
     """
     from .. import plotting
 
@@ -142,15 +142,13 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     if "mode_frequency" in dataset:
         drawn.append(("modes", plotting.plot_modes, {}))
     paths = [plotting.save_figure(draw(dataset, **options), folder / f"{name}.png") for name, draw, options in drawn]
-    if find_spec("pyvista") is not None:
-        paths += _draw_in_space(dataset, folder)
-    return paths
+    return paths + _draw_in_space(dataset, folder)
 
 
 def _draw_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     from .. import plotting
 
-    if "mode_shape" in dataset:
+    if "mode_shape" in dataset and find_spec("pyvista") is not None:
         count = min(10, dataset.sizes["mode"])
         titles = [
             f"{float(f):.1f} Hz  {kind}"

@@ -1,11 +1,12 @@
 """Figures from Datasets only.
 
 Every function of matplotlib takes a Dataset and an `ax` and returns the `ax`; nothing is shown or recomputed.
-`save_figure(ax, path)` writes 150 dpi and closes. Pictures in three dimensions (pyvista) write a file.
+`save_figure(ax, path)` writes 150 dpi and closes. Pictures in space write a file (those of modes by pyvista).
 """
 
-from wroll_fem.plotting.cylinder import plot_mode_shapes, plot_slip_on_cylinder, write_slip_vtu
+from wroll_fem.plotting.cylinder import plot_slip_on_cylinder, write_slip_vtu
 from wroll_fem.plotting.history import plot_energy_ledger, plot_response
+from wroll_fem.plotting.mode_shapes import plot_mode_shapes
 from wroll_fem.plotting.modes import plot_modes
 from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_slip_map
 from wroll_fem.plotting.style import save_figure

@@ -25,7 +25,7 @@ from wroll_fem.slip import cylinder_cells, interface_radius, raster, slipping_ar
 FloatArray = npt.NDArray[np.float64]
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")
 GREY = (0.824, 0.824, 0.824, 1.0)
-AMBIENT, DIFFUSE = 0.6, 0.42  # light from the viewer
+AMBIENT, DIFFUSE, SHADOW = 0.6, 0.42, 0.85  # light from the viewer, and what of it reaches the inside
 PIXELS = (620, 330)  # height and width that a view may take; each pixel is the mean of 2 x 2 rays
 
 
@@ -123,7 +123,7 @@ def line_of_sight(direction: Sequence[float], radius: float, height: float) -> S
     z = np.where(outside, front, np.where(inside, back, np.nan))
     phi = np.where(outside, np.arcsin(sine), np.pi - np.arcsin(sine))
     theta = np.where(np.isnan(z), np.nan, np.mod(phi + azimuth + np.pi, 2.0 * np.pi) - np.pi)
-    return Sight(theta, z, np.minimum(1.0, AMBIENT + DIFFUSE * cos_e * np.broadcast_to(cosine, z.shape)))
+    return Sight(theta, z, np.where(outside, 1.0, SHADOW) * np.minimum(1.0, AMBIENT + DIFFUSE * cos_e * cosine))
 
 
 def sample(values: FloatArray, sight: Sight) -> FloatArray:
@@ -168,7 +168,7 @@ def plot_slip_on_cylinder(
     """
     points = surface(dataset, interface, quantity, "slipped")
     radius = interface_radius(dataset, interface)
-    theta, z, values = raster(points, quantity, radius=radius)
+    _, z, values = raster(points, quantity, radius=radius)
     shown, unit = in_small_unit(values)
     stuck = np.zeros_like(values)
     if quantity == "cumulative_slip":

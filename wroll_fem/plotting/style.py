@@ -61,14 +61,20 @@ def figure_of(ax: Axes) -> Figure:
     return figure
 
 
+def target(path: str | os.PathLike[str]) -> Path:
+    """Path of a file to write; its folders are made."""
+    place = Path(path)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    return place
+
+
 def save_figure(ax: Axes, path: str | os.PathLike[str]) -> Path:
     """Write the figure of `ax` at 150 dpi (parents are made), close it and return the path."""
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
+    place = target(path)
     figure = figure_of(ax)
-    figure.savefig(target, dpi=DPI)
+    figure.savefig(place, dpi=DPI)
     plt.close(figure)
-    return target
+    return place
 
 
 def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
