@@ -4,7 +4,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 WORKERS ?= 2
 
-.PHONY: help setup run test test-all lint format schema clean distclean
+.PHONY: help setup run test test-all lint format schema bench clean distclean
 
 help: ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -32,6 +32,9 @@ format: setup ## let ruff put the code in order
 
 schema: setup ## write the JSON schema of the case file again
 	.venv/bin/wroll schema --out docs/wroll-case.schema.json
+
+bench: setup ## time full, condensed, reduced and harmonic on the lab chirp (about 10 minutes): docs/tables/benchmark.md
+	$(PYTHON) benchmarks/run.py
 
 clean: ## remove results and caches
 	rm -rf runs build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
