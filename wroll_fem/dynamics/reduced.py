@@ -18,13 +18,15 @@ import scipy.linalg as la
 
 from ..body import FloatArray
 from ..errors import ConvergenceError, InputError
+from .built_in import built_in_springs
 from .condensation import condense
 from .hht import Scheme
 from .reduced_kernel import advance_reduced
 from .reduction import ReducedModel, modal_force
-from .static import ContactState, stick_springs
+from .static import ContactState
 from .stepper import NewtonOptions, Stepper
 from .system import System
+from .uniqueness import check_unambiguous
 
 LOOK_EVERY = 29
 """Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases."""
@@ -63,8 +65,9 @@ class ReducedStepper(Stepper):
             raise InputError(
                 "reduced time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
             )
+        check_unambiguous(system, preload, scheme, dt)
         self._looks: list[FloatArray] = []
-        self.condensation = condense(system, stick_springs(system, preload), scheme, dt)
+        self.condensation = condense(system, built_in_springs(system, preload, dt), scheme, dt)
         self.tolerance = tolerance
         n = system.n_points
         self.jump, self.elastic_slip = preload.jump.copy(), preload.elastic_slip.copy()
