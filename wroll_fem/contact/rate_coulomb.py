@@ -43,6 +43,8 @@ class RateCoulomb:
     coefficients: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        for name in ("rates", "coefficients"):  # any sequence will do
+            object.__setattr__(self, name, tuple(float(value) for value in getattr(self, name)))
         check_stick(self.mu, self.elastic_slip)
         wrong = table_problem(self.rates, self.coefficients)
         if wrong:
