@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+from itertools import pairwise
 
 import matplotlib as mpl
 
@@ -185,6 +186,21 @@ def test_ledger_figure_states_shares_that_add_up(sweep):
     assert "closes to rounding" in texts(ax)
     leak = sweep.assign(numerical_dissipation=sweep["numerical_dissipation"] + 0.02 * sweep["input_work"])
     assert "off by 2 %" in texts(plotting.plot_energy_ledger(leak))
+
+
+def test_a_long_line_keeps_its_extremes_and_ends_when_thinned():
+    x = np.linspace(0.0, 1.0, 100_001)
+    y = np.cumsum(np.random.default_rng(3).standard_normal(x.size))
+    few_x, few_y = style.thinned(x, y)
+    assert few_x.size < 4100
+    assert np.all(np.diff(few_x) > 0.0)
+    assert few_x[[0, -1]].tolist() == [0.0, 1.0]
+    for a, b in pairwise(np.linspace(0.0, 1.0, 400)):  # columns of a picture
+        all_y, kept_y = y[(x >= a) & (x <= b)], few_y[(few_x >= a - 1e-3) & (few_x <= b + 1e-3)]
+        assert kept_y.min() <= all_y.min()
+        assert kept_y.max() >= all_y.max()
+    short = style.thinned(x[:5000], y[:5000])
+    assert short[1].size == 5000
 
 
 def test_long_histories_keep_their_extremes_when_thinned(sweep):

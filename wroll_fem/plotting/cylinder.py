@@ -184,7 +184,7 @@ def plot_slip_on_cylinder(
     across = f"from across ({across})" if known else f"from {across}"
     views = {f"seen {faces}": along, "seen from 45°": (1.0, 1.0, 0.35), f"seen {across}": over}
     figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
-    panels = figure.subplots(1, len(views))
+    panels = figure.subplots(1, len(views), subplot_kw={"xticks": [], "yticks": []})
     height = float(z[-1] - z[0])
     for ax, (heading, direction) in zip(panels, views.items(), strict=True):
         sight = line_of_sight(direction, radius, height)

@@ -86,11 +86,12 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     tip = dataset["tip_acceleration"].values + dataset["base_acceleration"].values
     work = dataset["friction_energy"].values
     x, low, high = style.line_envelope(time, tip)
-    ax.fill_between(x, low, high, color=style.SKY, lw=0.3, edgecolor=style.BLUE)
     if low is high:
         ax.plot(x, low, color=style.BLUE, lw=0.8)
+    else:
+        ax.fill_between(x, low, high, color=style.SKY, lw=0.3, edgecolor=style.BLUE)
     other = _second_y(ax)
-    other.plot(time, 1e3 * work, color=style.RED, lw=1.8)
+    other.plot(*style.thinned(time, 1e3 * work), color=style.RED, lw=1.8)
     _frequency_axis(ax, dataset)
     size = 1.05 * float(np.abs(tip).max())
     ax.set_ylim(-size, size)
@@ -154,7 +155,8 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ]
     for name, values, colour, dash in series:
         x, low, high = style.line_envelope(time, scale * values)
-        ax.fill_between(x, low, high, color=colour, alpha=0.35, lw=0)
+        if low is not high:
+            ax.fill_between(x, low, high, color=colour, alpha=0.35, lw=0)
         ax.plot(x, high, color=colour, lw=1.6, ls=dash, label=name)
     _frequency_axis(ax, dataset)
     ax.set_xlim(time[0], time[-1])

@@ -90,14 +90,27 @@ def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
 def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Lowest and highest value of a long oscillating series per bin of more than a cycle: (x, low, high).
 
-    A series of fewer than 400 oscillations, which a picture can show, comes back as it is (low is high).
+    A series of fewer than 400 oscillations, which a picture can show, comes back as a line (low is high; `thinned`).
     """
     oscillations = np.count_nonzero(np.diff(np.signbit(np.diff(y)))) // 2
     if oscillations < 400:
+        x, y = thinned(x, y)
         return x, y, y
     bins = min(1500, int(oscillations / 1.3))
     edges = np.linspace(0, x.size, bins + 1).astype(int)[:-1]
     return x[edges], np.minimum.reduceat(y, edges), np.maximum.reduceat(y, edges)
+
+
+def thinned(x: FloatArray, y: FloatArray, bins: int = 2000) -> tuple[FloatArray, FloatArray]:
+    """Fewer points of a long line that look the same: the ends, and the lowest and highest point of each bin."""
+    width = x.size // bins
+    if width < 4:
+        return x, y
+    whole = y[: bins * width].reshape(bins, width)
+    first = width * np.arange(bins)
+    ends = np.array([0, bins * width - 1]), np.arange(bins * width, x.size)  # fewer than a bin's points are left over
+    keep = np.unique(np.concatenate([first + whole.argmin(axis=1), first + whole.argmax(axis=1), *ends]))
+    return x[keep], y[keep]
 
 
 def three_digits(value: float) -> str:
