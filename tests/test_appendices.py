@@ -17,10 +17,10 @@ from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.harmonic import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.reduction import ReducedModel
-from wroll_fem.dynamics.simulate import simulate
+from wroll_fem.dynamics.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
-from wroll_fem.dynamics.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
-from wroll_fem.errors import InputError
+from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
+from wroll_fem.errors import ConvergenceError, InputError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
 from appendix_c import TwoMasses, adapted_curve, amplitude_of, curve, off_neighbours, periodic_orbit, run_from_rest
@@ -206,6 +206,30 @@ def test_a_restored_run_keeps_the_base_it_was_in_balance_with(method):
         np.vstack([first, fresh.advance(base[200:], dt, 200 * dt)])[:, 0], whole[:, 0],
         atol=1e-7 * np.abs(whole[:, 0]).max(),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("share", "stops"), [(1.0e3, True), (1.0, False)])
+def test_a_history_that_makes_energy_stops(share, stops):
+    """A step that misses a thousand times the energy held is refused, what came before is kept; an impact passes."""
+    system, motion = two_masses(), Step(duration=1.0)
+    state, scheme, dt = ContactState.unloaded(system), Scheme.hht(-0.05), 1.0e-3
+    run = make_stepper(system, state, method="full", scheme=scheme, options=NewtonOptions(), dt=dt)
+    original, energy = run.advance, system.stiffness[0, 0] * 0.01**2
+
+    def advance(acceleration, dt, time):
+        records = original(acceleration, dt, time)
+        if time >= 2 * CHUNK * dt:
+            records[40:, FRICTION] += share * energy
+        return records
+
+    run.advance = advance
+    if not stops:
+        assert simulate(system, state, motion, dt=dt, scheme=scheme, stepper=run).attrs["steps"] == 1000
+        return
+    with pytest.raises(ConvergenceError, match="out of nothing") as error:
+        simulate(system, state, motion, dt=dt, scheme=scheme, stepper=run)
+    assert error.value.time_s == pytest.approx((2 * CHUNK + 40) * dt)
+    assert error.value.partial.attrs["steps"] == 2 * CHUNK
 
 
 # --- the smoothed sign in the two-mass model (appendix C) -------------------------------------------------------------

@@ -20,6 +20,7 @@ from .condensed import CondensedStepper
 from .fields import interface_fields, per_interface
 from .full import FullStepper
 from .hht import Scheme
+from .ledger import check_energy
 from .reduced import ReducedStepper
 from .static import ContactState
 from .stepper import ITERATIONS, RECORDS, NewtonOptions, Stepper
@@ -179,6 +180,7 @@ class _Run:
         part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
+        check_energy(self.records[: done + count], done, times)
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
             n = self.stepper.system.n_points
