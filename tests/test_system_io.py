@@ -577,6 +577,12 @@ def test_doubtful_files_are_warned_about(tmp_path: Path) -> None:
     assert [r.exit_code for r in (loose, wrong_row, still)] == [0, 0, 0]
 
 
+def test_matrices_cannot_be_meshed(tmp_path: Path) -> None:
+    done = wroll("mesh", write_case(tmp_path, oscillator()), "--out", tmp_path / "mesh")
+    assert done.exit_code == 2
+    assert "structure: leaves nothing to mesh; its file holds matrices alone" in done.output
+
+
 @pytest.mark.parametrize("name", ["roll.txt", "no/such/folder/roll.npz"])
 def test_export_says_where_it_cannot_write(tmp_path: Path, name: str) -> None:
     path = write_case(tmp_path, oscillator())

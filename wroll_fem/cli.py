@@ -198,6 +198,9 @@ def mesh(
         from .mesh_file import write_mesh
         from .meshing import build_mesh
 
+        if case.structure is not None:
+            remedy = "its file holds matrices alone: mesh the case it was exported from"
+            raise InputError("leaves nothing to mesh", key="structure", file=str(case_file), remedy=remedy)
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
         built = build_mesh(case)
