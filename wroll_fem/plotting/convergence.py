@@ -30,7 +30,7 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
     line = GRADING if len(values_of(grid, GRADING)) > 1 else None
     figure, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 6.0), dpi=style.DPI, layout="constrained", sharex=True)
     readings: list[tuple[str, Callable[[SeriesMember], float]]] = [
-        ("Resonance f_n (Hz)", lambda m: read(m).f_n),
+        ("Resonance $f_n$ (Hz)", lambda m: read(m).f_n),
         ("Peak transmissibility (–)", lambda m: read(m).peak),
         ("Damping ratio ζ (%)", lambda m: 100 * read(m).zeta),
         ("Friction work (mJ)", lambda m: 1e3 * friction_work(m)),

@@ -185,8 +185,9 @@ def plot_damping_over_frequency(
         if m.reference:
             f_m = natural_frequency(m)
             ax.axvline(f_m, color="black", lw=1.0, ls=(0, (5, 2)), label=f"mandrel alone, {f_m:.1f} Hz")
+    ax.margins(0.08)
     ax.set_ylim(bottom=0.0)
-    ax.set_xlabel("Resonance f_n (Hz)")
+    ax.set_xlabel("Resonance $f_n$ (Hz)")
     ax.set_ylabel("Damping ratio ζ, half power (%)")
     if ax.get_legend_handles_labels()[1]:
         ax.legend(fontsize=8, framealpha=0.9)
@@ -211,9 +212,12 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
         where = f"{text}: " if text else ""
         said.append(f"{where}friction work {word} from {work[0]:.3g} mJ at {first} to {work[-1]:.3g} mJ at {last}")
     ax.set_xscale("log")
+    ticks = [scaled(PRESSURE, value) for value in values_of(grid, PRESSURE)]
+    ax.set_xticks(ticks, [f"{tick:.4g}" for tick in ticks])
+    ax.minorticks_off()
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(axis_label(PRESSURE))
-    ax.set_ylabel("Friction work of the sweep E_F (mJ)")
+    ax.set_ylabel("Friction work of the sweep $E_F$ (mJ)")
     if line is not None:
         ax.legend(fontsize=8, framealpha=0.9)
     text = "; ".join(said)
@@ -235,7 +239,7 @@ def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None 
     for name, x, y in zip(names, zeta, work, strict=True):
         ax.annotate(name, (x, y), (6, 5), textcoords="offset points", fontsize=8)
     ax.set_xlabel("Damping ratio ζ, half power (%)")
-    ax.set_ylabel("Friction work of the sweep E_F (mJ)")
+    ax.set_ylabel("Friction work of the sweep $E_F$ (mJ)")
     ax.margins(0.12)
     r = float(np.corrcoef(work, zeta)[0, 1])
     style.title(
@@ -255,7 +259,8 @@ def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
     first: list[Axes] = []
     for part, m in zip(np.ravel(drawing.subfigures(2, 1)), pair, strict=True):
         ax = plot_response(m.data, style.axes(part.subplots()))
-        style.title(ax, f"{shown(PRESSURE, m.values[PRESSURE])}: {ax.get_title(loc='left')}".replace("\n", " "))
+        said = ax.get_title(loc="left").replace("\n", " ")
+        style.title(ax, f"{shown(PRESSURE, m.values[PRESSURE])}: {said[:1].lower()}{said[1:]}")
         first.append(ax)
     limit = max(ax.get_ylim()[1] for ax in first)
     for ax in first:
