@@ -1,6 +1,6 @@
 """Small systems with exact solutions, built from matrices like a user's own, and what the tests measure on them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -73,6 +73,12 @@ def orbiting_mass(*, mu=0.3, gamma=1.0e-5):
     point = contact_point([0, 0, 1], [1, 0, 0], [0, 1, 0], mu=mu, gamma=gamma, kn=1.0e8)
     k, m = np.diag([1.0e4, 1.2e4, 0.0]), np.eye(3)
     return dense_system(k, m, [1, 0, 0], point, tip=[1, 0, 0], preload=[0, 0, -10.0])
+
+
+def with_law(system, law):
+    """The system with another friction law in all its interfaces."""
+    parts = tuple(replace(interface, friction=law) for interface in system.interfaces)
+    return replace(system, interfaces=parts)
 
 
 def with_preload(system, along, values):
