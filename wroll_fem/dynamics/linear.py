@@ -43,13 +43,22 @@ class _Mumps:
         ksp.setUp()
         self._ksp = ksp
 
+    def __del__(self) -> None:
+        """Free the factors: petsc4py alone keeps them until the program ends, some 30 MB per step of a full roll."""
+        if hasattr(self, "_ksp") and not self._petsc.Sys.isFinalized():
+            self._ksp.destroy()
+            self._matrix.destroy()
+
     def solve(self, rhs: FloatArray) -> FloatArray:
         n = rhs.shape[0]
         if rhs.ndim == 1:
             b = self._petsc.Vec().createWithArray(np.ascontiguousarray(rhs), comm=self._petsc.COMM_SELF)
             x = b.duplicate()
             self._ksp.solve(b, x)
-            return np.array(x.getArray())
+            found = np.array(x.getArray())
+            b.destroy()
+            x.destroy()
+            return found
         dense = self._petsc.Mat().createDense(
             (n, rhs.shape[1]), array=np.asfortranarray(rhs), comm=self._petsc.COMM_SELF
         )
@@ -58,7 +67,10 @@ class _Mumps:
         dense.assemble()
         result.assemble()
         self._ksp.getPC().getFactorMatrix().matSolve(dense, result)
-        return np.array(result.getDenseArray())
+        found = np.array(result.getDenseArray())
+        dense.destroy()
+        result.destroy()
+        return found
 
 
 def factorise(matrix: sp.spmatrix) -> Factorisation:
