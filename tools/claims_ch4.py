@@ -387,17 +387,16 @@ def page(found: dict[str, Verdict], reasons: str) -> str:
     return "\n".join(lines) + "\n\n" + reasons
 
 
-def main() -> None:
-    """Print one line per claim and write the page."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "runs" / "docs" / "chapter4"
+def write(folder: Path) -> None:
+    """Print one line per claim and write the page from the studies in ``folder``."""
     found = judge(Runs(folder))
     for name, verdict in found.items():
         print(f"{name:<5} {verdict.text():<24} {verdict.value}")
-    reasons = ROOT / "docs" / "claims-chapter4-reasons.md"
+    reasons = ROOT / "docs" / "chapter4-reasons.md"
     target = ROOT / "docs" / "claims-chapter4.md"
     target.write_text(page(found, reasons.read_text() if reasons.is_file() else ""))
     print(f"written: {target}")
 
 
 if __name__ == "__main__":
-    main()
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "runs" / "docs" / "chapter4")

@@ -1,6 +1,7 @@
 """Make every figure and table of README.md and docs/ from runs: `.venv/bin/python tools/make_figures.py`.
 
-Runs are kept in runs/docs; what is already there is not computed again. About fifteen minutes on two cores.
+Runs are kept in runs/docs; what is already there is not computed again. About fifteen minutes on two cores,
+and half an hour more for the studies of chapter 4 (tools/chapter4.py makes those alone).
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+import chapter4
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
@@ -134,6 +137,7 @@ def main() -> None:
     (ROOT / "docs" / "tables").mkdir(exist_ok=True)
     (ROOT / "docs" / "tables" / "base.md").write_text(base_table(summaries))
     (ROOT / "docs" / "tables" / "mesh.md").write_text(mesh_table(summaries))
+    chapter4.main([])
 
 
 if __name__ == "__main__":
