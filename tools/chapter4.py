@@ -59,11 +59,8 @@ def friction_law_figure() -> Axes:
     first = int(np.argmax(np.array(traction) >= 1.0 - 1e-9))
     back = int(np.argmax((np.array(traction) <= -1.0 + 1e-9) & (np.arange(1200) > 400)))
     slips = (path[first + 1] / law.elastic_slip, (reach - path[back + 1]) / law.elastic_slip)
-    style.title(
-        ax,
-        f"From rest the limit µp (µ = {law.mu:g}) is reached after {slips[0]:.1f} γ*, from a turn after {slips[1]:.1f} γ*",
-    )
-    ax.set_title(ax.get_title(loc="left"), loc="left", pad=22, fontsize=10)
+    said = f"is reached after {slips[0]:.1f} γ*, from a turn after {slips[1]:.1f} γ*"
+    ax.set_title(f"From rest the limit µp (µ = {law.mu:g}) {said}", loc="left", pad=22, fontsize=10)
     return ax
 
 
