@@ -369,6 +369,8 @@ def test_preload_with_smoothed_friction_is_frictionless():
     np.testing.assert_array_equal(smoothed.traction, none.traction)
     np.testing.assert_array_equal(smoothed.traction[:2], 0.0)
     assert smoothed.traction[2] == pytest.approx(-10.0)
+    trial = TrialContact(with_law(base, SMOOTHED))
+    np.testing.assert_array_equal(trial(smoothed.jump + [1e-4, 2e-4, 0.0], smoothed)[:2], 0.0)
 
 
 # --- built-in springs -------------------------------------------------------------------------------------------------
