@@ -346,19 +346,20 @@ def test_a_flat_table_is_penalty_coulomb_in_motion_too_and_a_rising_one_is_not(m
     assert np.abs(rate - plain).max() > 0.02 * np.abs(plain).max()
 
 
-@BOTH
 @pytest.mark.parametrize("name", ["rate", "smoothed"])
-def test_substeps_of_a_cut_step_have_their_own_rate(method, name):
-    """A step halved by the stepper equals two steps of half the size under the same, linear base motion."""
-    dt, ends = 1.0 / 1400.0, np.array([0.0, 6.0e4])
+def test_substeps_of_a_cut_step_have_their_own_rate(name):
+    """A step halved by either stepper equals two steps of half the size, of both steppers, under linear base motion."""
+    dt = 1.0 / 1400.0
     system = with_law(slipping_pair(), SYSTEM_LAWS[name])
-    preload = solve_preload(system)
-    cut, fine = (stepper(method, system, preload, Scheme.hht(-0.05), h, NewtonOptions()) for h in (dt, 0.5 * dt))
-    record = np.zeros((1, len(RECORDS)))
-    cut._cut_step(ends, dt, 0.0, record)
-    halves = fine.advance(np.array([0.0, 3.0e4, 6.0e4]), 0.5 * dt, 0.0)
-    np.testing.assert_allclose(record[0, :11], halves[-1, :11], rtol=1e-9, atol=1e-9 * np.abs(halves[-1, :11]).max())
-    assert halves[-1, FRICTION] > 0.0
+    preload, options, records = solve_preload(system), NewtonOptions(tolerance=1e-10), []
+    for method in STEPPERS:
+        cut, fine = (stepper(method, system, preload, Scheme.hht(-0.05), h, options) for h in (dt, 0.5 * dt))
+        record = np.zeros((1, len(RECORDS)))
+        cut._cut_step(np.array([0.0, 6.0e4]), dt, 0.0, record)
+        records += [record[0, :11], fine.advance(np.array([0.0, 3.0e4, 6.0e4]), 0.5 * dt, 0.0)[-1, :11]]
+    assert records[0][FRICTION] > 0.0
+    for other in records[1:]:
+        np.testing.assert_allclose(other, records[0], rtol=1e-8, atol=1e-10 * np.abs(records[0]).max())
 
 
 def test_preload_with_smoothed_friction_is_frictionless():
