@@ -23,7 +23,7 @@ from .hht import Scheme
 from .ledger import check_energy
 from .reduced import ReducedStepper
 from .static import ContactState
-from .stepper import ITERATIONS, RECORDS, NewtonOptions, Stepper
+from .stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from .system import System
 
 CHUNK = 200
@@ -156,6 +156,7 @@ class _Run:
     kept: list[FloatArray]
     kept_times: list[float]
     seconds: float = 0.0
+    held: float = 0.0  # largest energy so far, J
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
@@ -180,7 +181,8 @@ class _Run:
         part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
-        check_energy(self.records[: done + count], done, times)
+        first = max(done - 1, 0)
+        self.held = check_energy(self.records[first : done + count], times[first + 1 : done + count + 1], self.held)
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
             n = self.stepper.system.n_points
@@ -222,6 +224,7 @@ class _Run:
                 self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
                 self._committed = (int(data["done"]), self.stepper.snapshot())
                 self.records[: self.done] = data["records"]
+                self.held = float(np.abs(self.records[: self.done, [INPUT, KINETIC, STRAIN]]).max(initial=0.0))
                 self.seconds = float(data["seconds"])
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
         except (OSError, ValueError, KeyError) as error:
