@@ -366,3 +366,15 @@ def test_the_undamped_curve_of_the_modes_is_that_of_the_matrices() -> None:
         motion = spla.spsolve(dynamic, (2 * np.pi * f) ** 2 * (system.mass @ system.influence))
         exact.append(abs(1.0 + system.probes["tip"] @ motion))
     np.testing.assert_allclose(undamped_curve(SeriesMember("", {}, data), frequency), exact, rtol=1e-2)
+
+
+def test_a_ringing_curve_is_marked_and_gives_no_damping(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:
+    ringing = runs[1e5].assign_attrs(
+        f_n_hz=160.0, peak_transmissibility=400.0, zeta=0.2, half_power_reason="rises above half power again at 170 Hz"
+    )
+    members = by_preload({1e4: runs[1e4], 3e4: runs[3e4], 1e5: ringing}, **{"coil.base": "free"})
+    labels = [str(line.get_label()) for line in draw("transmissibility_over_preload", members, tmp_path).lines]
+    assert "100 kPa: 160.0 Hz, rings" in labels
+    ax = draw("damping_over_frequency", members, tmp_path)
+    np.testing.assert_allclose(curves(ax)["free base, rings: no damping"], [[160.0, 20.0]])
+    assert "largest damping 20" not in sentence(ax)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -69,15 +70,24 @@ class Runs:
             raise InputError(f"study {study} has fewer than three sweeps with base {base}", remedy="run it")
         return found
 
+    def one(self, study: str, **wanted: Any) -> SeriesMember:
+        """Return the case of a study with these values, keys written with __ for dots; raises InputError without."""
+        values = {key.replace("__", "."): value for key, value in wanted.items()}
+        for m in self.study(study):
+            if not m.reference and all(m.values.get(key) == value for key, value in values.items()):
+                return m
+        raise InputError(f"study {study} has no finished case with {values}", remedy="run it")
+
     def mandrel(self) -> SeriesMember:
         """Modal analysis of the mandrel alone."""
-        return next(m for m in self.study("bounds") if m.reference)
+        for m in self.study("bounds"):
+            if m.reference:
+                return m
+        raise InputError("the reference of study bounds is not finished", remedy="run it")
 
     def bound(self, interface: str, base: str) -> float:
         """First bending frequency with the layer bonded or frictionless, Hz."""
-        wanted = {"modal.interface": interface, "coil.base": base}
-        member = next(m for m in self.study("bounds") if all(m.values.get(k) == v for k, v in wanted.items()))
-        return first_bending(member)
+        return first_bending(self.one("bounds", modal__interface=interface, coil__base=base))
 
 
 def kpa(member: SeriesMember) -> str:

@@ -121,7 +121,9 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
     for value, shade in zip(values, colours, strict=True):
         for m in having(members, key, value):
             found, sweep = read(m), is_sweep(m)
-            text = f"{shown(key, value)}: {found.f_n:.1f} Hz, ζ = {percent(found.zeta)}"
+            text = f"{shown(key, value)}: {found.f_n:.1f} Hz, " + (
+                "rings" if found.rings else f"ζ = {percent(found.zeta)}"
+            )
             text = text if sweep or not any(is_sweep(o) for o in members) else f"{shown(key, value)}, harmonic balance"
             size = magnitude(m.data)
             ax.plot(
@@ -176,8 +178,14 @@ def plot_damping_over_frequency(
                 ax.annotate(
                     shown(PRESSURE, m.values[PRESSURE]), (x, y), (5, 4), textcoords="offset points", fontsize=7.5
                 )
-        if found:
-            best = int(np.argmax(zeta))
+        ringing = np.array([r.rings for r in found], dtype=bool)
+        if ringing.any():
+            ax.plot(
+                np.array(f)[ringing], np.array(zeta)[ringing], MARKERS[k % 6], color=shade, mfc="white", ms=5, zorder=3,
+                label=f"{text}{', ' if text else ''}rings: no damping",
+            )  # fmt: skip
+        if not ringing.all():
+            best = int(np.argmax(np.where(ringing, -np.inf, zeta)))
             at = shown(PRESSURE, group[best].values[PRESSURE])
             where = f"{text}: " if text else ""
             said.append(f"{where}largest damping {zeta[best]:.2f} % at {at} and {f[best]:.1f} Hz")

@@ -55,12 +55,17 @@ class SeriesMember:
 
 @dataclass(frozen=True)
 class Reading:
-    """What is read from one curve: f_n in Hz, peak, zeta and skewness (nan when not readable)."""
+    """What is read from one curve: f_n in Hz, peak, zeta and skewness (nan when not readable).
+
+    `rings`: the curve rises above half power again, as that of a roll does that rings after an upward sweep; zeta
+    is then the width of the highest ripple, no damping.
+    """
 
     f_n: float
     peak: float
     zeta: float
     skewness: float
+    rings: bool = False
 
 
 def read(member: SeriesMember) -> Reading:
@@ -69,9 +74,10 @@ def read(member: SeriesMember) -> Reading:
     if "f_n_hz" in attrs and "peak_transmissibility" in attrs:
         rest = (attrs.get("zeta"), attrs.get("skewness"))
         zeta, skewness = (np.nan if value is None else float(value) for value in rest)
-        return Reading(float(attrs["f_n_hz"]), float(attrs["peak_transmissibility"]), zeta, skewness)
+        rings = np.isfinite(zeta) and bool(attrs.get("half_power_reason"))
+        return Reading(float(attrs["f_n_hz"]), float(attrs["peak_transmissibility"]), zeta, skewness, rings)
     found = reading(member.data)
-    return Reading(found.f_n, found.peak, found.zeta, found.skewness)
+    return Reading(found.f_n, found.peak, found.zeta, found.skewness, found.complete and bool(found.note))
 
 
 def natural_frequency(member: SeriesMember) -> float:
