@@ -9,7 +9,10 @@ import scipy.sparse as sp
 
 from ..body import FloatArray, Trace
 from ..errors import InputError
-from .laws import FrictionLaw, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from .laws import FrictionLaw
+from .penalty_coulomb import PenaltyCoulomb
+from .rate_coulomb import RateCoulomb
+from .smoothed_coulomb import SmoothedCoulomb
 
 __all__ = [
     "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",
