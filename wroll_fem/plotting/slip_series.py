@@ -8,7 +8,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.patches import Patch
 
 from wroll_fem.plotting import style
 from wroll_fem.plotting.slip import in_small_unit, interface_name
@@ -80,9 +79,11 @@ def plot_slip_extent(members: Sequence[SeriesMember]) -> Axes:
             if r == 0:
                 ax.set_title(interface_name(k).replace(" and ", "\n"), fontsize=8.5)
         panels[r, 0].set_ylabel(f"{shown(AMPLITUDE, m.values[AMPLITUDE])}\nz (mm)", fontsize=9)
-    figure.supxlabel("Angle around the roll from x (°); 0° and ±180° face the excitation", fontsize=9)
-    patches = [Patch(color=style.RED, label="slipped at any time"), Patch(color=style.GREEN, label="stuck throughout")]
-    figure.legend(handles=patches, loc="outside lower right", ncols=2, fontsize=8, frameon=False)
+    figure.supxlabel(
+        "Angle around the roll from x (°); 0° and ±180° face the excitation\n"
+        "red: slipped at any time; green: stuck throughout; number: part of the area that slipped",
+        fontsize=9,
+    )
     figure.suptitle(_extent_sentence(rows, np.array(fractions)), fontsize=10, x=0.01, ha="left")
     return panels[0, 0]
 
@@ -104,7 +105,7 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: style.FloatArray) 
     return text
 
 
-def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 260) -> Axes:
+def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) -> Axes:
     """Plot the largest relative displacement as arrows, all interfaces at one scale, lowest excitation (Fig 4.11).
 
     Parameters
@@ -112,7 +113,7 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 260) ->
     members
         Finished cases over `excitation.amplitude` with `peak_slip_hoop`, `peak_slip_axial`, `theta_rad`, `z_m`.
     max_arrows
-        Points per panel are thinned evenly to at most this number; the longest is always drawn.
+        Columns of points are thinned evenly to at most about this number per panel; the longest is always drawn.
 
     Returns
     -------
@@ -141,8 +142,9 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 260) ->
         style.axes(ax)
         x, y = np.degrees(points[k].theta), 1e3 * points[k].z
         size = np.hypot(hoop[k], axial[k])
-        order = np.lexsort((points[k].theta, points[k].z))
-        keep = order[:: max(1, int(np.ceil(order.size / max_arrows)))]
+        angles, column = np.unique(np.round(points[k].theta, 6), return_inverse=True)
+        every = max(1, int(np.ceil(size.size / max_arrows)))  # columns are thinned from 0 degrees, a face of the roll
+        keep = np.flatnonzero((column - np.abs(angles).argmin()) % every == 0)
         keep = np.unique(np.append(keep, np.argmax(size)))
         arrows = ax.quiver(
             x[keep], y[keep], factor * hoop[k][keep], factor * axial[k][keep], factor * size[keep], cmap="viridis_r",
