@@ -29,6 +29,18 @@ def _modal(case: Case, *, progress: Progress, checkpoint: Path | None, resume: b
     return run_modal(case, progress=progress)
 
 
+def _harmonic(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .harmonic import run_harmonic
+
+    return run_harmonic(case, progress=progress)
+
+
+def _backbone(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .backbone import run_backbone
+
+    return run_backbone(case, progress=progress)
+
+
 def _preload(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
     from .history import run_preload
 
@@ -38,6 +50,8 @@ def _preload(case: Case, *, progress: Progress, checkpoint: Path | None, resume:
 ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "sweep": _time_history,
     "dwell": _time_history,
+    "harmonic": _harmonic,
+    "backbone": _backbone,
     "modal": _modal,
     "preload": _preload,
 }

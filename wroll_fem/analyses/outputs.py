@@ -30,6 +30,15 @@ _COUNTS = (
     "interface_points",
     "reduced_coordinates",
     "reduction_error_estimate",
+    "reduction_tip_error_estimate",
+    "folds",
+    "branch_points",
+    "f_stuck_hz",
+    "f_largest_amplitude_hz",
+    "zeta_max",
+    "tip_amplitude_at_zeta_max_m",
+    "base_acceleration_at_zeta_max_m_s2",
+    "memory_change",
     "steps",
     "step_cuts",
     "newton_iterations_mean",
@@ -68,6 +77,8 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
         summary |= {f"{name}_j": float(last[name]) for name in names}
         summary["energy_balance_error"] = energy_balance_error(dataset)
+    if "input_work_per_cycle" in dataset:
+        summary |= _work_per_cycle(dataset)
     if "cumulative_slip" in dataset:
         from ..slip import slipping_area_fraction
 
@@ -81,6 +92,17 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         summary["modes_hz"] = dataset["mode_frequency"].values.tolist()
         summary["effective_mass_fraction"] = fraction.values.ravel().tolist()
     return summary
+
+
+def _work_per_cycle(dataset: xr.Dataset) -> dict[str, float]:
+    """Work of a period where the response, or the damping of a backbone, is largest."""
+    if "modal_damping" in dataset:
+        at = int(dataset["modal_damping"].values.argmax())
+    else:
+        at = int(np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values).argmax())
+    names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
+    found = {f"{name}_j": float(dataset[name].values[at]) for name in names}
+    return found | {"energy_balance_error": dataset.attrs.get("energy_balance_error")}
 
 
 def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
@@ -126,8 +148,12 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
     folder.mkdir(parents=True, exist_ok=True)
     drawn: list[tuple[str, Callable[..., Any], dict[str, Any]]] = []
-    if "transmissibility_real" in dataset:
+    if "stable" in dataset:
+        drawn.append(("transmissibility", plotting.plot_harmonic_response, {}))
+    elif "transmissibility_real" in dataset:
         drawn.append(("transmissibility", plotting.plot_transmissibility, {}))
+    if "modal_damping" in dataset:
+        drawn.append(("backbone", plotting.plot_backbone, {}))
     if "tip_acceleration" in dataset:
         drawn.append(("response", plotting.plot_response, {}))
         drawn.append(("energy_ledger", plotting.plot_energy_ledger, {}))

@@ -9,6 +9,7 @@ from .contact import Contact, Friction, Normal
 from .example import example_case
 from .excitation import ChirpExcitation, DwellExcitation, Excitation
 from .geometry import Geometry
+from .harmonic import Backbone, Harmonic
 from .integrator import Integrator
 from .loader import build_case, load_case
 from .mandrel import Mandrel
@@ -21,7 +22,7 @@ from .schema import schema_text
 from .solver import Solver
 
 __all__ = [
-    "ANALYSES", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation", "Friction", "Geometry",
-    "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal", "Output", "Preload", "Section", "Solver",
-    "build_case", "example_case", "load_case", "schema_text",
+    "ANALYSES", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation", "Friction",
+    "Geometry", "Harmonic", "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal", "Output",
+    "Preload", "Section", "Solver", "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

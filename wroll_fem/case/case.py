@@ -16,6 +16,7 @@ from .coil import Coil
 from .contact import Contact, PenaltyFriction
 from .excitation import DwellExcitation, Excitation
 from .geometry import Geometry
+from .harmonic import Backbone, Harmonic
 from .integrator import Integrator
 from .mandrel import Mandrel
 from .mesh import Mesh
@@ -26,14 +27,16 @@ from .preload import Preload
 from .solver import Solver
 from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
 
-Analysis = Literal["sweep", "dwell", "modal", "preload"]
+Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "preload"]
 ANALYSES: tuple[str, ...] = get_args(Analysis)
 
 #: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
 FEWEST_STEPS_PER_CYCLE = 20
 
 #: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
-_OPTIONAL = ("contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure")
+_OPTIONAL = (
+    "contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure", "harmonic", "backbone",
+)  # fmt: skip
 
 #: Sections that describe a roll, and what the matrices of `structure` stand for.
 _ROLL = ("geometry", "mandrel", "coil")
@@ -86,6 +89,8 @@ class Case(Section):
     solver: Solver = Field(default_factory=Solver, description="how a step is solved")
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
     modal: Modal = Field(default_factory=Modal, description="the eigenvalue analysis")
+    harmonic: Harmonic = Field(default_factory=Harmonic, description="periodic motions by harmonic balance")
+    backbone: Backbone = Field(default_factory=Backbone, description="range of the backbone")
     output: Output = Field(default_factory=Output, description="what a run writes; never changes numbers")
 
     _source: Path | None = PrivateAttr(default=None)
@@ -202,7 +207,7 @@ def _roll_or_structure(case: Case) -> None:
 
 
 def _sections_present(case: Case) -> None:
-    if case.analysis in ("sweep", "dwell"):
+    if case.analysis in ("sweep", "dwell", "harmonic"):
         _needs(case, "excitation", f"analysis {case.analysis} shakes the base")
     stuck = case.analysis == "modal" and case.modal.interface == "stuck"
     if case.coil.model == "layers" and (case.analysis != "modal" or stuck):
@@ -212,7 +217,7 @@ def _sections_present(case: Case) -> None:
 
 
 def _excitation_fits(case: Case) -> None:
-    wanted = {"sweep": "chirp", "dwell": "dwell"}.get(case.analysis)
+    wanted = {"sweep": "chirp", "harmonic": "chirp", "dwell": "dwell"}.get(case.analysis)
     if wanted and case.excitation.kind != wanted:
         other = next(name for name, kind in (("sweep", "chirp"), ("dwell", "dwell")) if kind == case.excitation.kind)
         raise wrong(

@@ -27,8 +27,11 @@ from . import harmonic_kernel as kernel
 from .reduction import ReducedModel
 from .static import ContactState
 
-SETTLED = 1e-9
+SETTLED = 1e-8
 """The memory has settled when the elastic slip repeats to this fraction of gamma* over a period."""
+
+MAX_PERIODS = 8
+"""Most periods for that. Sliding in a plane just above the limit creeps towards its steady path for very long."""
 
 PRESSURE_CHANGE = 0.02
 """Newton's matrix (never the residual) leaves out points that stick and change their pressure by less than this."""
@@ -150,7 +153,7 @@ class HarmonicContact:
         laws: PointLaws,
         sampling: Sampling,
         *,
-        max_periods: int = 20,
+        max_periods: int = MAX_PERIODS,
     ):
         self.model, self.preload, self.laws, self.sampling = model, preload, laws, sampling
         self.max_periods = max_periods
@@ -158,7 +161,7 @@ class HarmonicContact:
         self.weights = np.concatenate([np.repeat(laws.area, 2), laws.area])
         self.force_operator = np.ascontiguousarray((model.jump * self.weights[:, None]).T)
         k = np.arange(self.n)
-        self._slots = np.column_stack([2 * k, 2 * k + 1, 2 * self.n + k])
+        self.slots = np.column_stack([2 * k, 2 * k + 1, 2 * self.n + k])
 
     def motion(self, coefficients: FloatArray) -> FloatArray:
         """(3 n, R) Fourier coefficients of the relative displacement for those of q (R, m), m."""
@@ -219,7 +222,7 @@ class HarmonicContact:
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
         if len(points) == 0:
             return np.zeros((size * m, size * m)), np.zeros((size, m))
-        a, slots = len(points), self._slots[points]
+        a, slots = len(points), self.slots[points]
         jump = self.model.jump[slots]  # (a, 3, m)
         # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
         right = blocks.transpose(0, 1, 2, 4, 3).reshape(a, 3 * size * size, 3) @ jump

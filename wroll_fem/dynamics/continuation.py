@@ -44,19 +44,21 @@ class StepControl:
     Attributes
     ----------
     first, smallest, largest : step along the arc
-    angle : largest turn of the tangent per step, rad
+    angle : turn of the tangent per step that is aimed at, rad
+    blunt : steps no longer than this are kept whatever the turn (the onset of slip is a kink)
     tolerance : largest Newton correction at convergence
     max_iterations : corrector iterations before a step is cut
     max_points : points of a curve before it is given up
     """
 
     first: float = 0.05
-    smallest: float = 1e-6
+    smallest: float = 1e-4
     largest: float = 0.3
-    angle: float = 0.25
+    angle: float = 0.2
+    blunt: float = 0.01
     tolerance: float = 1e-7
     max_iterations: int = 12
-    max_points: int = 2000
+    max_points: int = 1000
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,8 @@ class CurvePoint:
 
 CHORD_RATE = 0.25
 """A kept Jacobian is renewed when an iteration reduces the residual by less than this."""
+LEAPS = (0.5, 1.0, 2.0, 4.0)
+"""Steps over `StepControl.first` that are tried when small ones have failed."""
 LEAST_STEP = 0.05
 """Newton steps are not cut below this; a step taken in vain is."""
 
@@ -180,7 +184,7 @@ def follow(
     border[-1] = direction
     tangent, factor, sign = _tangent(problem, start, border)
     points = [CurvePoint(start, tangent, 0, True)]
-    step = control.first
+    step, leaps = control.first, list(LEAPS)
     history: list[float] = []
     while direction * (end - points[-1].z[-1]) > 1e-12:
         if on_point is not None:
@@ -199,21 +203,25 @@ def follow(
         if solution is not None:
             tangent, factor, new_sign = _tangent(problem, solution, last.tangent)
             turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
-            if turn <= 1.6 * control.angle or step <= 1e3 * control.smallest:
+            if turn <= 1.6 * control.angle or step <= control.blunt or len(leaps) < len(LEAPS):
                 points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
                 growth = min(control.angle / max(turn, 1e-6), np.sqrt(6.0 / len(history)))
-                step *= float(np.clip(growth, 0.4, 1.7))
+                step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
                 if direction * (solution[-1] - lowest) < 0.0:
-                    raise _with_points(
-                        _stalled("the curve runs back out of its start", problem.describe(z), history), points
-                    )
+                    what = "the curve runs back out of its start"
+                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 if len(points) > control.max_points:
-                    raise _with_points(_stalled("the curve does not end", problem.describe(z), history), points)
+                    what = "the curve does not end; a resonance without a bound on its amplitude looks like this"
+                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 continue
             tangent, factor, _ = _tangent(problem, last.z, last.tangent)
         step *= 0.4
-        if step < control.smallest:
-            raise _with_points(_stalled("the curve could not be followed", problem.describe(last.z), history), points)
+        if step < control.smallest or len(leaps) < len(LEAPS):
+            # a kink that Newton's method turns around in small steps may be stepped over
+            if not leaps:
+                what = "the curve could not be followed"
+                raise _with_points(_stalled(what, problem.describe(last.z), history), points)
+            step = leaps.pop(0) * control.first
     return points
 
 

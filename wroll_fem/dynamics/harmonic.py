@@ -27,7 +27,7 @@ from ..body import FloatArray
 from ..contact.laws import SMOOTHED, PointLaws
 from ..errors import ConvergenceError, InputError
 from . import harmonic_kernel as kernel
-from .aft import PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
+from .aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
 from .continuation import CurvePoint, StepControl, follow, solve_at
 from .reduction import ReducedModel
 from .static import ContactState
@@ -236,6 +236,10 @@ class HarmonicCurve:
         """Number of turning points."""
         return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
 
+    def direction(self, k: int) -> FloatArray:
+        """(R, m) change of the coefficients along the branch at point k, to a scale."""
+        return np.asarray(self.tangents[k, :-1].reshape(self.problem.shape) / self.problem.root)
+
     def fundamental(self, row: FloatArray) -> np.ndarray:
         """(p,) complex amplitude of the fundamental of row . q, base acceleration being A cos(wt)."""
         return np.asarray(self.coefficients[:, 1] @ row - 1j * (self.coefficients[:, 2] @ row))
@@ -305,7 +309,7 @@ def solve_response(
     frequencies: tuple[float, float],
     harmonics: int = 3,
     samples: int = 64,
-    max_periods: int = 20,
+    max_periods: int = MAX_PERIODS,
     control: StepControl | None = None,
     on_point: Callable[[float, int], None] | None = None,
 ) -> HarmonicCurve:

@@ -4,6 +4,7 @@ Every function of matplotlib takes a Dataset and an `ax` and returns the `ax`; n
 `save_figure(ax, path)` writes 150 dpi and closes. Pictures in space write a file (those of modes by pyvista).
 """
 
+from wroll_fem.plotting.backbone import plot_backbone, plot_harmonic_response
 from wroll_fem.plotting.cylinder import plot_slip_on_cylinder, write_slip_vtu
 from wroll_fem.plotting.history import plot_energy_ledger, plot_response
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes
@@ -13,8 +14,10 @@ from wroll_fem.plotting.style import save_figure
 from wroll_fem.plotting.transmissibility import plot_comparison, plot_transmissibility
 
 __all__ = [
+    "plot_backbone",
     "plot_comparison",
     "plot_energy_ledger",
+    "plot_harmonic_response",
     "plot_mode_shapes",
     "plot_modes",
     "plot_peak_slip_vectors",

@@ -1,0 +1,103 @@
+"""Backbone of a case: frequency and damping of the resonance over its amplitude."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from threadpoolctl import threadpool_limits
+
+from ..dynamics.backbone import BackboneCurve
+from ..dynamics.enrichment import trained_backbone
+from ..dynamics.harmonic_fields import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
+from ..dynamics.reduction import ReducedModel
+from ..dynamics.system import System
+from ..errors import ConvergenceError
+from ..results import annotate
+from .harmonic import condensed_structure, memory_remark
+from .preparation import prepare
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+
+def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
+    """Frequency, damping and work per cycle over `tip_amplitude`; fields per point are of the most damped motion."""
+    motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
+    dim, tip, base = "tip_amplitude", curve.tip, curve.base_acceleration
+    data = {
+        "resonance_frequency": (dim, curve.frequencies / (2.0 * np.pi)),
+        "modal_damping": (dim, curve.damping),
+        "resonant_base_acceleration": (dim, base),
+        "newton_iterations": (dim, curve.iterations),
+    } | per_motion(motions, system, dim)
+    # the negative damping feeds the mode: what it puts in is what the base would have to
+    data["input_work_per_cycle"] = (dim, curve.dissipation)
+    most = int(np.argmax(curve.damping))
+    dataset = xr.Dataset(data, coords={dim: tip})
+    dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[most])])
+    sampling = curve.balance.contact.sampling
+    dataset.attrs |= {
+        "f_stuck_hz": float(curve.frequencies[0] / (2.0 * np.pi)),
+        "f_largest_amplitude_hz": float(curve.frequencies[-1] / (2.0 * np.pi)),
+        "zeta_max": float(curve.damping[most]),
+        "tip_amplitude_at_zeta_max_m": float(tip[most]),
+        "base_acceleration_at_zeta_max_m_s2": float(base[most]),
+        "harmonics": sampling.harmonics,
+        "samples_per_period": sampling.samples,
+        "branch_points": len(tip),
+        "newton_iterations_mean": float(np.mean(curve.iterations)),
+        "reduced_coordinates": curve.balance.model.size,
+        "dofs": system.n_dofs,
+        "interface_points": system.n_points,
+        "memory_change": float(max(m.memory for m in motions)),
+        "method": "extended periodic motion, harmonic balance",
+    }
+    return annotate(dataset)
+
+
+def run_backbone(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Frequency and damping of the resonance that the base excites most, from sticking to gross slip.
+
+    Raises
+    ------
+    ConvergenceError
+        With the curve until then in ``partial``.
+    """
+    system, state = prepare(case, progress)
+    condensation = condensed_structure(case, system, state, progress)
+    settings, started = case.harmonic, time.process_time()
+    try:
+        with threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage:
+
+            def report(number: int, model: ReducedModel, error: float) -> None:
+                progress.info(f"curve {number}: {model.size} shapes, {error:.1e} missing")
+
+            trained = trained_backbone(
+                condensation, state, system.laws,
+                tip_amplitudes=(case.backbone.tip_smallest, case.backbone.tip_largest),
+                harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
+                tolerance=settings.reduction_tolerance, on_round=report,
+            )  # fmt: skip
+            stage.update(1)
+    except ConvergenceError as error:
+        partial = getattr(error, "partial", None)
+        if isinstance(partial, BackboneCurve):
+            error.partial = backbone_dataset(system, partial)  # type: ignore[attr-defined]
+        raise
+    dataset = backbone_dataset(system, trained.curve)
+    remark = memory_remark(dataset)
+    if remark:
+        progress.warning(remark)
+    return dataset.assign_attrs(
+        {
+            "solver_time_s": time.process_time() - started,
+            "curves_computed": trained.rounds,
+            "reduction_error_estimate": trained.energy_error,
+            "reduction_tip_error_estimate": trained.tip_error,
+            "energy_balance_error": cycle_balance_error(dataset),
+        }
+    )

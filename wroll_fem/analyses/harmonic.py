@@ -1,0 +1,137 @@
+"""Steady response of a case by harmonic balance: preload, modes, a basis made for the curve, the curve."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from threadpoolctl import threadpool_limits
+
+from ..dynamics.condensation import Condensation, condense
+from ..dynamics.enrichment import trained_response
+from ..dynamics.harmonic import HarmonicCurve
+from ..dynamics.harmonic_fields import curve_dataset, cycle_balance_error
+from ..dynamics.hht import Scheme
+from ..dynamics.reduction import ReducedModel
+from ..dynamics.static import ContactState, stick_springs
+from ..dynamics.system import System
+from ..errors import ConvergenceError
+from ..results import annotate
+from ..signals.damping import HalfPower, half_power
+from .preparation import prepare
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+MEMORY_WARNING = 0.02
+"""Elastic slip that still changes by more than this share of gamma* per period is worth a word."""
+
+
+def condensed_structure(case: Case, system: System, state: ContactState, progress: Progress) -> Condensation:
+    """All modes of the structure with its interface stuck."""
+    with progress.stage("modes", 1) as stage:
+        condensation = condense(system, stick_springs(system, state), Scheme.hht(0.0), case.time_step)
+        stage.update(1, f"{len(condensation.eigenvalues)} modes")
+    if not condensation.exact:
+        progress.warning(
+            "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "
+            "displacement"
+        )
+    return condensation
+
+
+def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Response curve with work per cycle and slip, and its half-power reading.
+
+    Raises
+    ------
+    ConvergenceError
+        With the curve until then in ``partial``.
+    """
+    system, state = prepare(case, progress)
+    condensation = condensed_structure(case, system, state, progress)
+    excitation, settings = case.excitation, case.harmonic
+    started = time.process_time()
+    try:
+        with threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage:
+
+            def report(number: int, model: ReducedModel, error: float) -> None:
+                progress.info(f"curve {number}: {model.size} shapes, {error:.1e} missing")
+
+            trained = trained_response(
+                condensation, state, system.laws, amplitude=excitation.amplitude,
+                frequencies=(excitation.f_start, excitation.f_end),  # type: ignore[union-attr]
+                harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
+                tolerance=settings.reduction_tolerance, on_round=report,
+            )  # fmt: skip
+            stage.update(1)
+    except ConvergenceError as error:
+        partial = getattr(error, "partial", None)
+        if isinstance(partial, HarmonicCurve):
+            error.partial = _described(curve_dataset(system, partial), case)  # type: ignore[attr-defined]
+        raise
+    seconds = time.process_time() - started
+    dataset = _described(curve_dataset(system, trained.curve), case)
+    read = read_curve(dataset)
+    for text in ("" if read.complete else read.reason, read.note, memory_remark(dataset)):
+        if text:
+            progress.warning(text)
+    return dataset.assign_attrs(
+        read.as_attrs()
+        | {
+            "zeta_method": "half power, harmonic balance",
+            "solver_time_s": seconds,
+            "curves_computed": trained.rounds,
+            "reduction_error_estimate": trained.energy_error,
+            "reduction_tip_error_estimate": trained.tip_error,
+            "energy_balance_error": cycle_balance_error(dataset),
+        }
+    )
+
+
+def read_curve(dataset: xr.Dataset) -> HalfPower:
+    """Half-power reading of the curve; of one that leans over, of its highest motions.
+
+    On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
+    every frequency, the largest of them: the envelope.
+    """
+    size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+    frequency = dataset["frequency"].values
+    if np.all(np.diff(frequency) > 0.0):
+        return half_power(frequency, size)
+    grid = np.linspace(frequency[0], frequency[-1], 20 * len(frequency))
+    best = np.zeros_like(grid)
+    for i in range(len(frequency) - 1):
+        low, high = sorted((frequency[i], frequency[i + 1]))
+        inside = (grid >= low) & (grid <= high)
+        if high > low:
+            share = (grid[inside] - frequency[i]) / (frequency[i + 1] - frequency[i])
+            best[inside] = np.maximum(best[inside], size[i] + share * (size[i + 1] - size[i]))
+    return half_power(grid, best)
+
+
+def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+    excitation = case.excitation
+    direction = excitation.direction if case.structure is None else "of the file"
+    attrs = {
+        "excitation_direction": direction,
+        "f_start_hz": excitation.f_start,  # type: ignore[union-attr]
+        "f_end_hz": excitation.f_end,  # type: ignore[union-attr]
+        "amplitude_m_s2": excitation.amplitude,
+        "method": "harmonic balance",
+    }
+    return annotate(dataset).assign_attrs(dataset.attrs | attrs)
+
+
+def memory_remark(dataset: xr.Dataset) -> str:
+    """Sentence about friction whose memory has not settled; empty when it has."""
+    change = float(dataset.attrs["memory_change"])
+    if change <= MEMORY_WARNING:
+        return ""
+    return (
+        f"the memory of friction still changes by {100 * change:.2g} % of elastic_slip per period at some point; "
+        "raise harmonic.max_periods"
+    )

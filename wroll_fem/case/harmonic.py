@@ -1,0 +1,50 @@
+"""Sections `harmonic` and `backbone`: periodic motions by harmonic balance."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from .base import Real, Section, Whole, wrong
+
+
+class Harmonic(Section):
+    """Fourier series of the motion and the evaluation of friction along a period."""
+
+    harmonics: Whole = Field(default=3, ge=1, le=50, description="harmonics of the motion besides its mean (count)")
+    samples: Whole = Field(default=64, ge=8, le=8192, description="evaluations of friction per period (count)")
+    max_periods: Whole = Field(
+        default=8, ge=1, le=1000, description="periods that the memory of friction may take to settle (count)"
+    )
+    reduction_tolerance: Real = Field(
+        default=1e-3,
+        gt=0,
+        le=0.1,
+        description="energy norm of what the whole structure may still add to the reduced motion, dimensionless",
+    )
+
+    @model_validator(mode="after")
+    def _sampled(self) -> Self:
+        if self.samples < 4 * self.harmonics + 4:
+            raise wrong(
+                f"too few samples for {self.harmonics} harmonics", key="samples", value=self.samples,
+                remedy=f"use {4 * self.harmonics + 4} or more (64 is the default)",
+            )  # fmt: skip
+        return self
+
+
+class Backbone(Section):
+    """Range of the resonance's amplitude."""
+
+    tip_smallest: Real = Field(default=1e-7, gt=0, description="smallest amplitude of the tip, m, 0-peak")
+    tip_largest: Real = Field(default=5e-4, gt=0, description="largest amplitude of the tip, m, 0-peak")
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.tip_largest <= self.tip_smallest:
+            raise wrong(
+                f"must be above backbone.tip_smallest = {self.tip_smallest:g} m", key="tip_largest",
+                value=self.tip_largest, remedy="give two rising amplitudes in m",
+            )  # fmt: skip
+        return self

@@ -1,0 +1,229 @@
+r"""Nonlinear modes: frequency and damping of a resonance as functions of its amplitude.
+
+Extended periodic motion concept: a mode is a periodic motion of the unforced structure whose dissipation is made up
+for by a negative damping proportional to the mass,
+
+.. math:: q'' + C q' + \Lambda q + (G\Phi)^T W s - 2 \zeta \omega\, q' = 0 .
+
+:math:`\zeta(a)` is the modal damping ratio, :math:`\omega(a)` the frequency, at the modal amplitude a of the
+fundamental, :math:`|Q_1| = a`. Near an isolated resonance the forced response passes through the same motions. The
+base drives the mode at resonance when its work per cycle, :math:`\pi A |b^T Q_1|`, is what is dissipated,
+:math:`2 \pi \zeta \omega^2 \sum_k k^2 |Q_k|^2`; so one curve tells the damping at every level of the base.
+
+References
+----------
+Krack (2015), Computers & Structures 154, 59, doi:10.1016/j.compstruc.2015.03.008.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..body import FloatArray
+from ..contact.laws import PointLaws
+from ..errors import ConvergenceError, InputError
+from .aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
+from .continuation import CurvePoint, StepControl, follow, solve_at
+from .harmonic import HarmonicBalance
+from .reduction import ReducedModel
+from .static import ContactState
+
+LENGTH = 6.0
+"""Scaled length of the whole range of amplitudes."""
+FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
+"""Relative change of the frequency, and damping ratio, that count as one."""
+
+
+def main_mode(model: ReducedModel) -> int:
+    """Index of the mode through which the base moves the tip most."""
+    return int(np.argmax(np.abs(model.base * model.tip) / np.maximum(model.eigenvalues, 1e-300)))
+
+
+class ModalMotion:
+    """The periodic motion as a `CurveProblem`: scaled shape (R, m), frequency, damping, then ln(amplitude)."""
+
+    def __init__(self, balance: HarmonicBalance, mode: int, amplitudes: tuple[float, float]):
+        self.balance, self.mode = balance, mode
+        model = balance.model
+        self.shape = (len(balance.orders), model.size)
+        self.natural = float(np.sqrt(model.eigenvalues[mode]))
+        self.root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + self.natural**2)
+        self.unit = float(self.root[mode])
+        self.first = float(np.log(amplitudes[0]))
+        self.per_unit = float(np.log(amplitudes[1] / amplitudes[0])) / LENGTH
+        self._seen: tuple[FloatArray, PeriodicContact] | None = None
+
+    def motion(self, z: FloatArray) -> tuple[FloatArray, float, float, float]:
+        """Shape (R, m), frequency (rad/s), damping ratio and amplitude (kg^(1/2) m)."""
+        shape = z[:-3].reshape(self.shape) * self.unit / self.root
+        frequency = self.natural * (1.0 + FREQUENCY_UNIT * z[-3])
+        return shape, frequency, DAMPING_UNIT * z[-2], float(np.exp(self.first + self.per_unit * z[-1]))
+
+    def start(self) -> FloatArray:
+        """The linear mode, (n + 1,)."""
+        shape = np.zeros(self.shape)
+        shape[1, self.mode] = 1.0
+        return np.concatenate([(shape * self.root / self.unit).ravel(), np.zeros(3)])
+
+    def residual(self, z: FloatArray) -> FloatArray:
+        """See `CurveProblem`."""
+        shape, frequency, damping, amplitude = self.motion(z)
+        contact = self.balance.contact.evaluate(self.balance.contact.motion(amplitude * shape), frequency)
+        self._seen = z, contact
+        out = self.balance.linear(shape, frequency) + self.balance.contact.force(contact) / amplitude
+        out -= 2.0 * damping * frequency * self.balance.velocity(shape, frequency)
+        ends = [float(np.sum(shape[1:3] ** 2)) - 1.0, shape[2, self.mode]]
+        return np.append((out / (self.root * self.unit)).ravel(), ends)
+
+    def jacobian(self, z: FloatArray) -> FloatArray:
+        """See `CurveProblem`."""
+        shape, frequency, damping, amplitude = self.motion(z)
+        if self._seen is None or not np.array_equal(self._seen[0], z):
+            self.residual(z)
+        assert self._seen is not None
+        contact, balance = self._seen[1], self.balance
+        size, m = self.shape
+        matrix, by_frequency = balance.jacobian(amplitude * shape, frequency, contact)
+        speed = balance.velocity(shape, frequency)
+        by_amplitude = (
+            matrix @ shape.ravel()
+            - (balance.linear(shape, frequency) + balance.contact.force(contact) / amplitude).ravel()
+        )
+        view = matrix.reshape(size, m, size, m)
+        own = np.arange(m)
+        for k in range(1, size, 2):
+            gain = 2.0 * damping * frequency * balance.orders[k] * frequency
+            view[k, own, k + 1, own] -= gain
+            view[k + 1, own, k, own] += gain
+        out = np.zeros((size * m + 2, size * m + 3))
+        root = np.tile(self.root, size)
+        out[:-2, :-3] = matrix / root[:, None] / root
+        rows = 1.0 / (root * self.unit)
+        by_frequency = by_frequency / amplitude - 4.0 * damping * speed.ravel()
+        out[:-2, -3] = rows * by_frequency * self.natural * FREQUENCY_UNIT
+        out[:-2, -2] = rows * (-2.0 * frequency * speed.ravel()) * DAMPING_UNIT
+        out[:-2, -1] = rows * by_amplitude * self.per_unit
+        ends = out[-2:, :-3].reshape(2, size, m)
+        ends[0, 1:3] = 2.0 * shape[1:3] * self.unit / self.root
+        ends[1, 2, self.mode] = self.unit / self.root[self.mode]
+        return out
+
+    def describe(self, z: FloatArray) -> str:
+        """See `CurveProblem`."""
+        shape, frequency, damping, amplitude = self.motion(z)
+        tip = amplitude * float(np.hypot(*(shape[1:3] @ self.balance.model.tip)))
+        return f"nonlinear mode at {frequency / (2 * np.pi):.4g} Hz, tip {tip:.3g} m, damping {100 * damping:.3g} %"
+
+
+@dataclass(frozen=True)
+class BackboneCurve:
+    """A resonance over its amplitude.
+
+    Attributes
+    ----------
+    frequencies : (p,) rad/s
+    damping : (p,) modal damping ratio
+    coefficients : (p, R, m) Fourier coefficients of q
+    iterations : (p,)
+    tangents : (p, n + 1) scaled
+    balance : the equations
+    problem : their scaling
+    """
+
+    frequencies: FloatArray
+    damping: FloatArray
+    coefficients: FloatArray
+    iterations: np.ndarray
+    tangents: FloatArray
+    balance: HarmonicBalance
+    problem: ModalMotion = field(repr=False)
+
+    @classmethod
+    def of_points(cls, problem: ModalMotion, points: list[CurvePoint]) -> BackboneCurve:
+        """Curve from what `continuation.follow` found."""
+        found = [problem.motion(p.z) for p in points]
+        return cls(
+            frequencies=np.array([f for _, f, _, _ in found]),
+            damping=np.array([d for _, _, d, _ in found]),
+            coefficients=np.array([a * q for q, _, _, a in found]),
+            iterations=np.array([p.iterations for p in points]),
+            tangents=np.array([p.tangent for p in points]),
+            balance=problem.balance,
+            problem=problem,
+        )
+
+    def fundamental(self, row: FloatArray) -> FloatArray:
+        """(p,) amplitude of the fundamental of row . q."""
+        return np.asarray(np.hypot(self.coefficients[:, 1] @ row, self.coefficients[:, 2] @ row))
+
+    @property
+    def tip(self) -> FloatArray:
+        """(p,) amplitude of the tip's displacement, m."""
+        return self.fundamental(self.balance.model.tip)
+
+    @property
+    def dissipation(self) -> FloatArray:
+        """(p,) energy lost per cycle, J."""
+        squares = np.sum(self.balance.orders[:, None] ** 2 * self.coefficients**2, axis=(1, 2))
+        return np.asarray(2.0 * np.pi * self.damping * self.frequencies**2 * squares)
+
+    @property
+    def base_acceleration(self) -> FloatArray:
+        """(p,) amplitude of the base acceleration that drives the mode at resonance, m/s^2."""
+        return np.asarray(self.dissipation / (np.pi * self.fundamental(self.balance.model.base)))
+
+    def direction(self, k: int) -> FloatArray:
+        """(R, m) change of the coefficients along the curve at point k, to a scale."""
+        shape = self.coefficients[k] / np.linalg.norm(self.coefficients[k, 1:3])
+        change = self.tangents[k, :-3].reshape(self.problem.shape) * self.problem.unit / self.problem.root
+        return np.asarray(change + shape * self.problem.per_unit * self.tangents[k, -1])
+
+
+def solve_backbone(
+    model: ReducedModel,
+    preload: ContactState,
+    laws: PointLaws,
+    *,
+    tip_amplitudes: tuple[float, float],
+    mode: int | None = None,
+    harmonics: int = 3,
+    samples: int = 64,
+    max_periods: int = MAX_PERIODS,
+    control: StepControl | None = None,
+) -> BackboneCurve:
+    """Frequency and damping of a mode from its smallest to its largest amplitude.
+
+    Parameters
+    ----------
+    tip_amplitudes
+        Smallest and largest amplitude of the tip in m, of the linear mode (stuck interface).
+    mode
+        Index of the linear mode to start from; the one that the base drives most when None.
+
+    Raises
+    ------
+    InputError
+        For amplitudes that do not rise, or a mode that does not move the tip.
+    ConvergenceError
+        With the curve until then in ``partial`` (BackboneCurve).
+    """
+    if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
+        raise InputError(f"amplitudes {tip_amplitudes} do not rise", key="backbone", remedy="give two rising, in m")
+    number = main_mode(model) if mode is None else mode
+    reach = float(abs(model.tip[number]))
+    if reach == 0.0 or model.eigenvalues[number] <= 0.0:
+        raise InputError(f"mode {number} does not move the tip, or is no vibration", remedy="choose another mode")
+    control = control or StepControl()
+    contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
+    low, high = (a / reach for a in tip_amplitudes)
+    problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
+    first = solve_at(problem, problem.start(), control)
+    try:
+        points = follow(problem, first, LENGTH, control)
+    except ConvergenceError as error:
+        points = getattr(error, "partial", [])
+        error.partial = BackboneCurve.of_points(problem, points)  # type: ignore[attr-defined]
+        raise
+    return BackboneCurve.of_points(problem, points)

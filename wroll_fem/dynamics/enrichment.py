@@ -1,0 +1,338 @@
+r"""A reduced model made by harmonic balance itself, and what it misses: no time history is needed.
+
+A curve is computed in a small span. At a few of its points the balance of the *whole* structure is evaluated (all
+modes of `condensation`), and linearised there, exactly as in Newton's method but with every point of the
+interface and every mode:
+
+.. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W
+
+for the jump z of the correction :math:`\delta`; L is the dynamic stiffness of each harmonic, D the exact derivative
+of the contact law. GMRES needs some ten products with F. The principal shapes of the corrections join the span
+until the corrections are small; what is left is the error estimate.
+
+The first span holds the modes that the base excites, static responses, and such corrections of imposed motions in
+the main mode, from the onset of slip to gross slip: it knows the shapes of sliding before the first curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+import scipy.linalg as la
+
+from ..body import FloatArray
+from ..contact.laws import PointLaws
+from ..errors import ConvergenceError
+from .aft import MAX_PERIODS, HarmonicContact, Sampling
+from .backbone import BackboneCurve, main_mode, solve_backbone
+from .condensation import Condensation
+from .continuation import StepControl
+from .harmonic import HarmonicBalance, HarmonicCurve, solve_response
+from .reduction import ReducedModel, modal_force, slot_jump
+from .static import ContactState
+
+NEAR_RESONANCE = 0.02
+"""The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""
+
+Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
+
+KRYLOV, KRYLOV_TOLERANCE = 80, 1e-3
+"""Most products of GMRES and the relative residual at which it stops."""
+
+SMALL = 40
+"""Structures with fewer modes are not reduced."""
+
+START_MODES = 12
+SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
+"""Imposed motions of the first span: largest relative displacement over gamma*."""
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What the whole structure adds to a motion of a reduced model.
+
+    Attributes
+    ----------
+    modal : (r, R) first-order correction in modes of the condensation
+    shapes : (r, R) the same for unit energy norm of the motion
+    energy : its energy norm over that of the motion
+    tip : change of the fundamental of the tip over that of the motion
+    krylov : GMRES products
+    """
+
+    modal: FloatArray
+    shapes: FloatArray
+    energy: float
+    tip: float
+    krylov: int
+
+
+def correction(
+    balance: HarmonicBalance,
+    coefficients: FloatArray,
+    frequency: float,
+    along: FloatArray | None = None,
+    damping: float = 0.0,
+) -> Correction:
+    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) by the balance of the whole structure.
+
+    ``along`` (R, m) is the direction of the curve: what only moves the point along it does not count, since on a steep
+    flank any small change of the frequency looks large. ``damping`` is the negative modal damping of a nonlinear mode.
+    """
+    contact, model = balance.contact, balance.model
+    c, orders = model.condensation, balance.orders
+    modal = model.vectors @ coefficients.T  # (r, R)
+    state = contact.evaluate(contact.motion(coefficients), frequency)
+    squares = (orders * frequency) ** 2
+    force = modal_force(c, contact.weights[:, None] * state.coefficients)
+    residual = (c.eigenvalues[:, None] - squares) * modal + force
+    residual[:, 1] += balance.acceleration * c.base
+    if c.damping is not None:
+        w = orders[1::2] * frequency
+        residual[:, 1::2] += w * (c.damping @ modal[:, 2::2])
+        residual[:, 2::2] -= w * (c.damping @ modal[:, 1::2])
+    if damping:
+        w = orders[1::2] * frequency
+        residual[:, 1::2] -= 2.0 * damping * frequency * w * modal[:, 2::2]
+        residual[:, 2::2] += 2.0 * damping * frequency * w * modal[:, 1::2]
+    each = (np.unique(orders) * frequency) ** 2
+    stiffness = c.eigenvalues - each[:, None]  # (H + 1, r)
+    least = NEAR_RESONANCE * np.maximum(c.eigenvalues, each[:, None])
+    stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
+    inverse = 1.0 / stiffness[orders.astype(int)].T  # (r, R)
+    points, blocks, _ = contact.point_blocks(state, threshold=0.0)
+    slots = contact.slots[points]
+
+    def changed(z: FloatArray) -> FloatArray:
+        """D z: traction (3 n, R) of a jump (3 n, R)."""
+        out = np.zeros_like(z)
+        out[slots] = np.einsum("airjq,ajq->air", blocks, z[slots], optimize=True)
+        return out
+
+    def answer(z: FloatArray) -> FloatArray:
+        """L^{-1} G^T W D z: modal displacement (r, R)."""
+        return np.asarray(inverse * modal_force(c, contact.weights[:, None] * changed(z)))
+
+    direct = -inverse * residual
+    z, count = _gmres(lambda v: v + slot_jump(c, answer(v)), slot_jump(c, direct))
+    delta = direct - answer(z)
+    root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]
+    if along is not None:
+        direction = root * (model.vectors @ along.T)
+        delta = delta - np.sum(direction * root * delta) / np.sum(direction**2) * direction / root
+    tip, moved = c.tip @ delta[:, 1:3], c.tip @ modal[:, 1:3]
+    size = float(np.linalg.norm(root * modal))
+    return Correction(
+        delta,
+        delta / size,
+        float(np.linalg.norm(root * delta)) / size,
+        float(np.linalg.norm(tip) / np.linalg.norm(moved)),
+        count,
+    )
+
+
+def first_model(condensation: Condensation, preload: ContactState, laws: PointLaws, sampling: Sampling) -> ReducedModel:
+    """Span to start from: modes and static responses, and the shapes of slip under imposed motions."""
+    c = condensation
+    count = len(c.eigenvalues)
+    if count <= SMALL:
+        return ReducedModel.complete(c)
+    values = np.maximum(c.eigenvalues, 1e-6 * c.eigenvalues[c.eigenvalues > 0].min())
+    leading = np.argsort(-np.abs(c.base * c.tip))[:START_MODES]
+    modes = np.zeros((count, len(leading)))
+    modes[leading, np.arange(len(leading))] = 1.0
+    model = ReducedModel.of_vectors(c, np.column_stack([modes, c.base / values, c.tip / values]))
+    if not len(laws.area):
+        return model
+    rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling), 0.0)
+    main = main_mode(model)
+    frequency = 0.95 * float(np.sqrt(model.eigenvalues[main]))
+    reach = float(np.max(np.abs(model.jump[: 2 * len(laws.area), main]) / np.repeat(laws.gamma, 2)))
+    shapes = []
+    for level in SLIP_LEVELS:
+        q = np.zeros((sampling.size, model.size))
+        q[1, main] = level / max(reach, 1e-300)
+        scale = float(np.sqrt(model.eigenvalues[main]) * q[1, main])
+        shapes.append(correction(rest, q, frequency).modal / scale)
+    return _with_shapes(model, np.column_stack(shapes), 3e-3)
+
+
+def _with_shapes(model: ReducedModel, shapes: FloatArray, least: float) -> ReducedModel:
+    """Model whose span also holds the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
+    root = np.sqrt(np.maximum(model.condensation.eigenvalues, 1e-12 * model.condensation.eigenvalues.max()))[:, None]
+    left, size, _ = la.svd(root * shapes, full_matrices=False)
+    kept = left[:, size > least] / root
+    return model.enriched(kept) if kept.shape[1] else model
+
+
+@dataclass(frozen=True)
+class Trained(Generic[Curve]):
+    """A curve in a span that was made for it.
+
+    Attributes
+    ----------
+    curve : response or backbone
+    energy_error : largest energy norm of what the whole structure still adds at the points looked at, over the motion's
+    tip_error : largest change of the tip's fundamental that it makes
+    rounds : curves computed
+    """
+
+    curve: Curve
+    energy_error: float
+    tip_error: float
+    rounds: int
+
+
+def looked_at(curve: HarmonicCurve) -> list[int]:
+    """Points of a curve to compare with the whole structure: both ends, the peak, and its flanks."""
+    size = np.abs(curve.transmissibility)
+    peak = int(size.argmax())
+    points = {0, peak, len(size) - 1}
+    for level in (0.85, 0.6, 0.35):
+        points.add(int(np.argmin(np.abs(size[: peak + 1] - level * size[peak]))))
+        points.add(peak + int(np.argmin(np.abs(size[peak:] - level * size[peak]))))
+    return sorted(points)
+
+
+def _trained(
+    model: ReducedModel,
+    solve: Callable[[ReducedModel], Curve],
+    look: Callable[[Curve], list[Correction]],
+    tolerance: float,
+    max_rounds: int,
+    on_round: Callable[[int, ReducedModel, float], None] | None,
+) -> Trained[Curve]:
+    """Curves in spans that grow until the corrections are below ``tolerance``."""
+    for number in range(1, max_rounds + 1):
+        stopped: ConvergenceError | None = None
+        try:
+            curve = solve(model)
+        except ConvergenceError as stop:
+            if len(getattr(getattr(stop, "partial", None), "frequencies", ())) < 3:
+                raise
+            curve, stopped = stop.partial, stop  # type: ignore[attr-defined]
+        found = look(curve)
+        error = max(f.energy for f in found)
+        if on_round is not None:
+            on_round(number, model, error)
+        if error <= tolerance:
+            if stopped is not None:
+                raise stopped
+            return Trained(curve, error, max(f.tip for f in found), number)
+        model = _with_shapes(model, np.column_stack([f.shapes for f in found]), 0.2 * tolerance)
+    failure = ConvergenceError(
+        "the reduced model does not reach harmonic.reduction_tolerance",
+        time_s=0.0,
+        iterations=max_rounds,
+        residual_history=[error],
+        advice="use a larger harmonic.reduction_tolerance, or look whether the surfaces open widely",
+    )
+    failure.partial = curve  # type: ignore[attr-defined]
+    raise failure
+
+
+def trained_response(
+    condensation: Condensation,
+    preload: ContactState,
+    laws: PointLaws,
+    *,
+    amplitude: float,
+    frequencies: tuple[float, float],
+    harmonics: int = 3,
+    samples: int = 64,
+    max_periods: int = MAX_PERIODS,
+    tolerance: float = 1e-3,
+    max_rounds: int = 8,
+    control: StepControl | None = None,
+    on_round: Callable[[int, ReducedModel, float], None] | None = None,
+) -> Trained[HarmonicCurve]:
+    """Response curve (see `harmonic.solve_response`) of the whole structure to ``tolerance`` in the energy norm.
+
+    Parameters
+    ----------
+    tolerance
+        Largest correction at the points looked at, relative to the motion in the energy norm; the tip's is smaller.
+    on_round
+        Called with the number of the curve, its model and its error.
+
+    Raises
+    ------
+    ConvergenceError
+        When the curve cannot be followed in a good span, or the span does not become good; ``partial`` holds the
+        last curve.
+    """
+
+    def solve(model: ReducedModel) -> HarmonicCurve:
+        return solve_response(
+            model, preload, laws, amplitude=amplitude, frequencies=frequencies, harmonics=harmonics, samples=samples,
+            max_periods=max_periods, control=control,
+        )  # fmt: skip
+
+    def look(curve: HarmonicCurve) -> list[Correction]:
+        points = looked_at(curve)
+        return [
+            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)) for k in points
+        ]
+
+    model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
+    return _trained(model, solve, look, tolerance, max_rounds, on_round)
+
+
+def trained_backbone(
+    condensation: Condensation,
+    preload: ContactState,
+    laws: PointLaws,
+    *,
+    tip_amplitudes: tuple[float, float],
+    harmonics: int = 3,
+    samples: int = 64,
+    max_periods: int = MAX_PERIODS,
+    tolerance: float = 1e-3,
+    max_rounds: int = 8,
+    control: StepControl | None = None,
+    on_round: Callable[[int, ReducedModel, float], None] | None = None,
+) -> Trained[BackboneCurve]:
+    """Backbone (see `backbone.solve_backbone`) of the whole structure; arguments and errors as `trained_response`."""
+
+    def solve(model: ReducedModel) -> BackboneCurve:
+        return solve_backbone(
+            model, preload, laws, tip_amplitudes=tip_amplitudes, harmonics=harmonics, samples=samples,
+            max_periods=max_periods, control=control,
+        )  # fmt: skip
+
+    def look(curve: BackboneCurve) -> list[Correction]:
+        points = np.unique(np.linspace(0, len(curve.frequencies) - 1, 9).astype(int))
+        return [
+            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k), curve.damping[k])
+            for k in points
+        ]
+
+    model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
+    return _trained(model, solve, look, tolerance, max_rounds, on_round)
+
+
+def _gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray) -> tuple[FloatArray, int]:
+    """Solution of apply(z) = b without restart; z like b."""
+    shape, size = b.shape, float(np.linalg.norm(b))
+    if size == 0.0:
+        return np.zeros(shape), 0
+    basis, h = [b.ravel() / size], np.zeros((KRYLOV + 1, KRYLOV))
+    y, k = np.zeros(0), 0
+    for k in range(KRYLOV):
+        v = apply(basis[k].reshape(shape)).ravel()
+        for _ in range(2):
+            for i, u in enumerate(basis):
+                along = float(u @ v)
+                h[i, k] += along
+                v = v - along * u
+        h[k + 1, k] = np.linalg.norm(v)
+        rhs = np.zeros(k + 2)
+        rhs[0] = size
+        y, *_ = la.lstsq(h[: k + 2, : k + 1], rhs)
+        if np.linalg.norm(h[: k + 2, : k + 1] @ y - rhs) < KRYLOV_TOLERANCE * size or h[k + 1, k] < 1e-14 * size:
+            break
+        basis.append(v / h[k + 1, k])
+    return (np.column_stack(basis[: k + 1]) @ y).reshape(shape), k + 1

@@ -1,0 +1,133 @@
+"""Response curves and resonances as Datasets: work per cycle, slip, opening, memory that is left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..body import FloatArray
+from . import harmonic_kernel as kernel
+from .fields import interface_fields, per_interface
+from .harmonic import CycleWork, HarmonicBalance, HarmonicCurve
+from .system import System
+
+SLIP_SHARE = 1e-9
+"""Slip paths below this fraction of gamma* per period are rounding."""
+
+
+class PeriodicMotion:
+    """One periodic motion (R, m) at ``frequency`` (rad/s): what friction and the interface do in it.
+
+    Attributes
+    ----------
+    work : energy of a period
+    friction : (n,) friction work per area and period, J/m^2
+    path : (n,) slip path per period, m
+    peak : (n, 3) largest tangential displacement from the preload state and its hoop and axial components, m
+    slips, opens : (n,) whether a point ever slips, opens
+    memory : change of the elastic slip over the last period evaluated, over gamma*
+    """
+
+    def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequency: float):
+        contact = balance.contact
+        state = contact.evaluate(contact.motion(coefficients), frequency)
+        n = contact.n
+        self.work = balance.cycle_work(coefficients, frequency)
+        self.friction, self.path, self.peak = np.zeros(n), np.zeros(n), np.zeros((n, 3))
+        kernel.cycle_work(
+            state.motion, state.slip, contact.preload.jump, contact.laws, self.friction, self.path, self.peak
+        )
+        self.slips = (state.sliding & ~state.open).any(axis=1) & (self.path > SLIP_SHARE * contact.laws.gamma)
+        self.opens = state.open.any(axis=1)
+        self.memory = state.settled
+
+
+def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> dict[str, tuple]:
+    """Variables over ``dim``: work per cycle, fractions, amplitude of the relative displacement per point."""
+    works: Sequence[CycleWork] = [motion.work for motion in motions]
+    data: dict[str, tuple] = {
+        "input_work_per_cycle": (dim, np.array([w.input for w in works])),
+        "friction_work_per_cycle": (dim, np.array([w.friction for w in works])),
+        "modulation_work_per_cycle": (dim, np.array([w.modulation for w in works])),
+        "viscous_work_per_cycle": (dim, np.array([w.viscous for w in works])),
+        "interface_work_per_cycle": (dim, np.array([w.interface for w in works])),
+    }
+    if system.interfaces:
+        slips = np.array([motion.slips for motion in motions])
+        opens = np.array([motion.opens for motion in motions])
+        peaks = np.array([motion.peak[:, 0] for motion in motions])
+        data |= {
+            "slipping_fraction": (dim, slips.mean(axis=1)),
+            "open_fraction": (dim, opens.mean(axis=1)),
+            "memory_change": (dim, np.array([motion.memory for motion in motions])),
+            "slip_amplitude": ((dim, "interface", "point"), np.array([per_interface(system, p) for p in peaks])),
+        }
+    return data
+
+
+def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMotion) -> xr.Dataset:
+    """Interface fields of one motion under the names of a sweep; slip path and friction work are those of a period."""
+    if not system.interfaces:
+        return xr.Dataset()
+    fields = interface_fields(system, balance.contact.preload)
+    dims = ("interface", "point")
+    for name, values in (
+        ("cumulative_slip", motion.path),
+        ("max_slip", motion.peak[:, 0]),
+        ("slipped", motion.slips),
+        ("peak_slip_hoop", motion.peak[:, 1]),
+        ("peak_slip_axial", motion.peak[:, 2]),
+        ("friction_work_density", motion.friction),
+    ):
+        fields[name] = (dims, per_interface(system, values))
+    return fields
+
+
+def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
+    """Response curve over `frequency`, or over `branch_point` with `frequency` as a variable when it leans over.
+
+    Fields per point are those of the highest transmissibility. Attributes say what the curve cost and whether it folds.
+    """
+    hertz = curve.frequencies / (2.0 * np.pi)
+    rises = bool(np.all(np.diff(hertz) > 0.0))
+    dim = "frequency" if rises else "branch_point"
+    ratio = curve.transmissibility
+    motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
+    tip = np.abs(curve.fundamental(curve.balance.model.tip))
+    data: dict[str, tuple] = {
+        "transmissibility_real": (dim, ratio.real.copy()),
+        "transmissibility_imag": (dim, ratio.imag.copy()),
+        "tip_amplitude": (dim, tip),
+        "stable": (dim, curve.stable),
+        "newton_iterations": (dim, curve.iterations),
+    } | per_motion(motions, system, dim)
+    place = {dim: hertz} if rises else {dim: np.arange(len(hertz)), "frequency": (dim, hertz)}
+    dataset = xr.Dataset(data, coords=place)
+    peak = int(np.abs(ratio).argmax())
+    dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[peak])])
+    sampling = curve.balance.contact.sampling
+    dataset.attrs |= {
+        "folds": curve.folds,
+        "branch_points": len(hertz),
+        "harmonics": sampling.harmonics,
+        "samples_per_period": sampling.samples,
+        "newton_iterations_mean": float(np.mean(curve.iterations)),
+        "reduced_coordinates": curve.balance.model.size,
+        "dofs": system.n_dofs,
+        "interface_points": system.n_points,
+        "fields_at_frequency_hz": float(hertz[peak]),
+        "memory_change": float(max((m.memory for m in motions), default=0.0)),
+    }
+    return dataset
+
+
+def cycle_balance_error(dataset: xr.Dataset) -> float:
+    """Input less friction, modulation and dashpots, over the largest input of a cycle: the quadrature's error."""
+    spent = (
+        dataset["friction_work_per_cycle"] + dataset["modulation_work_per_cycle"] + dataset["viscous_work_per_cycle"]
+    )
+    gap = np.abs((dataset["input_work_per_cycle"] - spent).values)
+    scale = float(np.abs(dataset["input_work_per_cycle"].values).max())
+    return float(gap.max() / scale) if scale > 0.0 else 0.0

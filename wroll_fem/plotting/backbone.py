@@ -1,0 +1,125 @@
+"""Figures of periodic motions: the response curve of harmonic balance, folds included, and the backbone."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from wroll_fem.plotting import style
+from wroll_fem.results import label
+
+
+def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot |T| over frequency along the branch; parts between folds are dashed.
+
+    Parameters
+    ----------
+    dataset
+        Result of the analysis harmonic; its half-power reading stands in the attributes.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset holds no response curve.
+    """
+    style.require(dataset, ("frequency", "transmissibility_real", "transmissibility_imag", "stable"), "response curve")
+    ax = style.axes(ax)
+    frequency, stable = dataset["frequency"].values, dataset["stable"].values.astype(bool)
+    size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+    ax.plot(frequency, np.where(stable, size, np.nan), ".-", color=style.BLUE, lw=1.6, ms=4, label="harmonic balance")
+    if not stable.all():
+        between = ~stable | np.append(~stable[1:], False) | np.insert(~stable[:-1], 0, False)
+        ax.plot(frequency, np.where(between, size, np.nan), "--", color=style.GREY, lw=1.2, label="unstable (folds)")
+    attrs = dataset.attrs
+    peak = int(size.argmax())
+    ax.plot(frequency[peak], size[peak], "o", color=style.RED, ms=5, zorder=5)
+    ends = [attrs[name] for name in ("half_power_low_hz", "half_power_high_hz") if np.isfinite(attrs.get(name, np.nan))]
+    if ends:
+        level = size[peak] / np.sqrt(2.0)
+        ax.plot(ends, [level] * len(ends), "s-", color=style.RED, ms=4, lw=0.9, zorder=5, label="half power")
+    if "slipping_fraction" in dataset:
+        other = ax.twinx()
+        other.fill_between(frequency, 100.0 * dataset["slipping_fraction"].values, color=style.ORANGE, alpha=0.25, lw=0)
+        other.set_ylim(0.0, 100.0)
+        other.set_ylabel("Points that slip in the cycle (%)", color=style.ORANGE)
+        other.spines["top"].set_visible(False)
+    ax.set_xlim(frequency.min(), frequency.max())
+    ax.set_ylim(0.0, 1.12 * size.max())
+    ax.set_xlabel(label("frequency"))
+    ax.set_ylabel("Transmissibility |T|, tip over base (–)")
+    ax.legend(fontsize=8, framealpha=0.9, loc="upper right")
+    zeta = attrs.get("zeta", np.nan)
+    damping = f"half power reads {100 * zeta:.2f} % damping" if np.isfinite(zeta) else "half power cannot be read"
+    friction = float(dataset["friction_work_per_cycle"].values[peak])
+    style.title(
+        ax,
+        f"Tip moves {size[peak]:.1f} times the base at {frequency[peak]:.1f} Hz; {damping}; "
+        f"friction takes {style.engineering(friction, 'J')} per cycle there",
+    )
+    return ax
+
+
+def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot frequency and damping of the resonance over its amplitude, with the base level that drives it.
+
+    Parameters
+    ----------
+    dataset
+        Result of the analysis backbone.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in (damping; the frequency is on its twin).
+
+    Raises
+    ------
+    InputError
+        When the Dataset holds no backbone.
+    """
+    names = ("tip_amplitude", "resonance_frequency", "modal_damping", "resonant_base_acceleration")
+    style.require(dataset, names, "backbone")
+    ax = style.axes(ax, 4.6)
+    tip, damping = 1e6 * dataset["tip_amplitude"].values, 100.0 * dataset["modal_damping"].values
+    hertz, base = dataset["resonance_frequency"].values, dataset["resonant_base_acceleration"].values
+    (first,) = ax.plot(tip, damping, "-", color=style.RED, lw=1.8, label="damping (left)")
+    ax.set_xscale("log")
+    ax.set_xlim(tip[0], tip[-1])
+    ax.set_ylim(0.0, 1.15 * max(damping.max(), 1e-6))
+    ax.set_xlabel(label("tip_amplitude", "µm"))
+    ax.set_ylabel("Modal damping ratio (%)", color=style.RED)
+    other = ax.twinx()
+    (second,) = other.plot(tip, hertz, "-", color=style.BLUE, lw=1.8, label="frequency (right)")
+    other.set_ylabel(label("resonance_frequency"), color=style.BLUE)
+    other.spines["top"].set_visible(False)
+    slipping = damping > 1e-3 * damping.max()
+    for level in (0.3, 1.0, 3.0, 10.0, 30.0, 100.0):
+        if base[slipping].size and base[slipping].min() < level < base.max() and np.all(np.diff(base[slipping]) > 0):
+            at = float(np.exp(np.interp(np.log(level), np.log(base[slipping]), np.log(tip[slipping]))))
+            there = float(np.interp(at, tip, damping))
+            ax.plot(at, there, "o", color="black", ms=4, zorder=5)
+            ax.annotate(
+                f"{level:g} m/s²", (at, there), textcoords="offset points", xytext=(-6, 6), fontsize=8, ha="right"
+            )
+    ax.legend(handles=[first, second], fontsize=8, framealpha=0.9, loc="center left")
+    most = int(damping.argmax())
+    if damping[most] < 1e-6:
+        found = "the interface sticks: no damping at these amplitudes"
+    else:
+        start = tip[int(np.argmax(slipping))]
+        found = (
+            f"slip starts at {start:.3g} µm; damping rises to {damping[most]:.1f} % at {tip[most]:.3g} µm "
+            f"(base {base[most]:.2g} m/s² marked along the curve: levels that drive it)"
+        )
+    style.title(ax, f"Resonance falls from {hertz[0]:.1f} Hz to {hertz[-1]:.1f} Hz as it grows; {found}")
+    return ax
