@@ -22,7 +22,7 @@ from wroll_fem import load_case
 from wroll_fem.analyses import run_analysis
 from wroll_fem.progress import SilentProgress
 
-SET_UP = ("mesh and matrices", "matrices", "preload", "condensation", "set-up")
+SET_UP = ("mesh and matrices", "matrices", "preload", "condensation", "modes", "set-up")
 READINGS = ("f_n_hz", "zeta", "peak_transmissibility", "steps", "dofs", "interface_points", "reduction_error_estimate")
 
 
@@ -62,7 +62,7 @@ def main() -> None:
         "warnings": clock.warnings,
     }
     report |= {key: float(dataset.attrs[key]) for key in READINGS if key in dataset.attrs}
-    if "tip_displacement" in dataset:
+    if "time" in dataset.dims:
         np.savez(f"{stem}.npz", tip=dataset["tip_displacement"].values, friction=dataset["friction_energy"].values)
     Path(f"{stem}.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
 
