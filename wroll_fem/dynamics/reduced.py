@@ -28,7 +28,7 @@ from .stepper import NewtonOptions, Stepper
 from .system import System
 from .uniqueness import check_unambiguous
 
-LOOK_EVERY = 29
+LOOK_EVERY = 11
 """Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases."""
 
 ENERGY_SHARE = 1e-3
@@ -158,7 +158,7 @@ class ReducedStepper(Stepper):
         s, model, n = self.scheme, self.model, self.system.n_points
         inverse = self._prepare(dt)
         history = np.zeros(self.options.max_iterations + 1)
-        looks = np.zeros((len(acceleration) // LOOK_EVERY + 1, 2 * model.size + 3 * n + 1))
+        looks = np.zeros((len(acceleration) // LOOK_EVERY + 2, 2 * model.size + 3 * n + 1))
         count = np.zeros(1, np.int64)
         done = advance_reduced(
             np.ascontiguousarray(acceleration), dt, s.alpha, s.beta, s.gamma,

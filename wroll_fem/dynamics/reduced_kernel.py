@@ -92,7 +92,7 @@ def advance_reduced(
 ):  # fmt: skip
     """Advance len(acceleration) - 1 steps; returns the number done (state is that of the last good step).
 
-    ``looks`` (k, 2 m + 3 n + 1) receives q, a, s and the base acceleration every ``look_every`` steps.
+    ``looks`` (k, 2 m + 3 n + 1) receives q, a, s and the base acceleration every ``look_every`` steps and at the last.
     """
     n, m = laws.area.shape[0], q.shape[0]
     t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
@@ -172,7 +172,7 @@ def advance_reduced(
             opened += status[k] == OPEN
         records[step, 12] = opened / max(n, 1)
         records[step, 13] = slipping / max(n, 1)
-        if (step + 1) % look_every == 0 and look_count[0] < looks.shape[0]:
+        if (step + 1) % look_every == 0 or step == acceleration.shape[0] - 2:
             row = look_count[0]
             looks[row, :m] = q
             looks[row, m : 2 * m] = a
