@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +11,23 @@ import pytest
 import scipy.sparse.linalg as spla
 
 from wroll_fem.case import load_case
+from wroll_fem.dynamics import condensed
 from wroll_fem.dynamics.blocks import Blocks, spread
-from wroll_fem.dynamics.condensation import condense_cyclic
+from wroll_fem.dynamics.condensation import condense, condense_cyclic
 from wroll_fem.dynamics.condensed_static import CondensedStatic
-from wroll_fem.dynamics.static import ContactState, solve_load_path, stick_springs
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.simulate import simulate
+from wroll_fem.dynamics.static import ContactState, solve_load_path, solve_preload, stick_springs
 from wroll_fem.dynamics.system import System
 from wroll_fem.model import build_bodies, build_system
+from wroll_fem.signals.base_motion import Dwell
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_sweep.yaml"
 
 
 @cache
-def roll(symmetric: bool = True, layers: int = 1) -> System:
-    case = load_case(LAB, ["mesh={circumferential: 8, axial: 3}", f"coil.layers={layers}"])
+def roll(symmetric: bool = True, layers: int = 1, mesh: str = "{circumferential: 8, axial: 3}") -> System:
+    case = load_case(LAB, [f"mesh={mesh}", f"coil.layers={layers}"])
     return build_system(case, build_bodies(case, symmetric=symmetric))
 
 
@@ -60,6 +64,36 @@ def test_modes_carry_the_compliance_of_the_interfaces():
     whole = spla.splu(system.with_interface_springs(condensation.springs))
     expected = system.jump @ whole.solve(system.jump.T.toarray() * system.weights)
     np.testing.assert_allclose(dense, expected, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("moments", "slow", "fast"), [(2, 1e-5, 5e-3), (3, 1e-9, 1e-5), (4, 1e-9, 5e-9)])
+def test_a_few_inertia_corrections_give_the_compliance(moments, slow, fast):
+    """Against all modes: in statics, at the chirp's third harmonic, and at the weight of inertia in a time step."""
+    system = roll(mesh="{circumferential: 12, axial: 4}")
+    every, few = (condense_cyclic(system, springs_of(system), m) for m in (0, moments))
+    assert every is not None
+    assert few is not None
+    assert few.moments == moments
+    assert len(few.eigenvalues) < 0.4 * len(every.eigenvalues)
+    for shift, error in ((0.0, 1e-10), (-((2 * np.pi * 525.0) ** 2), slow), (2e8, fast)):
+        a, b = (c.compliance(1.0 / (c.eigenvalues + shift), system.laws.area)[1] for c in (every, few))
+        np.testing.assert_allclose(b, a, atol=error * np.abs(a).max(), rtol=0)
+        a, b = (c.tip @ (c.base / (c.eigenvalues + shift)) for c in (every, few))
+        assert b == pytest.approx(a, rel=error)
+
+
+def test_a_slipping_dwell_needs_few_inertia_corrections(monkeypatch):
+    system = roll()
+    preload = solve_preload(system)
+    run = partial(simulate, system, preload, Dwell(60.0, 150.0, 6, 2), dt=1 / 6000, scheme=Scheme.hht(-0.05))
+    every = run()
+    monkeypatch.setattr(condensed, "condense", partial(condense, moments=4))
+    few = run()
+    assert float(every["slipping_fraction"].max()) > 0.05
+    for name in ("tip_displacement", "friction_energy"):
+        a = every[name].values
+        np.testing.assert_allclose(few[name].values, a, atol=2e-5 * np.abs(a).max(), rtol=0)
+    assert not np.array_equal(few["tip_displacement"].values, every["tip_displacement"].values)
 
 
 @pytest.mark.parametrize(("symmetric", "layers"), [(True, 1), (False, 2)])

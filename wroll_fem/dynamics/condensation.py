@@ -24,6 +24,12 @@ DENSE_LIMIT = 2500
 LOW_MODES = 120
 """Low modes kept by the projection of a larger structure without rotational symmetry."""
 
+NO_MOTION = 1e-10
+"""A load whose response is below this part of the largest (energy norm) does not reach its block."""
+
+DEPENDENT = 1e-12
+"""A vector of a series whose part outside the others is below this is dropped."""
+
 
 @dataclass(frozen=True)
 class Condensation:
@@ -39,8 +45,9 @@ class Condensation:
     base : (r,) inertia force per unit base acceleration, kg^(1/2)
     tip : (r,) tip displacement
     springs : (3 n_points,) D_0, Pa/m
-    exact : False when a large structure without symmetry was projected
+    exact : False when a large structure without symmetry was projected, good to about 1e-4
     damping : (r, r) viscous damping between modes, 1/s; None without
+    moments : 0 when every mode of every block is kept; otherwise see `condense`
     """
 
     eigenvalues: FloatArray
@@ -53,6 +60,7 @@ class Condensation:
     springs: FloatArray
     exact: bool
     damping: FloatArray | None = None
+    moments: int = 0
 
     @property
     def n_theta(self) -> int:
@@ -86,27 +94,36 @@ class Condensation:
         return np.concatenate([ritz.T @ (basis.T @ momentum) for basis, ritz in self.vectors])
 
 
-def condense_cyclic(system: System, springs: FloatArray) -> Condensation | None:
-    """Exact modes of a roll with rotational symmetry; None for a structure without it.
+def condense_cyclic(system: System, springs: FloatArray, moments: int = 0) -> Condensation | None:
+    """Modes of a roll with rotational symmetry, block by block; None for a structure without it.
 
     Parameters
     ----------
     springs
         (3 n_points,) interface springs per slot, Pa/m; they are levelled around each row of points.
+    moments
+        See `condense`.
     """
     blocks = Blocks.of(system, springs) if system.damping is None else None
-    return None if blocks is None else _condense_blocks(blocks)
+    return None if blocks is None else _condense_blocks(blocks, moments)
 
 
-def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> Condensation:
+def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, moments: int = 0) -> Condensation:
     """Modes and interface amplitudes of ``system`` with ``springs`` (3 n_points,) in its interfaces.
 
     Parameters
     ----------
     scheme, dt
         Used by the projection of a large structure without rotational symmetry only.
+    moments
+        0 keeps all modes of a roll with rotational symmetry. A positive number keeps, in each block, the static
+        response to every load the interfaces, the base and the tip probe can give, and moments - 1 inertia corrections
+        of it: the compliance matches that many terms of its series in frequency squared. A quarter of the modes at a
+        third of the cost. Lab roll, error with 2 / 3 / 4 moments: compliance at 525 Hz 1e-7 / 1e-11 / 1e-11, at 2100 Hz
+        8e-4 / 3e-9 / 2e-11; tip of a slipping dwell, 30 x 10 cells, 1e-5 / 1e-6 / 2e-7 (HHT lets the stiffest modes
+        ring, which the series does not reach). For models that are reduced further.
     """
-    cyclic = condense_cyclic(system, springs)
+    cyclic = condense_cyclic(system, springs, moments)
     if cyclic is not None:
         return cyclic
     stiffness = system.with_interface_springs(springs)
@@ -129,22 +146,24 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float) -> 
     )
 
 
-def _condense_blocks(blocks: Blocks) -> Condensation:
+def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
     system = blocks.system
     inertia, tip = system.mass @ system.influence, system.probes["tip"]
     values, vectors, jumps, base, probe = [], [], [], [], []
     for b in range(len(blocks)):
-        basis = blocks.basis(b)
+        basis, jump = blocks.basis(b), blocks.jump(b)
+        stiffness, mass = blocks.stiffness(b), blocks.mass(b)
+        ends = np.column_stack([basis.T @ inertia, basis.T @ tip])
+        span = _series_span(stiffness, mass, np.column_stack([jump.T.toarray(), ends]), moments) if moments else None
+        pair = [m.toarray() if span is None else span.T @ (m @ span) for m in (stiffness, mass)]
         # symmetric: the transposes are the column-major arrays that LAPACK works on in place
-        eigenvalues, ritz = la.eigh(
-            blocks.stiffness(b).toarray().T, blocks.mass(b).toarray().T,
-            overwrite_a=True, overwrite_b=True, check_finite=False,
-        )  # fmt: skip
+        eigenvalues, ritz = la.eigh(pair[0].T, pair[1].T, overwrite_a=True, overwrite_b=True, check_finite=False)
+        ritz = ritz if span is None else span @ ritz
         values.append(eigenvalues)
         vectors.append((basis, ritz))
-        jumps.append(np.ascontiguousarray(blocks.jump(b) @ ritz))
-        base.append(ritz.T @ (basis.T @ inertia))
-        probe.append(ritz.T @ (basis.T @ tip))
+        jumps.append(np.ascontiguousarray(jump @ ritz))
+        base.append(ritz.T @ ends[:, 0])
+        probe.append(ritz.T @ ends[:, 1])
     return Condensation(
         eigenvalues=np.concatenate(values),
         blocks=np.concatenate([[0], np.cumsum([len(v) for v in values])]),
@@ -155,7 +174,23 @@ def _condense_blocks(blocks: Blocks) -> Condensation:
         tip=np.concatenate(probe),
         springs=blocks.springs,
         exact=True,
+        moments=moments,
     )
+
+
+def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, moments: int) -> FloatArray:
+    """Orthonormal basis (k, m) of K^{-1} L, K^{-1} M K^{-1} L, ...: ``moments`` terms for loads L (k, n)."""
+    factor = spla.splu(sp.csc_matrix(stiffness))
+    term, terms = factor.solve(loads), []
+    for _ in range(moments):
+        size = np.sqrt(np.maximum(np.einsum("ij,ij->j", term, stiffness @ term), 0.0))
+        moves = size > NO_MOTION * size.max()
+        term = term[:, moves] / size[moves]
+        terms.append(term)
+        term = factor.solve(mass @ term)
+    span, triangle, _ = la.qr(np.column_stack(terms), mode="economic", pivoting=True)
+    weight = np.abs(np.diag(triangle))
+    return np.asarray(span[:, weight > DEPENDENT * weight[0]])
 
 
 def _attachment_projection(
