@@ -296,7 +296,7 @@ def test_slip_extent_is_red_where_it_slipped_and_prints_the_area(tmp_path: Path)
                 assert red[0, 180]  # at the root, 0 degrees: facing the excitation
     said = sentence(ax)
     for level, count in zip((1, 2, 3), counts, strict=True):
-        assert f"{level} g: {count} of 3 slip" in said
+        assert f"{count} of 3 at {level} g (" in said
     assert "largest area at every level: mandrel and layer 1" in said
 
 

@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
 """Time per step: `reduced` x points, `condensed` x points x modes per harmonic, `full` x DOFs; one 2.5 GHz core."""
 
+SECONDS_PER_EIGENPROBLEM = 2.2e-10
+"""Time to find the modes of one harmonic's block over the cube of its size, on the same core."""
+
 
 def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
@@ -56,18 +59,16 @@ def buckling_pressure(case: Case) -> float:
 
 
 def interface_pressures(case: Case) -> list[float]:
-    """Estimated pressure in Pa at each interface, inner first: the rings share the load by their E t / R^2."""
+    """Estimated pressure in Pa at each interface, inner first: rings that move alike share the load by E t / R^2.
+
+    Thin concentric rings without end effects; an interface that this would pull apart has none.
+    """
     g, coil = case.geometry, case.coil
     pressures = case.preload.per_layer(coil.layers)
     core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
     ring = coil.material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
-    inner_stiffness = [core + k * ring for k in range(coil.layers)]
-    result = [0.0] * coil.layers
-    for loaded, pressure in enumerate(pressures):
-        share = pressure / (inner_stiffness[loaded] + ring)
-        for k in range(loaded + 1):
-            result[k] += share * inner_stiffness[k]
-    return result
+    shift = sum(pressures) / (core + coil.layers * ring)
+    return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
 
 
 def shear_lag_length(case: Case, pressure: float) -> float:
@@ -209,9 +210,12 @@ def estimate(case: Case) -> dict[str, Any]:
         "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
     }
     result |= _time_steps(case)
-    seconds = 10.0 + 2e-3 * result["dofs"]
+    seconds = 4.0 + 7e-5 * result["dofs"]
     if "steps" in result:
         per_harmonic = 2.0 * result["dofs"] / around
+        if case.solver.method != "full":
+            blocks, size = (0.5 * around, per_harmonic) if half else (around, 0.5 * per_harmonic)
+            seconds += SECONDS_PER_EIGENPROBLEM * blocks * size**3
         points = result["interface_points"]
         unit = {"reduced": points, "condensed": points * per_harmonic, "full": result["dofs"]}[case.solver.method]
         seconds += result["steps"] * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
@@ -97,12 +98,12 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: style.FloatArray) 
     for m, fraction in zip(rows, fractions, strict=True):
         slipping = int(np.count_nonzero(fraction))
         level = shown(AMPLITUDE, m.values[AMPLITUDE])
-        parts.append(f"{level}: {slipping} of {fraction.size} slip, {_share(fraction.mean())} of all area")
+        parts.append(f"{slipping} of {fraction.size} at {level} ({_share(fraction.mean())} of all area)")
+    text = "Interfaces that slip: " + ", ".join(parts)
     most = {int(np.argmax(fraction)) for fraction in fractions if fraction.any()}
-    text = "Slipping interfaces at " + "; ".join(parts)
     if len(most) == 1:
-        text += f";\nlargest area at every level: {interface_name(most.pop())}"
-    return text
+        text += f"; largest area at every level: {interface_name(most.pop())}"
+    return textwrap.fill(text, 100)
 
 
 def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) -> Axes:
