@@ -30,7 +30,7 @@ from .harmonic import HarmonicBalance
 from .reduction import ReducedModel
 from .static import ContactState
 
-LENGTH = 6.0
+LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Relative change of the frequency, and damping ratio, that count as one."""
@@ -215,7 +215,7 @@ def solve_backbone(
     reach = float(abs(model.tip[number]))
     if reach == 0.0 or model.eigenvalues[number] <= 0.0:
         raise InputError(f"mode {number} does not move the tip, or is no vibration", remedy="choose another mode")
-    control = control or StepControl()
+    control = control or StepControl(largest=0.15)
     contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
     low, high = (a / reach for a in tip_amplitudes)
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results import label
@@ -94,6 +95,9 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     hertz, base = dataset["resonance_frequency"].values, dataset["resonant_base_acceleration"].values
     (first,) = ax.plot(tip, damping, "-", color=style.RED, lw=1.8, label="damping (left)")
     ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set_xlim(tip[0], tip[-1])
     ax.set_ylim(0.0, 1.15 * max(damping.max(), 1e-6))
     ax.set_xlabel(label("tip_amplitude", "µm"))
@@ -118,8 +122,8 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     else:
         start = tip[int(np.argmax(slipping))]
         found = (
-            f"slip starts at {start:.3g} µm; damping rises to {damping[most]:.1f} % at {tip[most]:.3g} µm "
-            f"(base {base[most]:.2g} m/s² marked along the curve: levels that drive it)"
+            f"slip starts at {start:.3g} µm, damping rises to {damping[most]:.1f} % at {tip[most]:.3g} µm; "
+            "dots: base acceleration that drives it"
         )
     style.title(ax, f"Resonance falls from {hertz[0]:.1f} Hz to {hertz[-1]:.1f} Hz as it grows; {found}")
     return ax
