@@ -117,21 +117,19 @@ def plot_family(
 def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Sequence[Any]) -> float:
     """Draw one panel of `plot_family`; returns the highest point of its curves."""
     top = 0.0
-    colours = _colours(len(values))
-    for value, shade in zip(values, colours, strict=True):
+    swept = any(is_sweep(m) for m in members)
+    steady = "dashed: steady state, harmonic balance"
+    for value, shade in zip(values, _colours(len(values)), strict=True):
         for m in having(members, key, value):
-            found, sweep = read(m), is_sweep(m)
-            text = f"{shown(key, value)}: {found.f_n:.1f} Hz, " + (
-                "rings" if found.rings else f"ζ = {percent(found.zeta)}"
-            )
-            text = text if sweep or not any(is_sweep(o) for o in members) else f"{shown(key, value)}, harmonic balance"
-            size = magnitude(m.data)
-            ax.plot(
-                m.data["frequency"], size, color=shade, lw=1.6 if sweep else 1.1, ls="-" if sweep else (0, (3, 1.5)),
-                label=text,
-            )  # fmt: skip
-            if sweep:
+            found, size = read(m), magnitude(m.data)
+            damping = "rings" if found.rings else f"ζ = {percent(found.zeta)}"
+            text = f"{shown(key, value)}: {found.f_n:.1f} Hz, {damping}"
+            if is_sweep(m) or not swept:
+                ax.plot(m.data["frequency"], size, color=shade, lw=1.6, label=text)
                 ax.plot(found.f_n, found.peak, "o", color=shade, ms=4, mec="black", mew=0.5)
+            else:
+                ax.plot(m.data["frequency"], size, color=shade, lw=1.1, ls=(0, (3, 1.5)), label=steady)
+                steady = "_"  # one line of the legend for all of them
             top = max(top, float(np.nanmax(size)))
     ax.margins(x=0.0)
     ax.autoscale_view()
