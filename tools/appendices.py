@@ -2,7 +2,7 @@
 
 `.venv/bin/python tools/appendices.py` writes docs/tables/appendix_a.md and appendix_b.md, docs/figures/appendix_a_*.png
 and appendix_b_*.png.
-Runs are kept in runs/appendices; what is there is not computed again. About ten minutes on two idle cores.
+Runs are kept in runs/appendices; what is there is not computed again. About fifteen minutes on two idle cores.
 Appendix C has a tool of its own, tools/appendix_c.py.
 """
 

@@ -50,6 +50,8 @@ def responses(found: dict[str, np.ndarray], path: Path) -> None:
             ax.semilogy(DWELLS, found[f"loose_{key}"], ".", color=colour, ms=3.5, mec="black", mew=0.25)
             wrong += int(np.sum(np.abs(found[f"loose_{key}"] / found[f"tight_{key}"] - 1.0) > 0.01))
         ax.set_title(f"s = {scale:g}: {wrong} of {runs} runs are off by more than 1 %", loc="left", fontsize=9)
+    panels[0, 0].set_xlim(0.75, 1.4)
+    panels[0, 0].set_ylim(0.8, 600.0)
     panels[0, 1].legend(title="$F_c$", fontsize=7, title_fontsize=8, ncols=2)
     figure.supxlabel(r"Frequency $\omega$ (–)", fontsize=10)
     figure.supylabel("Transmissibility max|x$_1$| / Y$_0$ (–)", fontsize=10)
