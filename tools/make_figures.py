@@ -27,6 +27,7 @@ WIDE = ["excitation.f_start=110", "excitation.f_end=185"]
 def jobs() -> dict[str, list[str]]:
     """Name of each run -> case file and overrides."""
     found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
+    found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
         for label, pressure in PRESSURES.items():
             sets = [f"preload.pressure={pressure}", *STUDY_MESH, *WIDE, "output.figures=false"]
@@ -130,6 +131,8 @@ def main() -> None:
         ("main/figures/energy_ledger.png", "energy_ledger.png"),
         ("main/figures/response.png", "response.png"),
         ("modes/figures/mode_shapes.png", "mode_shapes.png"),
+        ("harmonic/figures/transmissibility.png", "harmonic_response.png"),
+        ("backbone/figures/backbone.png", "backbone.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
     comparison(FIGURES / "base_free.png", "free")

@@ -94,14 +94,14 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     return summary
 
 
-def _work_per_cycle(dataset: xr.Dataset) -> dict[str, float]:
+def _work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
     """Work of a period where the response, or the damping of a backbone, is largest."""
     if "modal_damping" in dataset:
         at = int(dataset["modal_damping"].values.argmax())
     else:
         at = int(np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values).argmax())
     names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
-    found = {f"{name}_j": float(dataset[name].values[at]) for name in names}
+    found: dict[str, Any] = {f"{name}_j": float(dataset[name].values[at]) for name in names}
     return found | {"energy_balance_error": dataset.attrs.get("energy_balance_error")}
 
 
