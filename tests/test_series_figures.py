@@ -107,9 +107,10 @@ def test_steady_state_curves_are_dashed_in_the_colour_of_their_sweep(
     members = by_preload(runs, analysis="sweep")
     members += by_preload({p: steady(data) for p, data in runs.items()}, analysis="harmonic")
     ax = draw("transmissibility_over_preload", members, tmp_path)
-    lines = [line for line in ax.lines if len(line.get_xdata()) > 1]
+    lines = [line for line in ax.lines if np.size(line.get_xdata()) > 1]
     assert len(lines) == 2 * len(runs)
     assert len([text for text in ax.get_legend_handles_labels()[1] if "harmonic balance" in text]) == 1
+    assert f"peaks of sweep and harmonic balance agree to {100 * (1 / 0.97 - 1):.1f} %" in sentence(ax)
     for full, dashed in zip(lines[::2], lines[1::2], strict=True):
         assert (full.get_linestyle(), dashed.get_linestyle()) == ("-", "--")
         assert to_rgb(full.get_color()) == to_rgb(dashed.get_color())

@@ -18,6 +18,7 @@ from wroll_fem.slip import slipping_area_fraction, surface
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDIES = ROOT / "configs" / "studies"
+PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
 SLACK = 0.005
 """Share of the range that a monotone series may go the other way: numerical noise."""
 
@@ -62,10 +63,10 @@ class Runs:
         """Content of summary.json of a case."""
         return RunFolder(self.folder / study / member.name).summary()
 
-    def sweeps(self, base: str, study: str = "preload") -> list[SeriesMember]:
-        """Sweeps of the preload study with one base condition, rising preload."""
-        found = [m for m in self.study(study) if m.values.get("coil.base", base) == base and not m.reference]
-        found = sorted((m for m in found if is_sweep(m)), key=lambda m: m.values[PRESSURE])
+    def sweeps(self, base: str) -> list[SeriesMember]:
+        """Sweeps over the preload with one base condition, rising preload."""
+        study = PRELOAD_STUDY[base]
+        found = sorted((m for m in self.study(study) if is_sweep(m)), key=lambda m: m.values[PRESSURE])
         if len(found) < 3:
             raise InputError(f"study {study} has fewer than three sweeps with base {base}", remedy="run it")
         return found

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from chapter4_runs import ROOT, Runs, Verdict, areas, kpa, largest, monotone, rank_correlation, tops
+from chapter4_runs import PRELOAD_STUDY, ROOT, Runs, Verdict, areas, kpa, largest, monotone, rank_correlation, tops
 
 from wroll_fem.analyses.advice import interface_pressures
 from wroll_fem.case import Case, load_case
@@ -311,8 +311,11 @@ def c76(runs: Runs) -> Verdict:
     friction = contact.friction
     same = friction.law == "penalty_coulomb" and friction.mu == 0.25 and friction.elastic_slip == 1e-6
     same = same and contact.normal.separation
-    members = [m for base in ("free", "clamped") for m in runs.sweeps(base)]
-    errors = [runs.summary("preload", m)["energy_balance_error"] for m in members]
+    errors = [
+        runs.summary(study, m)["energy_balance_error"]
+        for base, study in PRELOAD_STUDY.items()
+        for m in runs.sweeps(base)
+    ]
     numerical = [
         abs(float(m.data["numerical_dissipation"].values[-1]) / float(m.data["input_work"].values[-1]))
         for m in runs.sweeps("free")

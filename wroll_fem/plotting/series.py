@@ -6,6 +6,7 @@ from what it draws. `FIGURES` are the names that a grid file may give as `figure
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -118,7 +119,7 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
     """Draw one panel of `plot_family`; returns the highest point of its curves."""
     top = 0.0
     swept = any(is_sweep(m) for m in members)
-    steady = "dashed: steady state, harmonic balance"
+    dash = (0, (3, 1.5))
     for value, shade in zip(values, _colours(len(values)), strict=True):
         for m in having(members, key, value):
             found, size = read(m), magnitude(m.data)
@@ -128,9 +129,10 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
                 ax.plot(m.data["frequency"], size, color=shade, lw=1.6, label=text)
                 ax.plot(found.f_n, found.peak, "o", color=shade, ms=4, mec="black", mew=0.5)
             else:
-                ax.plot(m.data["frequency"], size, color=shade, lw=1.1, ls=(0, (3, 1.5)), label=steady)
-                steady = "_"  # one line of the legend for all of them
+                ax.plot(m.data["frequency"], size, color=shade, lw=1.1, ls=dash)
             top = max(top, float(np.nanmax(size)))
+    if swept and not all(is_sweep(m) for m in members):
+        ax.plot([], [], color=style.GREY, lw=1.1, ls=dash, label="steady state, harmonic balance")
     ax.margins(x=0.0)
     ax.autoscale_view()
     return top
@@ -149,12 +151,25 @@ def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | Non
         word = {"rises": "rises", "falls": "falls"}.get(trend(f), "goes")
         where = f"{shown(panel, room)}: " if panel is not None else ""
         parts.append(f"{where}resonance {word} from {f[0]:.1f} Hz ({first}) to {f[-1]:.1f} Hz ({last})")
-    text = "; ".join(parts)
+    text = "; ".join([*parts, *_agreement(grid)])
     return text[:1].upper() + text[1:]
 
 
 def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
     return sorted(members, key=lambda m: m.values[PRESSURE])
+
+
+def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
+    """Largest difference of the peaks of sweeps and steady states of the same case, in words; empty without pairs."""
+    peaks: dict[str, list[float]] = {}
+    for m in grid:
+        same = {key: value for key, value in m.values.items() if key != "analysis"}
+        peaks.setdefault(json.dumps(same, sort_keys=True), []).append(read(m).peak)
+    pairs = [pair for pair in peaks.values() if len(pair) == 2]
+    if not pairs:
+        return []
+    worst = max(max(pair) / min(pair) - 1.0 for pair in pairs)
+    return [f"peaks of sweep and harmonic balance agree to {100 * worst:.1f} %"]
 
 
 def plot_damping_over_frequency(
