@@ -34,6 +34,10 @@ LOOK_EVERY = 11
 ENERGY_SHARE = 1e-3
 """Principal shapes of what is missing join the span down to this share of the largest one's amplitude."""
 
+CONTACT_SHARE = 2.0
+"""The motion counts up to this multiple of what the preloaded contact can hold (energy norms): beyond, what slides and
+opens is decided by forces that are small against those of the motion, and must be resolved all the same."""
+
 LARGEST = 400
 """Coordinates beyond which a reduced model is none; the run stops and says so."""
 
@@ -76,6 +80,7 @@ class ReducedStepper(Stepper):
         for c in range(3):
             self.held[:, c, c] = self._by_point(self.condensation.springs)[:, c]
         self.renewals = np.zeros(1, np.int64)
+        self._contact = CONTACT_SHARE * np.sqrt(2.0 * held_energy(system, preload)) if n else np.inf
         self.missing, self.moved, self.largest, self.time_step = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
         self.matrix, self.solver = np.zeros((0, 0)), np.zeros((0, 0))
         self.last_history = []
@@ -182,6 +187,7 @@ class ReducedStepper(Stepper):
             self._looks = []
             records = super().advance(acceleration, dt, time)
             missing, moved = self._look()
+            moved = np.minimum(moved, self._contact**2)
             largest = max(float(self.largest[0]), float(moved.max(initial=0.0)))
             share = np.sqrt(missing[0].max(initial=0.0) / largest) if largest > 0 else 0.0
             if share <= self.tolerance or self.model.size == len(self.condensation.eigenvalues):
@@ -228,5 +234,14 @@ class ReducedStepper(Stepper):
 
     @property
     def error_estimate(self) -> float:
-        """Energy norm that the span missed over that of the motion, root mean square over the run, dimensionless."""
+        """Energy norm that the span missed over that of the motion, root mean square over the run, dimensionless.
+
+        The motion counts up to `CONTACT_SHARE` of what the contact can hold.
+        """
         return float(np.sqrt(self.missing[0] / self.moved[0])) if self.moved[0] > 0 else 0.0
+
+
+def held_energy(system: System, preload: ContactState) -> float:
+    """Energy in J that the contact holds when every point is about to slip at its preload pressure."""
+    law, pressure = system.laws, preload.pressure
+    return float(law.area @ (0.5 * pressure**2 / law.kn + 0.5 * law.mu * pressure * law.gamma))
