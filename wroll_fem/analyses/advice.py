@@ -102,8 +102,8 @@ def case_warnings(case: Case) -> list[str]:
     if case.structure is not None:
         return _scheme_warnings(case) + _structure_warnings(case)
     warnings = []
-    contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "preload")
-    if case.analysis == "sweep":
+    contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "harmonic", "backbone", "preload")
+    if case.analysis in ("sweep", "harmonic"):
         warnings += _missed_resonance(case)
     if contact and any(interface_pressures(case)):
         warnings += _contact_warnings(case)

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from ..case import Case
     from ..progress import Progress
 
+HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
+"""A mode within this relative distance of an odd multiple of the resonance, up to this order, is worth a word if its
+share in the tip's response to the base is at least that of the main mode times the last."""
+
 MEMORY_WARNING = 0.02
 """Elastic slip that still changes by more than this share of gamma* per period is worth a word."""
 
@@ -76,7 +80,8 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
     seconds = time.process_time() - started
     dataset = _described(curve_dataset(system, trained.curve), case)
     read = read_curve(dataset)
-    for text in ("" if read.complete else read.reason, read.note, memory_remark(dataset)):
+    missed = missed_harmonic(condensation, 2.0 * np.pi * read.f_n, settings.harmonics)
+    for text in ("" if read.complete else read.reason, read.note, memory_remark(dataset), missed):
         if text:
             progress.warning(text)
     return dataset.assign_attrs(
@@ -90,6 +95,25 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
             "energy_balance_error": cycle_balance_error(dataset),
         }
     )
+
+
+def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int) -> str:
+    """Sentence about a mode near a multiple of the resonance ``frequency`` (rad/s) beyond the harmonics kept, or empty.
+
+    Friction's force is odd in the motion: its odd harmonics are the strong ones, and fall off with the order.
+    """
+    c = condensation
+    share = np.abs(c.base * c.tip)
+    share = share / max(float(share.max(initial=0.0)), 1e-300)
+    natural = np.sqrt(np.maximum(c.eigenvalues, 0.0))
+    for order in range(harmonics + 1 + harmonics % 2, HIGHEST_ORDER + 1, 2):
+        near = (np.abs(natural / (order * frequency) - 1.0) < NEAR_MULTIPLE) & (share > LEAST_SHARE)
+        if near.any():
+            return (
+                f"a mode at {natural[near][0] / (2.0 * np.pi):.0f} Hz lies near {order} times the resonance, whose "
+                f"harmonic is not kept; set harmonic.harmonics to {order}"
+            )
+    return ""
 
 
 def read_curve(dataset: xr.Dataset) -> HalfPower:

@@ -45,6 +45,9 @@ KRYLOV, KRYLOV_TOLERANCE = 80, 1e-3
 SMALL = 40
 """Structures with fewer modes are not reduced."""
 
+COMPRESSION = 0.3
+"""Between two curves, shapes of the last curve below this share of the tolerance leave the span."""
+
 START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
 """Imposed motions of the first span: largest relative displacement over gamma*."""
@@ -168,6 +171,16 @@ def _with_shapes(model: ReducedModel, shapes: FloatArray, least: float) -> Reduc
     return model.enriched(kept) if kept.shape[1] else model
 
 
+def _principal(model: ReducedModel, coefficients: FloatArray, least: float) -> ReducedModel:
+    """Span of the principal shapes of motions (p, R, m), above ``least`` of a motion's energy norm."""
+    root = np.sqrt(np.maximum(model.eigenvalues, 1e-12 * model.eigenvalues.max()))
+    scaled = coefficients * root
+    scaled = scaled / np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
+    left, size, _ = la.svd(scaled.reshape(-1, model.size).T, full_matrices=False)
+    shapes = model.vectors @ (left[:, size > least] / root[:, None])
+    return ReducedModel.of_vectors(model.condensation, shapes)
+
+
 @dataclass(frozen=True)
 class Trained(Generic[Curve]):
     """A curve in a span that was made for it.
@@ -206,6 +219,7 @@ def _trained(
     on_round: Callable[[int, ReducedModel, float], None] | None,
 ) -> Trained[Curve]:
     """Curves in spans that grow until the corrections are below ``tolerance``."""
+    before, compress = np.inf, len(model.condensation.eigenvalues) > SMALL
     for number in range(1, max_rounds + 1):
         stopped: ConvergenceError | None = None
         try:
@@ -222,7 +236,10 @@ def _trained(
             if stopped is not None:
                 raise stopped
             return Trained(curve, error, max(f.tip for f in found), number)
-        model = _with_shapes(model, np.column_stack([f.shapes for f in found]), 0.2 * tolerance)
+        if number > 1 and error > 0.7 * before:
+            compress = False  # what was left out is missed
+        kept = _principal(model, curve.coefficients, COMPRESSION * tolerance) if compress else model
+        model, before = _with_shapes(kept, np.column_stack([f.shapes for f in found]), 0.2 * tolerance), error
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=0.0,
