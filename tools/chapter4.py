@@ -64,20 +64,24 @@ def friction_law_figure() -> Axes:
     return ax
 
 
-def main(names: list[str]) -> None:
-    """Run the studies named (all without), copy their figures and write the claims."""
-    studies = sorted(STUDIES.glob("*.yaml"))
-    for path in studies:
-        if not names or path.stem in names:
-            run_study(path)
+def collect() -> None:
+    """Copy the figures of all studies to docs/figures and judge the claims from what has been run."""
     FIGURES.mkdir(parents=True, exist_ok=True)
-    for path in studies:
+    for path in sorted(STUDIES.glob("*.yaml")):
         for figure in sorted((RUNS / path.stem / "figures").glob("*.png")):
             same = figure.stem == path.stem or path.stem in ("preload", "dwell_layers")
             name = figure.stem if same else f"{path.stem}_{figure.stem}"
             shutil.copy(figure, FIGURES / f"ch4_{name}.png")
     save_figure(friction_law_figure(), FIGURES / "ch4_friction_law.png")
     claims_ch4.write(RUNS)
+
+
+def main(names: list[str]) -> None:
+    """Run the studies named (all without), then collect figures and claims."""
+    for path in sorted(STUDIES.glob("*.yaml")):
+        if not names or path.stem in names:
+            run_study(path)
+    collect()
 
 
 if __name__ == "__main__":
