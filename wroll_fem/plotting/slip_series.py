@@ -97,7 +97,7 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: style.FloatArray) 
     parts = []
     for m, fraction in zip(rows, fractions, strict=True):
         slipping = int(np.count_nonzero(fraction))
-        level = shown(AMPLITUDE, m.values[AMPLITUDE])
+        level = shown(AMPLITUDE, m.values[AMPLITUDE]).replace(" ", "\u00a0")
         parts.append(f"{slipping} of {fraction.size} at {level} ({_share(fraction.mean())} of all area)")
     text = "Interfaces that slip: " + ", ".join(parts)
     most = {int(np.argmax(fraction)) for fraction in fractions if fraction.any()}
