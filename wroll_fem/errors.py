@@ -46,7 +46,7 @@ class ConvergenceError(WrollError):
     message
         What failed.
     time_s
-        Time (or load factor of a static step) that could not be reached.
+        Time (or load factor of a static step) that could not be reached; None for a periodic motion.
     iterations
         Newton iterations spent in the last attempt.
     residual_history
@@ -57,8 +57,17 @@ class ConvergenceError(WrollError):
 
     exit_code = 3
 
-    def __init__(self, message: str, *, time_s: float, iterations: int, residual_history: Sequence[float], advice: str):
+    def __init__(
+        self,
+        message: str,
+        *,
+        time_s: float | None,
+        iterations: int,
+        residual_history: Sequence[float],
+        advice: str,
+    ):
         self.time_s, self.iterations = time_s, iterations
         self.residual_history, self.advice = list(residual_history), advice
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
-        super().__init__(f"{message} at t = {time_s:.6g} s after {iterations} iterations (residuals {tail}); {advice}")
+        when = "" if time_s is None else f" at t = {time_s:.6g} s"
+        super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")

@@ -237,7 +237,7 @@ def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[
 def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
     return ConvergenceError(
         f"{what} ({where})",
-        time_s=0.0,
+        time_s=None,
         iterations=len(history),
         residual_history=history,
         advice="use more samples per period or harmonics, a lower amplitude or a higher preload",

@@ -242,7 +242,7 @@ def _trained(
         model, before = _with_shapes(kept, np.column_stack([f.shapes for f in found]), 0.2 * tolerance), error
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
-        time_s=0.0,
+        time_s=None,
         iterations=max_rounds,
         residual_history=[error],
         advice="use a larger harmonic.reduction_tolerance, or look whether the surfaces open widely",
