@@ -190,6 +190,8 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
     for name, label in names.items():
         if name in reports:
             lines.append(cost_row(label, reports[name], full if name.startswith("chirp") else None))
+    if full is None:
+        lines += ["", "`full` was not timed in this run: its columns are empty."]
     if full is not None:
         lines += [
             "",
