@@ -35,8 +35,8 @@ ENERGY_SHARE = 1e-3
 """Principal shapes of what is missing join the span down to this share of the largest one's amplitude."""
 
 CONTACT_SHARE = 2.0
-"""The motion counts up to this multiple of what the preloaded contact can hold (energy norms): beyond, what slides and
-opens is decided by forces that are small against those of the motion, and must be resolved all the same."""
+"""In the error estimate the motion counts up to this multiple of what the preloaded contact can hold (energy norms): a
+loose contact slides and opens under forces that are small against those of the motion."""
 
 LARGEST = 400
 """Coordinates beyond which a reduced model is none; the run stops and says so."""
@@ -187,12 +187,11 @@ class ReducedStepper(Stepper):
             self._looks = []
             records = super().advance(acceleration, dt, time)
             missing, moved = self._look()
-            moved = np.minimum(moved, self._contact**2)
             largest = max(float(self.largest[0]), float(moved.max(initial=0.0)))
             share = np.sqrt(missing[0].max(initial=0.0) / largest) if largest > 0 else 0.0
             if share <= self.tolerance or self.model.size == len(self.condensation.eigenvalues):
                 self.missing += missing[0].sum()
-                self.moved += moved.sum()
+                self.moved += np.minimum(moved, self._contact**2).sum()
                 self.largest[0] = largest
                 return records
             self.restore(start)
