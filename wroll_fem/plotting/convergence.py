@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Sequence
 
 import matplotlib.pyplot as plt
@@ -53,10 +54,8 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
     off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
     which = f"{coarsest.values[key]} elements along the axis"
     which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
-    figure.suptitle(
-        f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest".replace("-", "−"),
-        x=0.01, ha="left", fontsize=10,
-    )  # fmt: skip
+    said = f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest"
+    figure.suptitle(textwrap.fill(said.replace("-", "−"), 95), x=0.01, ha="left", fontsize=10)
     return panels[0, 0]
 
 
