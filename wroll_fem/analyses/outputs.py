@@ -30,6 +30,7 @@ _COUNTS = (
     "interface_points",
     "reduced_coordinates",
     "reduction_error_estimate",
+    "training_time_s",
     "reduction_tip_error_estimate",
     "folds",
     "branch_points",

@@ -13,6 +13,8 @@ Krysl, Lall, Marsden (2001), Int. J. Numer. Meth. Engng 51, 479, doi:10.1002/nme
 
 from __future__ import annotations
 
+import time as clock
+
 import numpy as np
 import scipy.linalg as la
 
@@ -28,8 +30,10 @@ from .stepper import NewtonOptions, Stepper
 from .system import System
 from .uniqueness import check_unambiguous
 
-LOOK_EVERY = 11
-"""Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases."""
+LOOK_EVERY = 17
+"""Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases.
+
+The last step of a chunk is looked at as well, or growing motions would outrun the span."""
 
 ENERGY_SHARE = 1e-3
 """Principal shapes of what is missing join the span down to this share of the largest one's amplitude."""
@@ -58,6 +62,7 @@ class ReducedStepper(Stepper):
     state_names = (
         "vectors", "values", "q", "v", "a", "residual", "residual_change", "q_before", "jump", "elastic_slip",
         "traction", "held", "matrix", "solver", "renewals", "missing", "moved", "largest", "time_step",
+        "training",
     )  # fmt: skip
 
     def __init__(
@@ -82,6 +87,7 @@ class ReducedStepper(Stepper):
         self.renewals = np.zeros(1, np.int64)
         self._contact = CONTACT_SHARE * np.sqrt(2.0 * held_energy(system, preload)) if n else np.inf
         self.missing, self.moved, self.largest, self.time_step = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
+        self.training = np.zeros(1)  # CPU seconds spent on looks, enrichment and steps done again
         self.matrix, self.solver = np.zeros((0, 0)), np.zeros((0, 0))
         self.last_history = []
         self.q = self.v = self.a = self.residual = self.residual_change = self.q_before = np.zeros(0)
@@ -117,6 +123,7 @@ class ReducedStepper(Stepper):
         self.model, self.vectors, self.values = model, model.vectors, model.eigenvalues
         self._operator = np.ascontiguousarray(model.jump)
         self._force = np.ascontiguousarray((model.jump * self.system.weights[:, None]).T)
+        self._inertia = model.vectors / self.condensation.eigenvalues[:, None]
         # largest displacement jump that a unit coordinate makes: a residual in coordinates is bounded in metres
         self._weight = np.abs(model.jump).max(axis=0, initial=0.0)
         if not self.system.n_points:
@@ -182,36 +189,61 @@ class ReducedStepper(Stepper):
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         """Advance k steps; where the span proves too small for them, enrich it and do them again."""
-        start = self.snapshot()
+        start, redone = self.snapshot(), 0.0
         while True:
             self._looks = []
+            began = clock.process_time()
             records = super().advance(acceleration, dt, time)
+            stepped = clock.process_time()
             missing, moved = self._look()
             largest = max(float(self.largest[0]), float(moved.max(initial=0.0)))
-            share = np.sqrt(missing[0].max(initial=0.0) / largest) if largest > 0 else 0.0
+            share = np.sqrt(missing.max(initial=0.0) / largest) if largest > 0 else 0.0
             if share <= self.tolerance or self.model.size == len(self.condensation.eigenvalues):
-                self.missing += missing[0].sum()
+                self.missing += missing.sum()
                 self.moved += np.minimum(moved, self._contact**2).sum()
                 self.largest[0] = largest
+                self.training[0] += redone + clock.process_time() - stepped
                 return records
             self.restore(start)
-            self._enrich(missing[1], self.tolerance * np.sqrt(largest), time)
+            self._enrich(self.tolerance * np.sqrt(largest), time)
             start = self.snapshot()
+            redone += clock.process_time() - began
 
-    def _look(self) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
-        """Squared energy norms (k,) of what is missing, its vectors (r, k), and squared norms (k,) of the motion."""
-        c, model, m, n = self.condensation, self.model, self.model.size, self.system.n_points
+    def _look(self) -> tuple[FloatArray, FloatArray]:
+        """Squared energy norms (k,) of what the span misses at the looks, and of the motion there.
+
+        The static response to the residual r is the sum of its part in the span and of the missing part, which
+        are orthogonal in energy; the elastic force of the motion itself asks for nothing outside.
+        """
+        q, a, s, base = self._at_looks()
+        response = self._static_response(a, s, base)
+        inside = self._force @ s + a + np.outer(self.model.base, base)
+        total = self.model.energy_norm(response) ** 2
+        return (
+            np.maximum(total - np.sum(inside**2 / self.model.eigenvalues[:, None], axis=0), 0.0),
+            np.sum(self.model.eigenvalues[:, None] * q**2, axis=0),
+        )
+
+    def _at_looks(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Coordinates q and a (m, k), correction tractions s (3 n, k) and base acceleration (k,) at the looks."""
+        m, n = self.model.size, self.system.n_points
         rows = np.vstack(self._looks) if self._looks else np.zeros((0, 2 * m + 3 * n + 1))
-        q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
-        motion = model.vectors @ q
-        residual = c.eigenvalues[:, None] * motion + model.vectors @ a + np.outer(c.base, base)
-        if n:
-            residual += modal_force(c, self.system.weights[:, None] * s)
-        lacking = model.missing(residual)
-        return (model.energy_norm(lacking) ** 2, lacking), model.energy_norm(motion) ** 2
+        return rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
 
-    def _enrich(self, lacking: FloatArray, level: float, time: float) -> None:
-        """Add the principal shapes (energy inner product) of ``lacking`` (r, k) that exceed a part of ``level``."""
+    def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
+        """(r, k) response K_0^{-1} r to inertia, interfaces and base motion."""
+        c = self.condensation
+        values = c.eigenvalues[:, None]
+        response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
+        if self.system.n_points:
+            response += modal_force(c, self.system.weights[:, None] * s) / values
+        return response
+
+    def _enrich(self, level: float, time: float) -> None:
+        """Add the principal shapes (energy inner product) of what is missing that exceed a part of ``level``."""
+        _, a, s, base = self._at_looks()
+        inside = self._force @ s + a + np.outer(self.model.base, base)
+        lacking = self._static_response(a, s, base) - self.vectors @ (inside / self.model.eigenvalues[:, None])
         root = np.sqrt(self.condensation.eigenvalues)[:, None]
         left, size, _ = la.svd(root * lacking, full_matrices=False)
         keep = size > 0.3 * level
@@ -229,7 +261,11 @@ class ReducedStepper(Stepper):
 
     def report(self) -> dict[str, float]:
         """Size of the span, and what it missed."""
-        return {"reduced_coordinates": self.model.size, "reduction_error_estimate": self.error_estimate}
+        return {
+            "reduced_coordinates": self.model.size,
+            "reduction_error_estimate": self.error_estimate,
+            "training_time_s": float(self.training[0]),
+        }
 
     @property
     def error_estimate(self) -> float:
