@@ -54,7 +54,7 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
     off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
     which = f"{coarsest.values[key]} elements along the axis"
     which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
-    said = f"Worst mesh, {which}: peak off by {off:+.1f} %, f_n by {off_f:+.2f} %, against the finest"
+    said = f"Worst mesh, {which}: peak off by {off:+.1f} %, resonance by {off_f:+.2f} %, against the finest"
     figure.suptitle(textwrap.fill(said.replace("-", "−"), 95), x=0.01, ha="left", fontsize=10)
     return panels[0, 0]
 
