@@ -119,7 +119,10 @@ def test_every_number_has_a_unit_in_its_description() -> None:
         ("analysis=dwell", "excitation.kind: analysis dwell needs a dwell, got 'chirp'; use excitation.kind: dwell"),
         ("analysis=winding", "analysis: this analysis is not available, got 'winding'; use one of: sweep, dwell"),
         ("coil.model=solid", "the solid (homogenised) coil is not available yet, got 'solid'; use layers, bonded"),
-        ("solver.method=explicit", "solver.method: is not one of the choices, got 'explicit'; use reduced, condensed, full"),
+        (
+            "solver.method=explicit",
+            "solver.method: is not one of the choices, got 'explicit'; use reduced, condensed, full",
+        ),
         ("excitation.kind=noise", "excitation.kind: is not one of the choices, got 'noise'; use chirp, dwell"),
         ("excitation={}", "excitation.kind: required key is missing; add it"),
         ("mandrel.base=free", "mandrel.base: analysis sweep needs a held mandrel, got 'free'; use mandrel.base:"),
