@@ -82,8 +82,9 @@ def correction(
 ) -> Correction:
     """First-order correction of a motion (R, m) at ``frequency`` (rad/s) by the balance of the whole structure.
 
-    ``along`` (R, m) is the direction of the curve: what only moves the point along it does not count, since on a steep
-    flank any small change of the frequency looks large. ``damping`` is the negative modal damping of a nonlinear mode.
+    ``along`` (k, R, m) are directions in which a change does not count: that of the curve, since on a steep flank any
+    small change of the frequency looks large; of a mode also its amplitude and its phase, in which it is free.
+    ``damping`` is the negative modal damping of a nonlinear mode.
     """
     contact, model = balance.contact, balance.model
     c, orders = model.condensation, balance.orders
@@ -124,8 +125,10 @@ def correction(
     delta = direct - answer(z)
     root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]
     if along is not None:
-        direction = root * (model.vectors @ along.T)
-        delta = delta - np.sum(direction * root * delta) / np.sum(direction**2) * direction / root
+        shapes = root * np.einsum("ri,kqi->krq", model.vectors, along)
+        directions = la.qr(shapes.reshape(len(along), -1).T, mode="economic")[0]
+        scaled = (root * delta).ravel()
+        delta = (scaled - directions @ (directions.T @ scaled)).reshape(delta.shape) / root
     tip, moved = c.tip @ delta[:, 1:3], c.tip @ modal[:, 1:3]
     size = float(np.linalg.norm(root * modal))
     return Correction(
@@ -291,7 +294,8 @@ def trained_response(
     def look(curve: HarmonicCurve) -> list[Correction]:
         points = looked_at(curve)
         return [
-            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)) for k in points
+            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)[None])
+            for k in points
         ]
 
     model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
@@ -320,10 +324,15 @@ def trained_backbone(
             max_periods=max_periods, control=control,
         )  # fmt: skip
 
+    def free_of(curve: BackboneCurve, k: int) -> FloatArray:
+        q = curve.coefficients[k]
+        size = np.linalg.norm(q)
+        return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
+
     def look(curve: BackboneCurve) -> list[Correction]:
         points = np.unique(np.linspace(0, len(curve.frequencies) - 1, 9).astype(int))
         return [
-            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k), curve.damping[k])
+            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], free_of(curve, k), curve.damping[k])
             for k in points
         ]
 
