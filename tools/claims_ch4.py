@@ -34,7 +34,7 @@ def both(runs: Runs, said: Callable[[list[SeriesMember]], str]) -> str:
     text = f"free base: {said(runs.sweeps('free'))}"
     try:
         clamped = runs.sweeps("clamped")
-        rings = " (it rings: zeta is the width of a ripple)" if any(read(m).rings for m in clamped) else ""
+        rings = " (it rings)" if any(read(m).rings for m in clamped) else ""
         return f"{text}; clamped: {said(clamped)}{rings}"
     except InputError:
         return text
@@ -128,7 +128,7 @@ def c63(runs: Runs) -> Verdict:
         most = max(m.values["mesh.axial"] for m in runs.study("mesh_friction"))
         best = read(runs.one("mesh_friction", mesh__grading=6, mesh__axial=most))
         coarse = read(runs.one("mesh_friction", mesh__grading=1, mesh__axial=10))
-        change = [100 * (a / b - 1) for a, b in zip(vars(coarse).values(), vars(best).values(), strict=True)]
+        change = [100 * (getattr(coarse, key) / getattr(best, key) - 1) for key in ("f_n", "peak", "zeta")]
         value += (
             f"; friction at 100 kPa, which the source did not check: uniform 30 x 10 is {change[0]:+.2f} % off in f_n, "
             f"{change[1]:+.1f} % in the peak, {change[2]:+.1f} % in zeta"
