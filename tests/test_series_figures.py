@@ -299,7 +299,7 @@ def test_slip_extent_is_red_where_it_slipped_and_prints_the_area(tmp_path: Path)
     said = sentence(ax)
     for level, count in zip((1, 2, 3), counts, strict=True):
         assert f"{count} of 3 at {level} g (" in said
-    assert "largest area at every level: mandrel and layer 1" in said
+    assert "largest area: mandrel and layer 1" in said
 
 
 def test_slip_vectors_show_the_lowest_level_at_one_scale(tmp_path: Path) -> None:

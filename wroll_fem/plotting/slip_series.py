@@ -102,7 +102,7 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: style.FloatArray) 
     text = "Interfaces that slip: " + ", ".join(parts)
     most = {int(np.argmax(fraction)) for fraction in fractions if fraction.any()}
     if len(most) == 1:
-        text += f"; largest area at every level: {interface_name(most.pop())}"
+        text += f"; largest area: {interface_name(most.pop())}"
     return textwrap.fill(text, 100)
 
 
