@@ -103,9 +103,10 @@ def test_a_span_that_may_not_grow_raises(monkeypatch: pytest.MonkeyPatch) -> Non
         simulate(*prepared(), STRONG, dt=DT, scheme=HHT, stepper=stepper(*prepared()))
 
 
-def test_a_step_that_does_not_converge_raises() -> None:
+@pytest.mark.parametrize("max_cuts", [0, 1])
+def test_a_step_that_does_not_converge_raises(max_cuts: int) -> None:
     system, preload = prepared()
-    run = stepper(system, preload, max_iterations=1, max_cuts=1)
+    run = stepper(system, preload, max_iterations=1, max_cuts=max_cuts)
     with pytest.raises(ConvergenceError, match="time step did not converge"):
         simulate(system, preload, STRONG, dt=DT, scheme=HHT, stepper=run)
 

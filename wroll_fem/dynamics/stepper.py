@@ -156,7 +156,7 @@ class Stepper(ABC):
 
     def _cut_step(self, ends: FloatArray, dt: float, time: float, record: FloatArray) -> None:
         """One nominal step in 2, 4, ... substeps; base acceleration is linear within it."""
-        start = self.snapshot()
+        start, history = self.snapshot(), self.last_history
         for cut in range(1, self.options.max_cuts + 1):
             parts = 2**cut
             sub = np.zeros((parts, len(RECORDS)))
