@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from exact_systems import orbiting_mass, slipping_pair
 
+from wroll_fem.analyses import run_analysis
 from wroll_fem.case import load_case
 from wroll_fem.dynamics import reduced
 from wroll_fem.dynamics.condensation import condense
@@ -23,6 +24,7 @@ from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.model import build_bodies, build_system
+from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_sweep.yaml"
@@ -194,3 +196,21 @@ def test_records_have_the_columns_of_the_exact_stepper() -> None:
     for name in ("kinetic_energy", "strain_energy", "contact_energy", "friction_energy", "input_work"):
         column = RECORDS.index(name)
         np.testing.assert_allclose(left[:, column], right[:, column], atol=5e-3 * np.abs(right[:, column]).max())
+
+
+def test_five_layers_slip_where_the_exact_solver_says() -> None:
+    layers = [
+        "coil.layers=5", "preload.pressure=[500, 500, 500, 500, 500]", "analysis=dwell", "output.figures=false",
+        "excitation={kind: dwell, amplitude: 9.80665, frequency: 150, cycles: 12}",
+        "mesh={circumferential: 12, axial: 6, grading: 3}",
+    ]  # fmt: skip
+    runs = [
+        run_analysis(load_case(LAB, [*layers, f"solver.method={method}"]), progress=SilentProgress())
+        for method in ("condensed", "reduced")
+    ]
+    right, history = runs
+    assert float(right["open_fraction"].max()) > 0.02
+    assert tip_error(history, right) < 5e-3
+    np.testing.assert_array_equal(history["slipped"].values, right["slipped"].values)
+    assert 0.1 < float(right["slipped"][0].mean()) < 0.5
+    assert float(history["max_slip"].max()) == pytest.approx(float(right["max_slip"].max()), rel=0.02)
