@@ -72,9 +72,17 @@ def test_error_falls_with_the_tolerance_and_the_estimate_bounds_it() -> None:
         history = simulate(*prepared(), STRONG, dt=DT, scheme=HHT, stepper=run)
         errors.append(tip_error(history, exact()))
         estimates.append(history.attrs["reduction_error_estimate"])
+        assert 0.4 < estimates[-1] / tolerance < 2.0
     assert errors[0] > 3 * errors[2]
     assert estimates[0] > 2 * estimates[1] > 4 * estimates[2]
     assert all(error < 5 * estimate for error, estimate in zip(errors, estimates, strict=True))
+
+
+def test_the_last_step_of_a_chunk_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reduced, "LOOK_EVERY", 10**6)
+    history = simulate(*prepared(), STRONG, dt=DT, scheme=HHT, method="reduced")
+    assert history.attrs["reduced_coordinates"] > 25  # it starts with 14
+    assert tip_error(history, exact()) < 5e-2
 
 
 def test_energy_identity_holds_in_the_reduced_model() -> None:
