@@ -1,9 +1,9 @@
 r"""Time integration in reduced coordinates, with a residual check against the whole structure and enrichment.
 
 The span starts from the modes that the base excites and the static responses; it grows by itself. After every
-chunk of steps the equations of the *whole* structure are evaluated at some of them. What they ask for outside
+block of steps the equations of the *whole* structure are evaluated at some of them. What they ask for outside
 the span, :math:`K_0^{-1} r` (`ReducedModel.missing`), moves quasi-statically; where it exceeds a small fraction of the
-motion's energy norm, its principal shapes join the span and the chunk is done again from its start. So every step
+motion's energy norm, its principal shapes join the span and the block is done again from its start. So every step
 that is kept was done in a span that was good enough for it, and the share still missing is the error estimate.
 
 References
@@ -30,10 +30,13 @@ from .stepper import NewtonOptions, Stepper
 from .system import System
 from .uniqueness import check_unambiguous
 
+BLOCK = 50
+"""Steps that are done again when the span is enriched."""
+
 LOOK_EVERY = 17
 """Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases.
 
-The last step of a chunk is looked at as well, or growing motions would outrun the span."""
+The last step of a block is looked at as well, or growing motions would outrun the span."""
 
 ENERGY_SHARE = 1e-3
 """Principal shapes of what is missing join the span down to this share of the largest one's amplitude."""
@@ -60,7 +63,7 @@ class ReducedStepper(Stepper):
     """
 
     state_names = (
-        "vectors", "values", "q", "v", "a", "residual", "residual_change", "q_before", "jump", "elastic_slip",
+        "values", "q", "v", "a", "residual", "residual_change", "q_before", "jump", "elastic_slip",
         "traction", "held", "matrix", "solver", "renewals", "missing", "moved", "largest", "time_step",
         "training",
     )  # fmt: skip
@@ -137,12 +140,16 @@ class ReducedStepper(Stepper):
         """Influence vector and inertia force (m,) of a unit base acceleration: the reduced mass is 1."""
         return self.model.base, self.model.base
 
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Copy of everything the future depends on; the span, large and never changed in place, goes by reference."""
+        return super().snapshot() | {"vectors": self.vectors}
+
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Return to a `snapshot`, in the span it was taken in."""
-        if not np.array_equal(state["vectors"], self.vectors):
+        if state["vectors"] is not self.vectors:
             for name in ("q", "v", "a", "residual", "residual_change", "q_before", "matrix", "solver"):
                 setattr(self, name, np.array(state[name]))
-            self._use(ReducedModel.on(self.condensation, np.array(state["vectors"]), np.array(state["values"])))
+            self._use(ReducedModel.on(self.condensation, state["vectors"], np.array(state["values"])))
         super().restore(state)
 
     def _prepare(self, dt: float) -> FloatArray:
@@ -188,7 +195,11 @@ class ReducedStepper(Stepper):
         return int(done)
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k steps; where the span proves too small for them, enrich it and do them again."""
+        """Advance k steps, block by block; where the span proves too small for a block, enrich it and do it again."""
+        blocks = range(0, len(acceleration) - 1, BLOCK)
+        return np.vstack([self._advance_block(acceleration[i : i + BLOCK + 1], dt, time + i * dt) for i in blocks])
+
+    def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         start, redone = self.snapshot(), 0.0
         while True:
             self._looks = []
