@@ -177,11 +177,12 @@ def test_what_a_span_misses_is_nothing_once_it_is_added() -> None:
     rng = np.random.default_rng(4)
     model = ReducedModel.of_vectors(c, rng.standard_normal((len(c.eigenvalues), 4)) / c.eigenvalues[:, None])
     residual = rng.standard_normal((len(c.eigenvalues), 1))
-    missing = model.missing(residual)
-    assert model.energy_norm(missing)[0] > 0.1 * model.energy_norm(residual / c.eigenvalues[:, None])[0]
-    assert model.enriched(missing).energy_norm(model.enriched(missing).missing(residual))[0] < 1e-9 * float(
-        model.energy_norm(missing)[0]
-    )
+    response = residual / c.eigenvalues[:, None]
+    missing = model.missing(response, model.vectors.T @ residual)
+    assert model.energy_norm(missing)[0] > 0.1 * model.energy_norm(response)[0]
+    larger = model.enriched(missing)
+    still = larger.missing(response, larger.vectors.T @ residual)
+    assert model.energy_norm(still)[0] < 1e-9 * model.energy_norm(missing)[0]
 
 
 def test_newton_matrix_is_the_same_summed_up_anew() -> None:

@@ -264,19 +264,24 @@ def advance_steps(
             elastic_slip[:] = e
             traction[:] = t
         records[step, 5] = strain_energy(q, eigenvalues, jump, g_0, t_0, springs, area, n)
-        records[step, 6] = totals[1]
-        records[step, 7] = totals[0]
-        records[step, 8] = totals[2]
-        records[step, 10] = totals[3]
-        records[step, 11] = iterations
-        slipping, opened = 0, 0
-        for k in range(n):
-            slipping += status[k] == SLIP
-            opened += status[k] == OPEN
-        if n > 0:
-            records[step, 12] = opened / n
-            records[step, 13] = slipping / n
+        record_contact(records[step], totals, iterations, status)
     return acceleration.shape[0] - 1
+
+
+@numba.njit(cache=True)
+def record_contact(record, totals, iterations, status):
+    """Ledger of the interfaces (J), iterations, and the fractions of the points that are open and slip."""
+    record[6] = totals[1]
+    record[7] = totals[0]
+    record[8] = totals[2]
+    record[10] = totals[3]
+    record[11] = iterations
+    slipping, opened = 0, 0
+    for k in range(status.shape[0]):
+        slipping += status[k] == SLIP
+        opened += status[k] == OPEN
+    record[12] = opened / max(status.shape[0], 1)
+    record[13] = slipping / max(status.shape[0], 1)
 
 
 @numba.njit(cache=True)

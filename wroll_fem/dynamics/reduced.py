@@ -23,7 +23,7 @@ from ..errors import ConvergenceError, InputError
 from .built_in import built_in_springs
 from .condensation import condense
 from .hht import Scheme
-from .reduced_kernel import advance_reduced
+from .reduced_kernel import advance_reduced, sum_up
 from .reduction import ReducedModel, modal_force
 from .static import ContactState
 from .stepper import NewtonOptions, Stepper
@@ -70,7 +70,7 @@ class ReducedStepper(Stepper):
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
-        tolerance: float = 3e-3,
+        tolerance: float = 2e-3,
     ):  # fmt: skip
         super().__init__(system, preload, scheme, options)
         if system.damping is not None:
@@ -157,18 +157,11 @@ class ReducedStepper(Stepper):
         s = self.scheme
         inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * self.model.eigenvalues)
         if self.time_step[0] != dt:
-            change = self.held.copy()
-            springs = self._by_point(self.condensation.springs)
-            for c in range(3):
-                change[:, c, c] -= springs[:, c]
-            n, m = self.system.n_points, self.model.size
-            k = np.arange(n)
-            slots = np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
-            rows = self._operator[slots]  # (n, 3, m)
-            right = np.einsum("k,kij,kjm->kim", self.system.laws.area, change, rows)
-            self.matrix = np.diag(1.0 / inverse) + (1.0 + s.alpha) * rows.reshape(3 * n, m).T @ right.reshape(3 * n, m)
-            self.solver = np.ascontiguousarray(la.inv(self.matrix))
-            self.matrix = np.ascontiguousarray(self.matrix)
+            sum_up(
+                self.held, self.condensation.springs, self._operator, self.system.laws.area, 1.0 + s.alpha, inverse,
+                self.matrix,
+            )  # fmt: skip
+            self.solver[:] = la.inv(self.matrix)
             self.time_step[0] = dt
         return inverse
 
@@ -226,20 +219,20 @@ class ReducedStepper(Stepper):
         The static response to the residual r is the sum of its part in the span and of the missing part, which
         are orthogonal in energy; the elastic force of the motion itself asks for nothing outside.
         """
-        q, a, s, base = self._at_looks()
-        response = self._static_response(a, s, base)
-        inside = self._force @ s + a + np.outer(self.model.base, base)
+        q, response, inside = self._at_looks()
         total = self.model.energy_norm(response) ** 2
         return (
             np.maximum(total - np.sum(inside**2 / self.model.eigenvalues[:, None], axis=0), 0.0),
             np.sum(self.model.eigenvalues[:, None] * q**2, axis=0),
         )
 
-    def _at_looks(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Coordinates q and a (m, k), correction tractions s (3 n, k) and base acceleration (k,) at the looks."""
+    def _at_looks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coordinates q (m, k) at the looks, static response (r, k) to the residual force there, the force (m, k)."""
         m, n = self.model.size, self.system.n_points
         rows = np.vstack(self._looks) if self._looks else np.zeros((0, 2 * m + 3 * n + 1))
-        return rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
+        q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
+        inside = self._force @ s + a + np.outer(self.model.base, base)
+        return q, self._static_response(a, s, base), inside
 
     def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
         """(r, k) response K_0^{-1} r to inertia, interfaces and base motion."""
@@ -252,9 +245,8 @@ class ReducedStepper(Stepper):
 
     def _enrich(self, level: float, time: float) -> None:
         """Add the principal shapes (energy inner product) of what is missing that exceed a part of ``level``."""
-        _, a, s, base = self._at_looks()
-        inside = self._force @ s + a + np.outer(self.model.base, base)
-        lacking = self._static_response(a, s, base) - self.vectors @ (inside / self.model.eigenvalues[:, None])
+        _, response, inside = self._at_looks()
+        lacking = self.model.missing(response, inside)
         root = np.sqrt(self.condensation.eigenvalues)[:, None]
         left, size, _ = la.svd(root * lacking, full_matrices=False)
         keep = size > 0.3 * level

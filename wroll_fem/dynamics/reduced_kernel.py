@@ -11,9 +11,9 @@ import numba
 import numpy as np
 
 from ..compiled import drop_stale_cache
-from ..contact.kernels import OPEN, SLIP, consistent_tangent, interface_work, record_slip, trial_traction
+from ..contact.kernels import consistent_tangent, interface_work, record_slip, trial_traction
 from . import condensed_kernel
-from .condensed_kernel import commit_modal, correction, strain_energy
+from .condensed_kernel import commit_modal, correction, record_contact, strain_energy
 
 drop_stale_cache(__file__, condensed_kernel.__file__)
 
@@ -145,7 +145,7 @@ def advance_reduced(
                 if _renew(held, tangent, stiffness_scale, tolerance, jump_operator, laws.area, 1.0 + alpha, matrix) > 0:
                     renewals[0] += 1
                     if renewals[0] % REBUILD == 0:
-                        _rebuild(held, springs, jump_operator, laws.area, 1.0 + alpha, inverse, matrix)
+                        sum_up(held, springs, jump_operator, laws.area, 1.0 + alpha, inverse, matrix)
                     solver[:] = np.linalg.inv(matrix)
                 fresh = True
         if not np.isfinite(size):
@@ -161,17 +161,7 @@ def advance_reduced(
         elastic_slip[:] = e
         traction[:] = t
         records[step, 5] = strain_energy(q, eigenvalues, jump, g_0, t_0, springs, laws.area, n)
-        records[step, 6] = totals[1]
-        records[step, 7] = totals[0]
-        records[step, 8] = totals[2]
-        records[step, 10] = totals[3]
-        records[step, 11] = iterations
-        slipping, opened = 0, 0
-        for k in range(n):
-            slipping += status[k] == SLIP
-            opened += status[k] == OPEN
-        records[step, 12] = opened / max(n, 1)
-        records[step, 13] = slipping / max(n, 1)
+        record_contact(records[step], totals, iterations, status)
         if (step + 1) % look_every == 0 or step == acceleration.shape[0] - 2:
             row = look_count[0]
             looks[row, :m] = q
@@ -183,7 +173,7 @@ def advance_reduced(
 
 
 @numba.njit(cache=True)
-def _rebuild(held, springs, jump_operator, area, factor, inverse, matrix):
+def sum_up(held, springs, jump_operator, area, factor, inverse, matrix):
     """Sum the matrix up from the tangents it holds."""
     n, m = area.shape[0], matrix.shape[0]
     right = np.empty((3 * n, m))

@@ -93,16 +93,13 @@ class ReducedModel:
         """Model on the span of this one and of ``vectors`` (r, k)."""
         return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
 
-    def missing(self, residual: FloatArray) -> FloatArray:
-        """Displacement (r, k) outside the span that a residual force (r, k) of the whole structure asks for.
+    def missing(self, response: FloatArray, inside: FloatArray) -> FloatArray:
+        """Displacement (r, k) outside the span that a residual force of the whole structure asks for.
 
-        Whatever the span misses moves quasi-statically (its modes lie far above the excitation), so it is
-        the static response K_0^{-1} residual less its part in the span (energy inner product).
+        Whatever the span misses moves quasi-statically (its modes lie far above the excitation), so it is the static
+        ``response`` K_0^{-1} r (r, k) less its part in the span; ``inside`` (m, k) is the force in reduced coordinates.
         """
-        values = self.condensation.eigenvalues.reshape(-1, *[1] * (residual.ndim - 1))
-        inside = self.vectors.T @ residual
-        stiffness = self.eigenvalues.reshape(-1, *[1] * (residual.ndim - 1))
-        return np.asarray(residual / values - self.vectors @ (inside / stiffness))
+        return np.asarray(response - self.vectors @ (inside / self.eigenvalues[:, None]))
 
     def energy_norm(self, displacement: FloatArray) -> FloatArray:
         """Square root of twice the energy of modal displacements (r, ...) with the interface stuck, J^(1/2)."""

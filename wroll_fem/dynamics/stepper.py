@@ -104,9 +104,9 @@ class Stepper(ABC):
         step failed (`last_history` then holds its residuals).
         """
 
+    @abstractmethod
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector i and inertia force M i of a unit base acceleration, in the coordinates of the state."""
-        raise NotImplementedError
 
     last_history: list[float]
     a: FloatArray
