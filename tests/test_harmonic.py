@@ -25,6 +25,7 @@ from wroll_fem.dynamics.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
 from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
@@ -357,6 +358,8 @@ def test_steppers_without_dashpots_refuse_them() -> None:
     system = damped_pair()
     with pytest.raises(InputError, match="viscous"):
         CondensedStepper(system, solve_preload(system), Scheme.hht(0.0), NewtonOptions(), dt=1e-3)
+    with pytest.raises(InputError, match="viscous"):
+        ReducedStepper(system, solve_preload(system), Scheme.hht(0.0), NewtonOptions(), dt=1e-3)
     with pytest.raises(InputError, match="damping"):
         dataclasses.replace(system, damping=sp.csr_matrix(np.eye(2)))
     with pytest.raises(InputError, match="symmetric"):
