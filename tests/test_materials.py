@@ -1,0 +1,97 @@
+"""Cylindrical-orthotropic stiffness: conventions, admissibility, isotropic limit, mixture of constituents."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from wroll_fem.errors import InputError
+from wroll_fem.materials import Constituent, CylindricalOrthotropic, homogenise, violation
+
+STRIP = CylindricalOrthotropic(10e9, 5e9, 0.1e9, 0.3, 0.3, 0.3, 1e9, 0.4e9, 0.7e9, 1600.0)  # Table 2.4, G_r distinct
+RR, TT, ZZ, TZ, RZ, RT = range(6)
+
+
+def test_stress_along_one_axis_gives_the_defined_strains():
+    for axis, others in ((TT, {ZZ: 0.3, RR: 0.3}), (ZZ, {RR: 0.3})):
+        strain = np.linalg.solve(STRIP.stiffness(), np.eye(6)[axis])
+        for other, nu in others.items():
+            assert -strain[other] / strain[axis] == pytest.approx(nu, rel=1e-12)
+    moduli = 1 / np.diag(np.linalg.inv(STRIP.stiffness()))
+    np.testing.assert_allclose(moduli, [0.1e9, 10e9, 5e9, 1e9, 0.7e9, 0.4e9], rtol=1e-12)
+
+
+def test_isotropic_limit_is_lames_matrix():
+    E, nu = 4e9, 0.35
+    lame, G = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+    expected = np.diag([2 * G] * 3 + [G] * 3)
+    expected[:3, :3] += lame
+    np.testing.assert_allclose(
+        CylindricalOrthotropic.isotropic(E, nu, 1.0).stiffness(), expected, rtol=1e-12, atol=1e-3
+    )
+    assert pytest.approx(1.48e9, rel=2e-3) == G  # thesis, section 2.5
+
+
+def test_admissible_exactly_where_the_stiffness_is_positive_definite():
+    rng = np.random.default_rng(4)
+    outcomes = []
+    for _ in range(400):
+        values = {name: rng.uniform(1, 9) for name in ("E_theta", "E_z", "E_r")}
+        values |= {name: rng.uniform(-1.2, 1.2) for name in ("nu_theta_z", "nu_theta_r", "nu_z_r")}
+        values |= dict.fromkeys(("G_z_theta", "G_r_theta", "G_r_z"), 1.0)
+        loose = object.__new__(CylindricalOrthotropic)  # past the check, to look at the matrix itself
+        for name, value in (values | {"rho": 1.0}).items():
+            object.__setattr__(loose, name, value)
+        positive = bool(np.linalg.eigvalsh(loose.compliance()).min() > 0)
+        assert (violation(loose) is None) == positive
+        outcomes.append(positive)
+    assert 50 < sum(outcomes) < 350
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ({"E_r": -1.0}, "E_r", "must be positive"),
+        ({"G_r_z": 0.0}, "G_r_z", "must be positive"),
+        ({"rho": float("nan")}, "rho", "must be positive"),
+        ({"nu_theta_z": 1.5}, "nu_theta_z", "sqrt(E_theta / E_z) = 1.414"),
+        ({"nu_theta_r": 30.0}, "nu_theta_r", "sqrt(E_theta / E_r) = 10"),
+        ({"nu_z_r": -8.0}, "nu_z_r", "sqrt(E_z / E_r) = 7.071"),
+        ({"nu_theta_z": 1.2, "nu_theta_r": 6.0, "nu_z_r": 5.0}, "nu_theta_z", "2 nu_tz nu_zr nu_rt > 0"),
+    ],
+)
+def test_inadmissible_constants_get_one_line(change, key, words):
+    with pytest.raises(InputError) as caught:
+        replace(STRIP, **change)
+    assert caught.value.key == key
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_mixture_is_the_weighted_mean_or_the_limiting_constituent():
+    frame = Constituent(0.2, 60e9, 20e9, 0.25, 4e9, 1600.0)
+    membrane = Constituent.isotropic(0.5, 2.5e9, 0.34, 1400.0)
+    web = homogenise({"frame": frame, "membrane": membrane}, limited_by={"G_z_theta": "membrane"})
+    assert web.E_theta == pytest.approx(0.2 * 60e9 + 0.5 * 2.5e9)  # 30 % of the volume is void
+    assert web.E_z == pytest.approx(0.2 * 20e9 + 0.5 * 2.5e9)
+    assert web.rho == pytest.approx(0.2 * 1600 + 0.5 * 1400)
+    assert web.nu_theta_z == pytest.approx((0.2 * 0.25 + 0.5 * 0.34) / 0.7)
+    assert web.G_z_theta == web.G_r_theta == web.G_r_z == membrane.G_z_theta
+    assert web.E_r == pytest.approx(0.01 * web.E_theta)
+    alone = homogenise(
+        {"film": Constituent.isotropic(1.0, 4e9, 0.35, 1400.0)}, radial_ratio=1.0, nu_theta_r=0.35, nu_z_r=0.35
+    )
+    np.testing.assert_allclose(
+        alone.stiffness(), CylindricalOrthotropic.isotropic(4e9, 0.35, 1400.0).stiffness(), rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("fractions", "limited", "key"),
+    [((0.7, 0.7), {}, "fraction"), ((0.0, 0.5), {}, "a.fraction"), ((0.5, 0.5), {"E_r": "a"}, "limited_by")],
+)
+def test_mixtures_that_make_no_sense_are_refused(fractions, limited, key):
+    parts = {name: Constituent.isotropic(f, 1e9, 0.3, 1.0) for name, f in zip("ab", fractions, strict=True)}
+    with pytest.raises(InputError) as caught:
+        homogenise(parts, limited_by=limited)
+    assert caught.value.key == key
