@@ -1,12 +1,15 @@
 """Cylindrical-orthotropic stiffness: conventions, admissibility, isotropic limit, mixture of constituents."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
+from wroll_fem.case.coil import Coil
 from wroll_fem.errors import InputError
-from wroll_fem.materials import Constituent, CylindricalOrthotropic, homogenise, violation
+from wroll_fem.materials import CONSTANTS, Constituent, CylindricalOrthotropic, homogenise, violation
 
 STRIP = CylindricalOrthotropic(10e9, 5e9, 0.1e9, 0.3, 0.3, 0.3, 1e9, 0.4e9, 0.7e9, 1600.0)  # Table 2.4, G_r distinct
 RR, TT, ZZ, TZ, RZ, RT = range(6)
@@ -95,3 +98,36 @@ def test_mixtures_that_make_no_sense_are_refused(fractions, limited, key):
     with pytest.raises(InputError) as caught:
         homogenise(parts, limited_by=limited)
     assert caught.value.key == key
+
+
+COIL = {
+    "model": "solid", "thickness": 15e-3,
+    "material": {name: getattr(STRIP, name) for name in CONSTANTS} | {"kind": "cylindrical_orthotropic"},
+}  # fmt: skip
+
+
+def test_case_section_hands_over_the_same_material_and_survives_a_round_trip():
+    coil = Coil.model_validate(COIL)
+    assert coil.material.solid() == STRIP
+    assert coil.total_thickness == 15e-3
+    dumped = coil.model_dump(mode="json")
+    assert Coil.model_validate(dumped) == coil
+    assert not {"layers", "bending", "total_thickness"} & set(dumped)
+    film = Coil.model_validate(COIL | {"material": {"kind": "isotropic", "E": 4e9, "nu": 0.35, "rho": 1400}})
+    assert film.material.solid() == CylindricalOrthotropic.isotropic(4e9, 0.35, 1400)
+    assert "kind" not in film.model_dump()["material"]  # as cases were written before there were several kinds
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"material": COIL["material"] | {"nu_theta_r": 30.0}}, "sqrt(E_theta / E_r) = 10"),
+        ({"model": "bonded"}, "shells (model: bonded) are isotropic"),
+        ({"bending": False}, "belongs to layers"),
+        ({"total_thickness": 10e-3}, "differs from total_thickness = 0.01 m"),
+        ({"thickness": None}, "required key is missing; add it (thickness of the coil"),
+    ],
+)
+def test_coil_sections_that_contradict_themselves_are_refused(change, words):
+    with pytest.raises(ValidationError, match=re.escape(words)):
+        Coil.model_validate(COIL | change)

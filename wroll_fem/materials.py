@@ -16,16 +16,18 @@ Thesis, section 2.4, Table 2.4 (homogenised strip), section 2.5, Table 2.5 (Kapt
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Protocol
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Protocol
 
 from .errors import InputError
 
-FloatArray = npt.NDArray[np.float64]
+if TYPE_CHECKING:  # cases are checked without numpy
+    import numpy as np
+    import numpy.typing as npt
+
+    FloatArray = npt.NDArray[np.float64]
 
 MODULI = ("E_theta", "E_z", "E_r", "G_z_theta", "G_r_theta", "G_r_z")
 IN_PLANE = ("E_theta", "E_z", "nu_theta_z", "G_z_theta", "rho")
@@ -84,14 +86,14 @@ def violation(m: Orthotropic) -> Violation | None:
     """First broken condition of the module's docstring, or None for an admissible material."""
     for key in MODULI:
         value = float(getattr(m, key))
-        if not (np.isfinite(value) and value > 0.0):
+        if not (math.isfinite(value) and value > 0.0):
             return Violation(key, value, "must be positive and finite", f"give {key} in Pa")
     for key, first, second in (
         ("nu_theta_z", "E_theta", "E_z"),
         ("nu_theta_r", "E_theta", "E_r"),
         ("nu_z_r", "E_z", "E_r"),
     ):
-        nu, bound = float(getattr(m, key)), float(np.sqrt(getattr(m, first) / getattr(m, second)))
+        nu, bound = float(getattr(m, key)), math.sqrt(getattr(m, first) / getattr(m, second))
         if not abs(nu) < bound * (1 - _ROUNDING):
             problem = (
                 f"breaks |{key}| < sqrt({first} / {second}) = {bound:.4g}: the strain energy would not be positive"
@@ -143,7 +145,7 @@ class CylindricalOrthotropic:
     rho: float
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.rho) and self.rho > 0.0):
+        if not (math.isfinite(self.rho) and self.rho > 0.0):
             raise InputError(f"must be positive and finite, got {self.rho:g}", key="rho", remedy="give rho in kg/m^3")
         found = violation(self)
         if found is not None:
@@ -152,11 +154,13 @@ class CylindricalOrthotropic:
     @classmethod
     def isotropic(cls, E: float, nu: float, rho: float) -> CylindricalOrthotropic:
         """Isotropic limit: E (Pa), nu and rho (kg/m^3); every shear modulus is E / (2 (1 + nu))."""
-        G = E / (2 * (1 + nu)) if nu > -1 else np.nan
+        G = E / (2 * (1 + nu)) if nu > -1 else math.nan
         return cls(E, E, E, nu, nu, nu, G, G, G, rho)
 
     def compliance(self) -> FloatArray:
         """(6, 6) strain per stress, 1/Pa, Voigt order (rr, tt, zz, tz, rz, rt)."""
+        import numpy as np
+
         rt, zt = -self.nu_theta_r / self.E_theta, -self.nu_theta_z / self.E_theta
         rz = -self.nu_z_r / self.E_z
         S = np.zeros((6, 6))
@@ -166,6 +170,8 @@ class CylindricalOrthotropic:
 
     def stiffness(self) -> FloatArray:
         """(6, 6) stress per strain, Pa, Voigt order (rr, tt, zz, tz, rz, rt)."""
+        import numpy as np
+
         S = self.compliance()
         C = np.zeros((6, 6))
         C[:3, :3] = np.linalg.inv(S[:3, :3])

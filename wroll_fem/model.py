@@ -25,7 +25,7 @@ def normal_penalty(case: Case) -> float:
     penalty = case.contact.normal.penalty
     if not isinstance(penalty, str):
         return float(penalty)
-    mandrel, layer = case.mandrel.material.E, case.coil.material.E
+    mandrel, layer = case.mandrel.material.E, case.coil.layer_material.E
     return 2.0 / (case.geometry.mandrel_thickness / mandrel + case.coil.layer_thickness / layer)
 
 

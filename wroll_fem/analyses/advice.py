@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..case import Case
+    from ..case.material import IsotropicMaterial, OrthotropicMaterial
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
 """Time per step: `reduced` x points, `condensed` x points x modes per harmonic, `full` x DOFs; one 2.5 GHz core."""
@@ -21,7 +22,10 @@ def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> floa
     The end mass takes 33/140 of the beam's mass. Good to some per cent: for warnings, not for results.
     """
     g, m, coil = case.geometry, case.mandrel, case.coil
-    tubes = [(m.material, 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness, g.mandrel_thickness, True)]
+    radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
+    tubes: list[tuple[IsotropicMaterial | OrthotropicMaterial, float, float, bool]] = [
+        (m.material, radius, g.mandrel_thickness, True)
+    ]
     if coil.model != "none":
         radius = 0.5 * g.mandrel_outer_diameter + 0.5 * coil.total_thickness
         stiff = bonded and coil.model != "nonstructural_mass"
@@ -30,12 +34,20 @@ def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> floa
     for material, radius, thickness, stiff in tubes:
         area = 2 * math.pi * radius * thickness
         if stiff or material is m.material:
-            bending += material.E * math.pi * radius**3 * thickness
-            shear += material.E / (2 * (1 + material.nu)) * area / 2
+            E, G = _axial_moduli(material)
+            bending += E * math.pi * radius**3 * thickness
+            shear += G * area / 2
         if added_mass or material is m.material:
             mass += material.rho * area * g.length
     compliance = g.length**3 / (3 * bending) + g.length / shear
     return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
+
+
+def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[float, float]:
+    """Young's modulus along the axis and in-plane shear modulus, Pa."""
+    if material.kind == "cylindrical_orthotropic":
+        return material.E_z, material.G_z_theta
+    return material.E, material.E / (2 * (1 + material.nu))
 
 
 def buckling_pressure(case: Case) -> float:
@@ -47,7 +59,7 @@ def buckling_pressure(case: Case) -> float:
     tubes = [(case.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
     if coil.bending:
         tubes.append(
-            (coil.material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
+            (coil.layer_material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
         )
     total = 0.0
     for material, diameter, thickness, count in tubes:
@@ -66,7 +78,7 @@ def interface_pressures(case: Case) -> list[float]:
     g, coil = case.geometry, case.coil
     pressures = case.preload.per_layer(coil.layers)
     core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
-    ring = coil.material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
+    ring = coil.layer_material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
     shift = sum(pressures) / (core + coil.layers * ring)
     return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
 
@@ -74,7 +86,7 @@ def interface_pressures(case: Case) -> list[float]:
 def shear_lag_length(case: Case, pressure: float) -> float:
     """Length in m over which friction hands axial force from layer to mandrel, sqrt((E t)_series / k_t)."""
     mandrel = case.mandrel.material.E * case.geometry.mandrel_thickness
-    layer = case.coil.material.E * case.coil.layer_thickness
+    layer = case.coil.layer_material.E * case.coil.layer_thickness
     friction = case.contact.friction
     if friction.law == "smoothed_coulomb":  # sticks nowhere
         return math.inf
@@ -145,7 +157,7 @@ def _structure_warnings(case: Case) -> list[str]:
 
 def _missed_resonance(case: Case) -> list[str]:
     low = beam_frequency(case, bonded=False)
-    high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded"))
+    high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
     start, end = case.excitation.f_start, case.excitation.f_end  # type: ignore[union-attr]
     if start < 1.05 * high and end > 0.95 * low:
         return []
@@ -206,7 +218,7 @@ def estimate(case: Case) -> dict[str, Any]:
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
     result: dict[str, Any] = {
-        "dofs": 6 * nodes * shells,
+        "dofs": 6 * nodes * shells + (6 * nodes * case.mesh.radial if case.coil.model == "solid" else 0),
         "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
     }
     result |= _time_steps(case)

@@ -139,6 +139,9 @@ class Case(Section):
         if self.structure is not None:
             return self._resolved_structure(unused | {"mesh"})
         data = self.model_dump(mode="json", exclude=unused)
+        if self.coil.model != "solid":
+            for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
+                del data["mesh"][key]
         if self.coil.model == "none":
             given = self.coil.model_fields_set
             data["coil"] = {

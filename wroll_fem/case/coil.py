@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from .base import Real, Section, Switch, Whole, wrong
-from .material import IsotropicMaterial
+from .material import IsotropicMaterial, Material
 
 #: Keys that every model of the coil except `none` needs.
 _NEEDED = ("total_thickness", "material")
+
+#: Keys of shells, without a meaning for the solid coil.
+_OF_SHELLS = ("layers", "bending")
 
 
 def _lab_layer() -> IsotropicMaterial:
@@ -18,11 +21,12 @@ def _lab_layer() -> IsotropicMaterial:
 
 
 class Coil(Section):
-    """The wound web as concentric layers, or as something simpler to compare with."""
+    """The wound web as concentric layers, as a homogenised solid, or as something simpler to compare with."""
 
-    model: Literal["layers", "bonded", "nonstructural_mass", "none"] = Field(
-        description="layers: concentric shells with friction between them; bonded: the same without slip; "
-        "nonstructural_mass: mass without stiffness; none: the mandrel alone"
+    model: Literal["layers", "solid", "bonded", "nonstructural_mass", "none"] = Field(
+        description="layers: concentric shells with friction between them; solid: homogenised solid bonded to the "
+        "mandrel (coiled-stiff); bonded: layers without slip; nonstructural_mass: mass without stiffness; "
+        "none: the mandrel alone"
     )
     layers: Whole = Field(default=1, ge=1, description="number of concentric layers (count)")
     total_thickness: Real = Field(
@@ -30,30 +34,67 @@ class Coil(Section):
         gt=0,
         description="thickness of all layers together, m (each is total / layers)",
     )
-    material: IsotropicMaterial = Field(default_factory=_lab_layer, description="material of the layers")
+    thickness: Real | None = Field(
+        default=None, gt=0, description="thickness of the coil, m: another name of total_thickness, used with solid"
+    )
+    material: Material = Field(
+        default_factory=_lab_layer,
+        description="material of the coil: isotropic, or kind: cylindrical_orthotropic for solid",
+    )
     base: Literal["free", "clamped", "inner_edge"] = Field(
         default="free",
-        description="base ring of the layers: free (held by friction alone), clamped (moves with the shaker), "
-        "inner_edge (only the innermost layer is clamped)",
+        description="base of the coil: free (held by friction or the bond alone), clamped (moves with the shaker), "
+        "inner_edge (only the innermost layer, or the inner edge of the solid, is clamped)",
     )
     bending: Switch = Field(default=True, description="layers resist bending (shells); false: membranes")
 
-    @field_validator("model", mode="before")
-    @classmethod
-    def _available(cls, value: Any) -> Any:
-        if value == "solid":
-            remedy = "use layers, bonded, nonstructural_mass or none"
-            raise wrong("the solid (homogenised) coil is not available yet", remedy=remedy, value=value)
-        return value
-
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        given = self.model_fields_set
+        if self.thickness is not None:
+            if "total_thickness" in given and self.total_thickness != self.thickness:
+                raise wrong(
+                    f"differs from total_thickness = {self.total_thickness:g} m, which means the same",
+                    key="thickness", value=self.thickness, remedy="give one of them",
+                )  # fmt: skip
+            self.__dict__["total_thickness"] = self.thickness  # no field of its own: a changed thickness changes it
         for key in _NEEDED:
-            if self.model != "none" and key not in self.model_fields_set:
-                what = type(self).model_fields[key].description
+            if self.model != "none" and key not in given and not (key == "total_thickness" and self.thickness):
+                name = "thickness" if self.model == "solid" and key == "total_thickness" else key
+                what = type(self).model_fields[name].description
                 remedy = f"add it ({what}); only model: none goes without"
-                raise wrong("required key is missing", key=key, remedy=remedy, show_value=False)
+                raise wrong("required key is missing", key=name, remedy=remedy, show_value=False)
         return self
+
+    @model_validator(mode="after")
+    def _fits_the_model(self) -> Self:
+        for key in _OF_SHELLS:
+            if self.model == "solid" and key in self.model_fields_set:
+                raise wrong(
+                    "belongs to layers, the solid coil has none", key=key, value=getattr(self, key),
+                    remedy="leave it out (mesh.radial sets the elements through the coil), or use model: layers",
+                )  # fmt: skip
+        if self.model in ("layers", "bonded") and not isinstance(self.material, IsotropicMaterial):
+            raise wrong(
+                f"shells (model: {self.model}) are isotropic", key="material.kind", value=self.material.kind,
+                remedy="give E, nu and rho, or use model: solid",
+            )  # fmt: skip
+        return self
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """One name of the thickness, and no keys that this model does not have."""
+        data = dict(plain(self))
+        unused = {"total_thickness" if self.thickness is not None else "thickness"}
+        unused |= set(_OF_SHELLS) if self.model == "solid" else set()
+        return {key: value for key, value in data.items() if key not in unused}
+
+    @property
+    def layer_material(self) -> IsotropicMaterial:
+        """Material of the layers; only the solid coil and a mass without stiffness have another."""
+        if not isinstance(self.material, IsotropicMaterial):
+            raise TypeError(f"the {self.model} coil has no isotropic material")
+        return self.material
 
     @property
     def layer_thickness(self) -> float:

@@ -2,14 +2,67 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Annotated, Any, Literal, Self
 
-from .base import Real, Section
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..materials import CONSTANTS, CylindricalOrthotropic, violation
+from .base import Real, Section, wrong
 
 
 class IsotropicMaterial(Section):
     """Linear elastic isotropic material."""
 
+    kind: Literal["isotropic"] = Field(
+        default="isotropic", exclude=True, description="isotropic: the same in every direction; may be left out"
+    )
     E: Real = Field(gt=0, description="Young's modulus, Pa")
     nu: Real = Field(gt=-1, lt=0.5, description="Poisson's ratio, dimensionless; admissible when -1 < nu < 0.5")
     rho: Real = Field(gt=0, description="density, kg/m^3")
+
+    def solid(self) -> CylindricalOrthotropic:
+        """Elasticity in three dimensions."""
+        return CylindricalOrthotropic.isotropic(self.E, self.nu, self.rho)
+
+
+class OrthotropicMaterial(Section):
+    """Linear elastic material with axes along r, theta, z of the roll: a homogenised coil."""
+
+    kind: Literal["cylindrical_orthotropic"] = Field(
+        description="cylindrical_orthotropic: nine constants in the roll's axes (coil.model: solid)"
+    )
+    E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
+    E_z: Real = Field(gt=0, description="Young's modulus along the roll's axis, Pa")
+    E_r: Real = Field(gt=0, description="Young's modulus through the stack of wraps, Pa")
+    nu_theta_z: Real = Field(
+        description="Poisson's ratio, dimensionless: -strain_z / strain_theta under stress along theta"
+    )
+    nu_theta_r: Real = Field(
+        description="Poisson's ratio, dimensionless: -strain_r / strain_theta under stress along theta"
+    )
+    nu_z_r: Real = Field(description="Poisson's ratio, dimensionless: -strain_r / strain_z under stress along z")
+    G_z_theta: Real = Field(gt=0, description="in-plane shear modulus of the web, Pa")
+    G_r_theta: Real = Field(gt=0, description="shear modulus between wraps around the roll, Pa")
+    G_r_z: Real = Field(gt=0, description="shear modulus between wraps along the axis, Pa")
+    rho: Real = Field(gt=0, description="density, kg/m^3")
+
+    @model_validator(mode="after")
+    def _admissible(self) -> Self:
+        found = violation(self)
+        if found is not None:
+            raise wrong(found.problem, key=found.key, value=found.value, remedy=found.remedy)
+        return self
+
+    def solid(self) -> CylindricalOrthotropic:
+        """Elasticity in three dimensions."""
+        return CylindricalOrthotropic(**{name: getattr(self, name) for name in CONSTANTS})
+
+
+def _kind_of(value: Any) -> Any:
+    """A material without `kind` is isotropic."""
+    if isinstance(value, dict) and "kind" not in value:
+        return {"kind": "isotropic", **value}
+    return value
+
+
+Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind"), BeforeValidator(_kind_of)]

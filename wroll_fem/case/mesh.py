@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import Field, field_validator
 
@@ -11,17 +11,24 @@ from .base import Real, Section, Whole, wrong
 
 
 class Mesh(Section):
-    """Structured quadrilaterals on every cylinder; all cylinders share the same divisions."""
+    """Structured quadrilaterals on every cylinder, hexahedra in a solid coil; all share the same divisions."""
 
     circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
     axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
     grading: Real = Field(
         default=1.0, ge=1, description="element height at the tip over height at the root, dimensionless; 1 is uniform"
     )
+    radial: Whole = Field(default=3, ge=1, description="elements through a solid coil (count)")
+    radial_grading: Real = Field(
+        default=1.0, ge=1, description="element thickness outside over that at the mandrel, dimensionless; 1 is uniform"
+    )
     file: Path | None = Field(
         default=None,
         description="Gmsh .msh file with the named groups (path, relative to the case file); null: made here",
     )
+
+    OF_SOLID: ClassVar[tuple[str, ...]] = ("radial", "radial_grading")
+    """Keys that only a solid coil uses; they stay out of other resolved cases unless written."""
 
     @field_validator("circumferential")
     @classmethod

@@ -71,7 +71,7 @@ def assemble_bodies(
 def section_of(case: Case, index: int, thickness: float) -> Section:
     """Shell section of the mandrel (index 0) or of a layer."""
     if index > 0:
-        m = case.coil.material
+        m = case.coil.layer_material
         return Section(m.E, m.nu, m.rho, thickness, bending=1.0 if case.coil.bending else 0.0)
     m = case.mandrel.material
     extra = 0.0
