@@ -11,7 +11,7 @@ from typing import Any, Literal, Self, get_args
 import yaml
 from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_validator, model_validator
 
-from .base import Section, wrong
+from .base import Real, Section, wrong
 from .coil import Coil
 from .contact import Contact, PenaltyFriction
 from .excitation import DwellExcitation, Excitation
@@ -22,12 +22,13 @@ from .mandrel import Mandrel
 from .mesh import Mesh
 from .messages import input_error
 from .modal import Modal
+from .modal_transient import damping_ratio_fits, solid_coil
 from .output import Output
 from .preload import Preload
 from .solver import Solver
 from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
 
-Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "preload"]
+Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload"]
 ANALYSES: tuple[str, ...] = get_args(Analysis)
 
 #: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
@@ -36,6 +37,7 @@ FEWEST_STEPS_PER_CYCLE = 20
 #: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
 _OPTIONAL = (
     "contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure", "harmonic", "backbone",
+    "damping_ratio",
 )  # fmt: skip
 
 #: Sections that describe a roll, and what the matrices of `structure` stand for.
@@ -85,6 +87,9 @@ class Case(Section):
     contact: Contact = Field(default_factory=_unused_contact, description="between facing surfaces")
     preload: Preload = Field(default_factory=_unused_preload, description="what presses the layers onto the mandrel")
     excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
+    damping_ratio: Real | None = Field(
+        default=None, ge=1e-3, lt=1, description="share of critical damping of every mode (modal_transient)"
+    )
     integrator: Integrator = Field(default_factory=Integrator, description="time integration")
     solver: Solver = Field(default_factory=Solver, description="how a step is solved")
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
@@ -210,7 +215,7 @@ def _roll_or_structure(case: Case) -> None:
 
 
 def _sections_present(case: Case) -> None:
-    if case.analysis in ("sweep", "dwell", "harmonic"):
+    if case.analysis in ("sweep", "dwell", "harmonic", "modal_transient"):
         _needs(case, "excitation", f"analysis {case.analysis} shakes the base")
     stuck = case.analysis == "modal" and case.modal.interface == "stuck"
     if case.coil.model == "layers" and (case.analysis != "modal" or stuck):
@@ -220,9 +225,9 @@ def _sections_present(case: Case) -> None:
 
 
 def _excitation_fits(case: Case) -> None:
-    wanted = {"sweep": "chirp", "harmonic": "chirp", "dwell": "dwell"}.get(case.analysis)
+    wanted = {"sweep": "chirp", "harmonic": "chirp", "dwell": "dwell", "modal_transient": "sine"}.get(case.analysis)
     if wanted and case.excitation.kind != wanted:
-        other = next(name for name, kind in (("sweep", "chirp"), ("dwell", "dwell")) if kind == case.excitation.kind)
+        other = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}[case.excitation.kind]
         raise wrong(
             f"analysis {case.analysis} needs a {wanted}", key="excitation.kind", value=case.excitation.kind,
             remedy=f"use excitation.kind: {wanted}, or analysis: {other}",
@@ -266,5 +271,5 @@ def _fine_enough(case: Case) -> None:
 
 _CHECKS: Sequence[Callable[[Case], None]] = (
     _roll_or_structure, _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer,
-    _fine_enough,
+    _fine_enough, damping_ratio_fits, solid_coil,
 )  # fmt: skip

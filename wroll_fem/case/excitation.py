@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+import math
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from .base import Real, Section, wrong
+from ..units import GRAVITY
+from .base import Real, Section, _number, wrong
 
 
-class _BaseMotion(Section):
-    amplitude: Real = Field(gt=0, description="amplitude of the base acceleration, m/s^2, 0-peak")
+class _Directed(Section):
     direction: Literal["x", "y"] = Field(
         default="x",
         description="direction of the base motion; y cannot use the symmetry plane and solves the whole roll",
     )
+
+
+class _BaseMotion(_Directed):
+    amplitude: Real = Field(gt=0, description="amplitude of the base acceleration, m/s^2, 0-peak")
 
 
 class ChirpExcitation(_BaseMotion):
@@ -64,4 +70,48 @@ class DwellExcitation(_BaseMotion):
         return self.frequency
 
 
-Excitation = Annotated[ChirpExcitation | DwellExcitation, Field(discriminator="kind")]
+class SineExcitation(_Directed):
+    """Steady sine at several levels: what a linear model in its modes answers."""
+
+    kind: Literal["sine"] = Field(description="sine: steady, at one frequency and several levels (modal_transient)")
+    frequency: Literal["resonance"] | float = Field(
+        description="frequency, Hz, or resonance: the natural frequency of the mode with the largest effective mass "
+        "along the direction (the first bending mode of a cantilevered roll)"
+    )
+    amplitude_g: list[float] = Field(
+        description="levels of the base acceleration, multiples of 9.80665 m/s^2, 0-peak, ascending"
+    )
+
+    @field_validator("frequency", mode="before")
+    @classmethod
+    def _hertz(cls, value: Any) -> Any:
+        return value if value == "resonance" else _positive(value, "write a frequency in Hz, or resonance")
+
+    @field_validator("amplitude_g", mode="before")
+    @classmethod
+    def _levels(cls, value: Any) -> Any:
+        remedy = "write positive levels in ascending order, in g, for example [1, 5, 15]"
+        levels = [_positive(entry, remedy) for entry in (value if isinstance(value, list | tuple) else [value])]
+        if not levels or any(b <= a for a, b in pairwise(levels)):
+            raise wrong("must be an ascending list of levels", remedy=remedy, value=value)
+        return levels
+
+    @property
+    def amplitude(self) -> float:
+        """Largest level, m/s^2, 0-peak."""
+        return GRAVITY * self.amplitude_g[-1]
+
+    @property
+    def highest_frequency_hz(self) -> float:
+        """Frequency of the base motion, Hz; NaN for a resonance still to be found."""
+        return math.nan if isinstance(self.frequency, str) else self.frequency
+
+
+def _positive(value: Any, remedy: str) -> float:
+    number = _number(value)
+    if not isinstance(number, int | float) or not 0 < number < math.inf:
+        raise wrong("must be a number above zero", remedy=remedy, value=value)
+    return float(number)
+
+
+Excitation = Annotated[ChirpExcitation | DwellExcitation | SineExcitation, Field(discriminator="kind")]

@@ -83,7 +83,7 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
             key, value = f"{key}.{tag}", value.get(tag)
         return key, f"is not one of the choices, got {_show(value)}", f"use {options.replace(' or ', ', ')}", ""
     if kind == "union_tag_not_found":
-        return f"{key}.kind", "required key is missing", f"add it ({what}): chirp or dwell", ""
+        return f"{key}.kind", "required key is missing", f"add it ({what}): chirp, dwell or sine", ""
     if kind in _BOUNDS:
         return key, f"{_BOUNDS[kind].format(**context)}{got}", f"give the {what}", ""
     if kind in _KINDS:

@@ -1,0 +1,198 @@
+"""Response of a linear structure to a sine of its base in a basis of its modes: exact in time.
+
+With mass-normalised modes, participation Gamma_k = phi_k^T M i and displacements relative to the base,
+
+    q_k'' + 2 zeta w_k q_k' + w_k^2 q_k = -Gamma_k a_g(t),        a_g = A sin W t,        q_k(0) = q_k'(0) = 0
+
+has the solution (complex amplitude Q_k, damped frequency w_d = w_k sqrt(1 - zeta^2))
+
+    q_k(t) = Im(Q_k e^(i W t)) + e^(-zeta w_k t) (a_k cos w_d t + b_k sin w_d t),
+    Q_k = -Gamma_k A / (w_k^2 - W^2 + 2 i zeta w_k W),    a_k = -Im Q_k,    b_k = (zeta w_k a_k - W Re Q_k) / w_d
+
+so there is no time step to choose: histories are evaluated where they are wanted. FEM-free.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import ConvergenceError, InputError
+
+FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+STEADY_CHANGE = 1e-4
+"""Steady when the tip's motion changes by less than this share of its amplitude from one cycle to the next.
+
+The transient decays at least as fast as e^(-zeta w_1 t), so at resonance what is left to come is about
+STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
+"""
+
+SAMPLES_PER_CYCLE = 64
+MOST_CYCLES = 20_000
+
+
+class ModalState(NamedTuple):
+    """Modal coordinates (m sqrt(kg)) and their rates, (n_modes, n_times) each."""
+
+    coordinate: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+
+
+@dataclass(frozen=True)
+class Oscillators:
+    """Modes as independent oscillators under a sine of the base.
+
+    Attributes
+    ----------
+    frequencies_hz
+        (n_modes,) undamped natural frequencies, Hz, greater than zero.
+    participation
+        (n_modes,) phi^T M i, sqrt(kg), mass-normalised modes.
+    damping_ratio
+        Share of critical damping of every mode, 0 < zeta < 1.
+    """
+
+    frequencies_hz: FloatArray
+    participation: FloatArray
+    damping_ratio: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.damping_ratio < 1.0:
+            raise InputError(
+                f"must lie between 0 and 1, got {self.damping_ratio:g}", key="damping_ratio", remedy="0.02 is 2 %"
+            )
+        if not np.all(np.asarray(self.frequencies_hz) > 0.0):
+            raise InputError(
+                f"the lowest frequency is {np.min(self.frequencies_hz):g} Hz: a motion without strain has no steady "
+                "state", remedy="hold the structure at its base",
+            )  # fmt: skip
+
+    @property
+    def _omega(self) -> FloatArray:
+        return np.asarray(2.0 * np.pi * np.asarray(self.frequencies_hz))
+
+    def steady(self, frequency_hz: float, amplitude: float = 1.0) -> ComplexArray:
+        """(n_modes,) complex amplitudes Q of q = Im(Q e^(i W t)), m sqrt(kg), under `amplitude` sin W t (m/s^2)."""
+        omega, driven = self._omega, 2.0 * np.pi * frequency_hz
+        stiffness = omega**2 - driven**2 + 2j * self.damping_ratio * omega * driven
+        return np.asarray(-amplitude * np.asarray(self.participation) / stiffness)
+
+    def from_rest(self, times: FloatArray, frequency_hz: float, amplitude: float = 1.0) -> ModalState:
+        """Motion from rest at t = 0, at any `times` (n_times,) in s; see the module's equations."""
+        driven = 2.0 * np.pi * frequency_hz
+        omega = self._omega[:, None]
+        decay, damped = self.damping_ratio * omega, omega * math.sqrt(1.0 - self.damping_ratio**2)
+        forced = self.steady(frequency_hz, amplitude)[:, None]
+        a = -forced.imag
+        b = (decay * a - driven * forced.real) / damped
+        # a cos + b sin as the imaginary part of one complex exponential; derivatives are then products
+        rate = -decay + 1j * damped
+        free = (b + 1j * a) * np.exp(rate * times)
+        steady = forced * np.exp(1j * driven * times)
+        return ModalState(
+            (steady + free).imag,
+            (1j * driven * steady + rate * free).imag,
+            (-(driven**2) * steady + rate**2 * free).imag,
+        )
+
+    def change_per_cycle(
+        self, cycles: npt.NDArray[np.int64], frequency_hz: float, amplitude: float = 1.0
+    ) -> FloatArray:
+        """(n_modes, n_cycles) by how much each mode's motion changes over the cycle that ends with each of `cycles`.
+
+        Amplitude, from displacement and velocity, of q(t) - q(t - T): it falls by e^(-zeta w T) per cycle and has no
+        zeros, however the phase of the transient drifts against the base.
+        """
+        ends = np.asarray(cycles) / frequency_hz
+        now = self.from_rest(ends, frequency_hz, amplitude)
+        before = self.from_rest(ends - 1.0 / frequency_hz, frequency_hz, amplitude)
+        moved, rate = now.coordinate - before.coordinate, now.velocity - before.velocity
+        omega = self._omega[:, None]
+        decay, damped = self.damping_ratio * omega, omega * math.sqrt(1.0 - self.damping_ratio**2)
+        return np.asarray(np.hypot(moved, (rate + decay * moved) / damped))
+
+
+class SteadyRun(NamedTuple):
+    """History from rest until the motion is steady.
+
+    Attributes
+    ----------
+    time
+        (n,) s, `SAMPLES_PER_CYCLE` per cycle from 0 on; the last cycle is the first steady one.
+    state
+        Modal coordinates and rates there.
+    change
+        (n_cycles,) change of the tip's motion over each cycle over its steady amplitude.
+    """
+
+    time: FloatArray
+    state: ModalState
+    change: FloatArray
+
+    @property
+    def last_cycle(self) -> slice:
+        """Samples of the last cycle, both ends included."""
+        return slice(-SAMPLES_PER_CYCLE - 1, None)
+
+
+def run_to_steady_state(
+    oscillators: Oscillators,
+    tip: FloatArray,
+    frequency_hz: float,
+    amplitude: float,
+    *,
+    tolerance: float = STEADY_CHANGE,
+) -> SteadyRun:
+    """Shake the base from rest until the tip's motion repeats.
+
+    Parameters
+    ----------
+    oscillators
+        The modes.
+    tip
+        (n_modes,) tip displacement per modal coordinate, 1/sqrt(kg).
+    frequency_hz, amplitude
+        Sine of the base acceleration, Hz and m/s^2 (0-peak).
+    tolerance
+        Largest change from one cycle to the next, the modes' changes added up as they move the tip, over the tip's
+        steady amplitude.
+
+    Raises
+    ------
+    InputError
+        When no mode moves the tip.
+    ConvergenceError
+        After `MOST_CYCLES` cycles.
+    """
+    largest = abs(np.asarray(tip) @ oscillators.steady(frequency_hz, amplitude))
+    if not largest > 0.0:
+        raise InputError(
+            "no mode moves the tip along the excitation", key="modal.count",
+            remedy="take more modes, or change excitation.direction",
+        )  # fmt: skip
+    change = np.zeros(0)
+    while not np.any(change < tolerance):
+        if change.size >= MOST_CYCLES:
+            raise ConvergenceError(
+                "no steady state", time_s=change.size / frequency_hz, iterations=change.size,
+                residual_history=[float(c) for c in change[-5:]], advice="raise damping_ratio",
+            )  # fmt: skip
+        cycles = np.arange(change.size + 1, change.size + 257)
+        more = np.abs(tip) @ oscillators.change_per_cycle(cycles, frequency_hz, amplitude) / largest
+        change = np.concatenate([change, more])
+    change = change[: int(np.argmax(change < tolerance)) + 1]
+    time = np.arange(change.size * SAMPLES_PER_CYCLE + 1) / (SAMPLES_PER_CYCLE * frequency_hz)
+    return SteadyRun(time, oscillators.from_rest(time, frequency_hz, amplitude), change)
+
+
+def steady_transmissibility(oscillators: Oscillators, tip: FloatArray, frequency_hz: float) -> complex:
+    """Absolute tip acceleration over base acceleration in the steady state: 1 - W^2 sum of tip_k Q_k / A."""
+    driven = 2.0 * np.pi * frequency_hz
+    return complex(1.0 - driven**2 * (np.asarray(tip) @ oscillators.steady(frequency_hz)))
