@@ -88,7 +88,7 @@ class Case(Section):
     preload: Preload = Field(default_factory=_unused_preload, description="what presses the layers onto the mandrel")
     excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
     damping_ratio: Real | None = Field(
-        default=None, ge=1e-3, lt=1, description="share of critical damping of every mode (modal_transient)"
+        default=None, ge=1e-3, lt=1, description="share of critical damping of every mode, dimensionless (modal_transient)"
     )
     integrator: Integrator = Field(default_factory=Integrator, description="time integration")
     solver: Solver = Field(default_factory=Solver, description="how a step is solved")

@@ -12,15 +12,15 @@ from ..units import GRAVITY
 from .base import Real, Section, _number, wrong
 
 
-class _Directed(Section):
-    direction: Literal["x", "y"] = Field(
-        default="x",
-        description="direction of the base motion; y cannot use the symmetry plane and solves the whole roll",
-    )
+Direction = Annotated[
+    Literal["x", "y"],
+    Field(description="direction of the base motion; y cannot use the symmetry plane and solves the whole roll"),
+]
 
 
-class _BaseMotion(_Directed):
+class _BaseMotion(Section):
     amplitude: Real = Field(gt=0, description="amplitude of the base acceleration, m/s^2, 0-peak")
+    direction: Direction = "x"
 
 
 class ChirpExcitation(_BaseMotion):
@@ -70,7 +70,7 @@ class DwellExcitation(_BaseMotion):
         return self.frequency
 
 
-class SineExcitation(_Directed):
+class SineExcitation(Section):
     """Steady sine at several levels: what a linear model in its modes answers."""
 
     kind: Literal["sine"] = Field(description="sine: steady, at one frequency and several levels (modal_transient)")
@@ -78,6 +78,7 @@ class SineExcitation(_Directed):
         description="frequency, Hz, or resonance: the natural frequency of the mode with the largest effective mass "
         "along the direction (the first bending mode of a cantilevered roll)"
     )
+    direction: Direction = "x"
     amplitude_g: list[float] = Field(
         description="levels of the base acceleration, multiples of 9.80665 m/s^2, 0-peak, ascending"
     )
