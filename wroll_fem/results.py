@@ -126,6 +126,21 @@ FIELDS: dict[str, Field] = {
     "cell_nodes": Field("1", "nodes of each quadratic quad"),
     "cell": Field("1", "cell"),
     "corner": Field("1", "node of a cell"),
+    # solid coil under a steady sine
+    "amplitude_g": Field("1", "base acceleration over 9.80665 m/s² (0-peak)"),
+    "cycle": Field("1", "cycle of the base motion"),
+    "change_per_cycle": Field("1", "change of the tip's motion over the cycle, over its steady amplitude"),
+    "r_m": Field("m", "distance from the axis"),
+    "volume": Field("m3", "volume that a quadrature point stands for"),
+    "shear_rz": Field("Pa", "axial shear stress at 1 g (amplitude)"),
+    "shear_rt": Field("Pa", "hoop shear stress at 1 g (amplitude)"),
+    "shear_resultant": Field("Pa", "shear resultant at 1 g (largest in the steady cycle)"),
+    "shear_resultant_history": Field("Pa", "shear resultant where slip starts"),
+    "friction_capacity": Field("Pa", "friction capacity"),
+    "slip_onset": Field("1", "base acceleration in g above which a point slips"),
+    "slipping_volume_fraction": Field("1", "fraction of the coil's volume that slips"),
+    "slip_zone_height": Field("m", "height above the base of the highest slipping point"),
+    "slip_zone_depth": Field("m", "distance from the mandrel of the outermost slipping point"),
     # statics
     "static_displacement": Field("m", "displacement under the preload"),
 }

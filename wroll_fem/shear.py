@@ -45,7 +45,7 @@ class ShearModes:
     volumes: FloatArray
     srz: FloatArray
     srt: FloatArray
-    mass_total: float = float("nan")
+    mass_total: float
     kinds: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

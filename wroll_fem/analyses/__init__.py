@@ -47,12 +47,19 @@ def _preload(case: Case, *, progress: Progress, checkpoint: Path | None, resume:
     return run_preload(case, progress=progress)
 
 
+def _modal_transient(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .modal_transient import run_modal_transient
+
+    return run_modal_transient(case, progress=progress)
+
+
 ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "sweep": _time_history,
     "dwell": _time_history,
     "harmonic": _harmonic,
     "backbone": _backbone,
     "modal": _modal,
+    "modal_transient": _modal_transient,
     "preload": _preload,
 }
 """Name in the case file -> function of the case, returning an annotated Dataset."""

@@ -85,10 +85,15 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
 
         summary["max_slip_m"] = float(dataset["max_slip"].max())
         summary["slipping_area_fraction"] = slipping_area_fraction(dataset).values.tolist()
+    if "slip_onset" in dataset:
+        from .modal_transient import slip_summary
+
+        summary |= slip_summary(dataset)
     if "mode_frequency" in dataset:
         fraction = dataset["effective_mass_fraction"]
-        if case.structure is None:
+        if "component" in fraction.dims:
             fraction = fraction.sel(component=case.excitation.direction)
+        if "mode_kind" in dataset:
             summary["mode_kinds"] = [str(kind) for kind in dataset["mode_kind"].values]
         summary["modes_hz"] = dataset["mode_frequency"].values.tolist()
         summary["effective_mass_fraction"] = fraction.values.ravel().tolist()

@@ -1,0 +1,232 @@
+"""Solid coil under a sine of the base: response in the modes, shear against capacity, where it would slip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ..coil_slip import driven_mode, onset_levels, shear_per_g, slip_zone, slips
+from ..dynamics.modal_transient import (
+    FloatArray,
+    Oscillators,
+    run_to_steady_state,
+    steady_transmissibility,
+)
+from ..results import annotate
+from ..shear import ShearModes
+from ..units import GRAVITY
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+FEWEST_MASS = 0.9
+"""Modes that carry less than this share of the mass along the excitation are told to be too few."""
+
+
+class CoilShape(NamedTuple):
+    """Where the coil is: `mandrel_radius`, `outer_radius`, `length` in m."""
+
+    mandrel_radius: float
+    outer_radius: float
+    length: float
+
+
+def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Modes with their stress, winding pressure, steady response and slip of a case; see `transient_dataset`."""
+    from ..winding import wound_roll
+
+    excitation = case.excitation
+    if excitation.kind != "sine" or case.damping_ratio is None or case.winding is None:
+        raise ValueError("the case was not checked for analysis modal_transient")
+    with progress.stage("winding", 1) as stage:
+        roll = wound_roll(case.winding)
+        stage.update(1)
+    with progress.stage("modes and their stress", 1) as stage:
+        modes = shear_modes(case)
+        stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
+    radius = 0.5 * case.geometry.mandrel_outer_diameter
+    shape = CoilShape(radius, radius + case.coil.total_thickness, case.geometry.length)
+    with progress.stage("response and slip", 1) as stage:
+        frequency = None if excitation.frequency == "resonance" else float(excitation.frequency)
+        dataset = transient_dataset(
+            modes, roll.capacity_at, shape,
+            damping_ratio=case.damping_ratio, frequency_hz=frequency, levels_g=excitation.amplitude_g,
+        )  # fmt: skip
+        stage.update(1)
+    dataset.attrs["excitation_direction"] = excitation.direction
+    for text in remarks(dataset):
+        progress.warning(text)
+    return dataset
+
+
+def shear_modes(case: Case) -> ShearModes:
+    """Modes with their shear stress from the discretisation that the case asks for."""
+    if case.mesh.discretisation == "fourier":
+        from ..fem.fourier_shear import shear_modes as solve
+    else:
+        from ..fem.shear import shear_modes as solve
+    return solve(case)
+
+
+def transient_dataset(
+    modes: ShearModes,
+    capacity_at: Callable[[FloatArray], FloatArray],
+    shape: CoilShape,
+    *,
+    damping_ratio: float,
+    frequency_hz: float | None,
+    levels_g: list[float],
+) -> xr.Dataset:
+    """Response from rest at the top level, steady shear and slip at every level.
+
+    Parameters
+    ----------
+    modes
+        Modes of the roll with the shear stress in its coil.
+    capacity_at
+        Friction capacity in Pa at radii (k,) in m.
+    shape
+        Extent of the coil.
+    damping_ratio
+        Of every mode.
+    frequency_hz
+        Of the base; None is the natural frequency of the mode with the largest effective mass.
+    levels_g
+        Base acceleration (0-peak) over 9.80665 m/s^2, ascending.
+
+    Returns
+    -------
+    xr.Dataset
+        Over `mode`: frequency, effective mass. Over `time`, from rest to the first steady cycle at the top level:
+        base, tip and shear where slip starts. Over `point`: shear at 1 g, capacity, onset. Over `amplitude_g`: slip
+        zone.
+    """
+    driven = driven_mode(modes)
+    frequency = float(modes.frequencies_hz[driven]) if frequency_hz is None else frequency_hz
+    oscillators = Oscillators(modes.frequencies_hz, modes.participation, damping_ratio)
+    shear = shear_per_g(modes, oscillators, frequency)
+    capacity = np.asarray(capacity_at(modes.points[:, 2]))
+    onset = onset_levels(shear.resultant, capacity)
+    first = int(np.argmin(onset))
+    zones = [slip_zone(modes, slips(g * shear.resultant, capacity), shape.mandrel_radius) for g in levels_g]
+
+    amplitude = GRAVITY * levels_g[-1]
+    run = run_to_steady_state(oscillators, modes.tip, frequency, amplitude)
+    base = amplitude * np.sin(2.0 * np.pi * frequency * run.time)
+    absolute = base + modes.tip @ run.state.acceleration
+    history = np.hypot(modes.srz[:, first] @ run.state.coordinate, modes.srt[:, first] @ run.state.coordinate)
+
+    mass = np.asarray(modes.participation) ** 2
+    data: dict[str, Any] = {
+        "mode_frequency": ("mode", modes.frequencies_hz),
+        "effective_mass_fraction": ("mode", mass / modes.mass_total),
+        "base_acceleration": ("time", base),
+        "tip_displacement": ("time", modes.tip @ run.state.coordinate),
+        "tip_acceleration_absolute": ("time", absolute),
+        "shear_resultant_history": ("time", history),
+        "change_per_cycle": ("cycle", run.change),
+        "theta_rad": ("point", modes.points[:, 0]),
+        "z_m": ("point", modes.points[:, 1]),
+        "r_m": ("point", modes.points[:, 2]),
+        "volume": ("point", modes.volumes),
+        "shear_rz": ("point", np.abs(shear.srz)),
+        "shear_rt": ("point", np.abs(shear.srt)),
+        "shear_resultant": ("point", shear.resultant),
+        "friction_capacity": ("point", capacity),
+        "slip_onset": ("point", onset),
+        "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
+        "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
+        "slip_zone_depth": ("amplitude_g", [zone.depth for zone in zones]),
+    }
+    if modes.kinds:
+        data["mode_kind"] = ("mode", np.array(modes.kinds))
+    coords = {
+        "mode": np.arange(1, len(mass) + 1), "time": run.time, "cycle": np.arange(1, run.change.size + 1),
+        "amplitude_g": levels_g,
+    }  # fmt: skip
+    dataset = xr.Dataset(data, coords=coords)
+    transmissibility = steady_transmissibility(oscillators, modes.tip, frequency)
+    dataset.attrs |= {
+        "f_n_hz": float(modes.frequencies_hz[driven]),
+        "driven_mode": driven + 1,
+        "excitation_frequency_hz": frequency,
+        "zeta": damping_ratio,
+        "zeta_method": "given, the same for every mode",
+        "participating_mass_fraction": float(mass.sum() / modes.mass_total),
+        "mass_total_kg": modes.mass_total,
+        "transmissibility": abs(transmissibility),
+        "transmissibility_last_cycle": float(np.abs(absolute[run.last_cycle]).max()) / amplitude,
+        "steady_cycles": run.change.size,
+        "mandrel_radius_m": shape.mandrel_radius,
+        "coil_outer_radius_m": shape.outer_radius,
+        "length_m": shape.length,
+        "capacity_mandrel_pa": float(np.asarray(capacity_at(np.array([shape.mandrel_radius])))[0]),
+    }
+    return annotate(dataset)
+
+
+def remarks(dataset: xr.Dataset) -> list[str]:
+    """What a user should know about the result, each with what to change."""
+    found = []
+    share = float(dataset.attrs["participating_mass_fraction"])
+    if share < FEWEST_MASS:
+        found.append(
+            f"{dataset.sizes['mode']} modes carry {100 * share:.0f} % of the mass along the excitation; what the "
+            "others would add is missing from the stresses: raise modal.count until "
+            f"{100 * FEWEST_MASS:.0f} % are reached"
+        )
+    f, top = float(dataset.attrs["excitation_frequency_hz"]), float(dataset["mode_frequency"].max())
+    if f > 0.7 * top:
+        found.append(
+            f"the base moves at {f:.1f} Hz and the highest mode is at {top:.1f} Hz: raise modal.count until the highest "
+            "lies well above"
+        )
+    return found
+
+
+def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Onset and slip zone for summary.json; lists run over the levels `amplitude_g`."""
+    onset, levels = dataset["slip_onset"].values, dataset["amplitude_g"].values
+    first = int(np.argmin(onset))
+    names = (
+        "driven_mode", "excitation_frequency_hz", "participating_mass_fraction", "transmissibility",
+        "transmissibility_last_cycle", "capacity_mandrel_pa",
+    )  # fmt: skip
+    found: dict[str, Any] = {name: dataset.attrs[name] for name in names}
+    found |= {
+        "amplitude_g": levels.tolist(),
+        "shear_resultant_max_pa": (levels * float(dataset["shear_resultant"].max())).tolist(),
+        "slipping_volume_fraction": dataset["slipping_volume_fraction"].values.tolist(),
+        "slip_zone_height_m": dataset["slip_zone_height"].values.tolist(),
+        "slip_zone_depth_m": dataset["slip_zone_depth"].values.tolist(),
+        "slip_statement": slip_statement(dataset),
+    }
+    if np.isfinite(onset[first]):
+        found |= {
+            "slip_onset_g": float(onset[first]),
+            "slip_onset_radius_m": float(dataset["r_m"][first]),
+            "slip_onset_height_m": float(dataset["z_m"][first]),
+            "slip_onset_theta_rad": float(dataset["theta_rad"][first]),
+        }
+    return found
+
+
+def slip_statement(dataset: xr.Dataset) -> str:
+    """Say in one sentence whether, where and how much the coil slips."""
+    onset, top = dataset["slip_onset"].values, float(dataset["amplitude_g"].values[-1])
+    first = int(np.argmin(onset))
+    if not np.isfinite(onset[first]):
+        return "no slip at any level: nothing shears the coil"
+    depth = 1e3 * (float(dataset["r_m"][first]) - float(dataset.attrs["mandrel_radius_m"]))
+    place = (
+        f"{depth:.2f} mm from the mandrel, {1e3 * float(dataset['z_m'][first]):.1f} mm above the base, at "
+        f"{abs(np.degrees(float(dataset['theta_rad'][first]))):.0f} degrees from x"
+    )
+    if not slips(top * dataset["shear_resultant"].values, dataset["friction_capacity"].values).any():
+        return f"no slip up to {top:g} g; slip would start above {onset[first]:.3g} g, {place}"
+    share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
+    return f"slip starts above {onset[first]:.3g} g, {place}; at {top:g} g {share:.2g} % of the coil's volume slips"
