@@ -1,0 +1,257 @@
+"""Shear in a solid coil against its friction capacity: over height and radius, and on the root cross-section."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
+
+from wroll_fem.coil_grid import CoilGrid, coil_grid, largest_along
+from wroll_fem.errors import InputError
+from wroll_fem.plotting import style
+from wroll_fem.units import GRAVITY
+
+_POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "amplitude_g")
+_CAPACITY = "#C00000"
+_MANDREL = "#BDBDBD"
+
+
+def points_of(dataset: xr.Dataset) -> style.FloatArray:
+    """(n_points, 3) theta, z, r of the quadrature points."""
+    return np.stack([dataset[name].values for name in ("theta_rad", "z_m", "r_m")], axis=1)
+
+
+def grid_of(dataset: xr.Dataset) -> CoilGrid:
+    """Grid of the quadrature points.
+
+    Raises
+    ------
+    InputError
+        When they form none (a mesh of the user's own).
+    """
+    grid = coil_grid(points_of(dataset))
+    if grid is None:
+        raise InputError("the coil's points form no grid", remedy="use the generated mesh for maps of sections")
+    return grid
+
+
+def level_colours(count: int) -> list[tuple[float, ...]]:
+    """Colours of `count` levels, light to dark."""
+    return [tuple(colour) for colour in colormaps["viridis_r"](np.linspace(0.15, 1.0, count))]
+
+
+def levels_to_draw(levels: style.FloatArray, most: int = 8) -> list[int]:
+    """Numbers of at most `most` levels, evenly spaced in the list, first and last included."""
+    return sorted(set(np.linspace(0, levels.size - 1, min(most, levels.size)).round().astype(int).tolist()))
+
+
+def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | None = None) -> Axes:
+    """Plot the largest shear resultant over the height or the radius at every level, with the capacity (Fig. 2.14).
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient`.
+    along
+        "z": over z/L, largest over angle and radius; "r": over r/r_m, largest over angle and height.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field.
+
+    Notes
+    -----
+    Everything is divided by the capacity at the mandrel, the largest. The capacity depends on the radius alone; over
+    the height only its largest value can be drawn.
+    """
+    style.require(dataset, _POINTS, "shear distribution")
+    attrs, levels = dataset.attrs, dataset["amplitude_g"].values
+    most, shear = float(attrs["capacity_mandrel_pa"]), dataset["shear_resultant"].values
+    position, largest = largest_along(dataset[f"{along}_m"].values, shear)
+    scale = float(attrs["length_m" if along == "z" else "mandrel_radius_m"])
+    ax = style.axes(ax, 4.0)
+    drawn = levels_to_draw(levels)
+    for number, colour in zip(drawn, level_colours(len(drawn)), strict=True):
+        g = levels[number]
+        ax.plot(position / scale, g * largest / most, color=colour, lw=1.5, label=f"{g:g} g")
+    if along == "z":
+        ax.axhline(1.0, color=_CAPACITY, lw=1.8, ls=":", label="largest capacity")
+        ax.set_xlim(0.0, 1.0)
+        ax.set_xlabel("Height above the base over length, z/L")
+    else:
+        radius, capacity = largest_along(dataset["r_m"].values, dataset["friction_capacity"].values)
+        radius = np.concatenate([[scale], radius, [float(attrs["coil_outer_radius_m"])]])
+        ax.plot(radius / scale, np.concatenate([[most], capacity, [0.0]]) / most, color=_CAPACITY, lw=1.8,
+                label="capacity")  # fmt: skip
+        ax.set_xlim(1.0, radius[-1] / scale)
+        ax.set_xlabel("Radius over mandrel radius, r/r_m")
+    ax.set_ylim(0.0, 1.08 * max(1.0, levels[-1] * float(largest.max()) / most))
+    ax.set_ylabel("Largest shear resultant\nover largest capacity")
+    ax.legend(fontsize=8, ncol=2, framealpha=0.95)
+    where = "height" if along == "z" else "radius"
+    peak = int(np.argmax(largest))
+    style.title(
+        ax,
+        f"Over the {where}: {style.engineering(levels[-1] * largest[peak], 'Pa')} at {levels[-1]:g}\u00a0g, "
+        f"{_place(along, position[peak], scale)}",
+        48,
+    )
+    return ax
+
+
+def _place(along: str, position: float, scale: float) -> str:
+    if along == "z":
+        return f"{1e3 * position:.1f} mm above the base"
+    return f"{1e3 * (position - scale):.2f} mm from the mandrel"
+
+
+def plot_root_section(dataset: xr.Dataset, component: Literal["rz", "rt"], ax: Axes | None = None) -> Axes:
+    """Plot the amplitude of one shear component on the lowest cross-section at the top level (Fig. 2.15).
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient` on a grid of points.
+    component
+        "rz": along the axis; "rt": along the hoop.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in; its only image carries the values, on the scale of both components.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field or its points form no grid.
+
+    Notes
+    -----
+    Linear between the quadrature points; a dashed line bounds the points of the section that slip. The section is the
+    lowest row of points, not the end face itself.
+    """
+    style.require(dataset, (*_POINTS, "shear_rz", "shear_rt"), "root section")
+    grid, top = grid_of(dataset), float(dataset["amplitude_g"].values[-1])
+    most, r_m = float(dataset.attrs["capacity_mandrel_pa"]), float(dataset.attrs["mandrel_radius_m"])
+    root = grid.numbers[:, 0, :]
+    shown = {name: top * dataset[f"shear_{name}"].values[root] / most for name in ("rz", "rt")}
+    margin = dataset["slip_onset"].values[root]
+    if ax is None:
+        _, ax = plt.subplots(figsize=(4.6, 4.6), dpi=style.DPI, layout="constrained")
+    theta = np.append(grid.theta, grid.theta[0] + 2.0 * np.pi)
+    radius, angle = np.meshgrid(1e3 * grid.r, theta, indexing="ij")
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+
+    def closed(values: style.FloatArray) -> style.FloatArray:
+        return np.concatenate([values, values[:, :1]], axis=1)
+
+    ax.pcolormesh(
+        x, y, closed(shown[component]), shading="gouraud", cmap="magma_r", vmin=0.0,
+        vmax=max(float(values.max()) for values in shown.values()), rasterized=True,
+    )  # fmt: skip
+    if margin.min() < top < margin.max():
+        ax.contour(x, y, closed(np.minimum(margin, 10 * top)), levels=[top], colors="#00A0FF", linewidths=1.3,
+                   linestyles="--")  # fmt: skip
+    outer = 1e3 * float(dataset.attrs["coil_outer_radius_m"])
+    ax.add_patch(Circle((0, 0), 1e3 * r_m, facecolor=_MANDREL, edgecolor="#555555", lw=0.8, zorder=3))
+    ax.add_patch(Circle((0, 0), outer, facecolor="none", edgecolor="#555555", lw=0.8))
+    _excitation_arrow(ax, str(dataset.attrs.get("excitation_direction", "x")), 0.6e3 * r_m)
+    ax.set_xlim(-1.08 * outer, 1.08 * outer)
+    ax.set_ylim(-1.08 * outer, 1.08 * outer)
+    ax.set_aspect("equal")
+    ax.set_xlabel("x (mm)")
+    ax.set_ylabel("y (mm)")
+    peak = np.unravel_index(int(shown[component].argmax()), root.shape)
+    name = {"rz": "Axial shear σ_rz", "rt": "Hoop shear σ_rθ"}[component]
+    style.title(
+        ax,
+        f"{name} at {top:g}\u00a0g: up to {shown[component][peak]:.3g} times the largest capacity, at "
+        f"{abs(np.degrees(grid.theta[peak[1]])):.0f}° from x",
+        44,
+    )
+    return ax
+
+
+def _excitation_arrow(ax: Axes, direction: str, half: float) -> None:
+    tip = (half, 0.0) if direction == "x" else (0.0, half)
+    ax.annotate(
+        "", xy=tip, xytext=(-tip[0], -tip[1]), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1.4}, zorder=4
+    )
+
+
+def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
+    """Figure 2.14 of the source: panels over height and over radius; returns the first."""
+    _, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.0), dpi=style.DPI, layout="constrained")
+    plot_shear_along(dataset, "z", panels[0])
+    plot_shear_along(dataset, "r", panels[1])
+    return panels[0]
+
+
+def plot_root_sections(dataset: xr.Dataset) -> Axes:
+    """Figure 2.15 of the source: both shear components on the root section on one scale; returns the first panel."""
+    figure, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.7), dpi=style.DPI, layout="constrained")
+    plot_root_section(dataset, "rz", panels[0])
+    plot_root_section(dataset, "rt", panels[1])
+    bar = figure.colorbar(panels[0].collections[0], ax=list(panels), pad=0.01)
+    height = 1e3 * float(dataset["z_m"].min())
+    bar.set_label(f"Amplitude over the largest capacity, {height:.2g} mm above the base\n(dashed: slips inside)")
+    return panels[0]
+
+
+def plot_steady_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot the tip's absolute acceleration from rest to the steady state, with the exact steady amplitude.
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient`; the history is that of the top level.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a history.
+    """
+    style.require(dataset, ("time", "tip_acceleration_absolute", "change_per_cycle"), "steady response")
+    ax = style.axes(ax, 3.8)
+    attrs, g = dataset.attrs, float(dataset["amplitude_g"].values[-1])
+    x, low, high = style.line_envelope(dataset["time"].values, dataset["tip_acceleration_absolute"].values / GRAVITY)
+    if low is high:
+        ax.plot(x, low, color=style.BLUE, lw=0.8)
+    else:
+        ax.fill_between(x, low, high, color=style.BLUE, lw=0)
+    exact = g * float(attrs["transmissibility"])
+    for side in (exact, -exact):
+        ax.axhline(side, color=_CAPACITY, lw=1.3, ls=":", label="exact steady amplitude" if side > 0 else None)
+    ax.set_xlim(0.0, x[-1])
+    ax.set_xlabel("Time (s)")
+    ax.set_ylabel("Absolute tip acceleration (g)")
+    ax.legend(loc="upper left", fontsize=8, framealpha=0.95)
+    ax.set_ylim(-1.25 * exact, 1.25 * exact)
+    style.title(
+        ax,
+        f"{g:g} g at {float(attrs['excitation_frequency_hz']):.1f} Hz: the tip is steady after "
+        f"{dataset.sizes['cycle']} cycles, {float(attrs['transmissibility']):.1f} times the base's acceleration",
+    )
+    return ax
