@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
+import meshio
 import numpy as np
 import pytest
 from coil_modes import MASS, SHAPE, beam, coil_points
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
 
 from wroll_fem.analyses.modal_transient import remarks, slip_statement, slip_summary, transient_dataset
 from wroll_fem.coil_grid import coil_cells, coil_grid, largest_along, stations
 from wroll_fem.coil_slip import cycle_maximum, driven_mode, onset_levels, shear_per_g, slip_zone, slips
 from wroll_fem.dynamics.modal_transient import Oscillators
+from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_shear_along, plot_slip_zone
+from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
 from wroll_fem.results import load_dataset, save_dataset
 from wroll_fem.units import GRAVITY
 
@@ -176,3 +182,59 @@ def test_rows_are_told_apart_and_give_their_largest():
     np.testing.assert_array_equal(which, [1, 0, 0, 1])
     place, largest = largest_along(np.array([0.0, 1.0, 1.0, 0.0]), np.array([1.0, 5.0, 7.0, -2.0]))
     np.testing.assert_array_equal(largest, [1.0, 7.0])
+
+
+# ---- files and figures ----------------------------------------------------------------------------
+
+
+def test_vtu_fills_the_coil_with_the_values_of_its_points(dataset, tmp_path):
+    mesh = meshio.read(write_coil_vtu(dataset, tmp_path / "coil.vtu"))
+    slipping = mesh.cell_data["slips_at_15_g"][0]
+    np.testing.assert_array_equal(slipping > 0, dataset["slip_onset"].values < 15.0)
+    corners = mesh.points[mesh.cells_dict["hexahedron"]]
+    np.testing.assert_allclose(corners[..., 2].mean(axis=1), dataset["z_m"], atol=1e-9)
+    points = meshio.read(write_coil_vtu(dataset.isel(point=slice(0, 100)), tmp_path / "points.vtu"))  # no grid
+    assert points.cells_dict["vertex"].shape == (100, 1)
+
+
+def test_distribution_shows_the_largest_of_each_row_at_every_level(dataset):
+    ax = plot_shear_along(dataset, "z")
+    lines = {line.get_label(): line for line in ax.lines}
+    assert set(lines) == {*(f"{g:g} g" for g in LEVELS), "largest capacity"}
+    row = dataset["z_m"].values == dataset["z_m"].values.min()
+    top = 15.0 * dataset["shear_resultant"].values[row].max() / CAPACITY
+    assert lines["15 g"].get_ydata()[0] == pytest.approx(top)
+    radial = {line.get_label(): line for line in plot_shear_along(dataset, "r").lines}
+    np.testing.assert_allclose(radial["capacity"].get_xydata()[[0, -1]], [[1.0, 1.0], [2.5, 0.0]])
+    plt.close("all")
+
+
+def test_root_sections_show_both_components_on_one_scale(dataset):
+    scales = []
+    for component, angle in (("rz", "0°"), ("rt", "90°")):
+        ax = plot_root_section(dataset, component)
+        assert f"at {angle} from x" in ax.get_title(loc="left").replace("\n", " ")
+        scales.append(ax.collections[0].get_clim())
+        root = dataset["z_m"].values == dataset["z_m"].values.min()
+        largest = 15.0 * dataset[f"shear_{component}"].values[root].max() / CAPACITY
+        assert ax.collections[0].get_array().max() == pytest.approx(largest)
+    assert scales[0] == scales[1]
+    plt.close("all")
+
+
+def test_slip_zone_shades_each_level(dataset):
+    ax = plot_slip_zone(dataset)
+    assert "At 15 g slip reaches" in ax.get_title(loc="left").replace("\xa0", " ")
+    none = plot_slip_zone(computed(lambda r: np.full_like(r, 40 * CAPACITY)))
+    assert none.get_title(loc="left").replace("\xa0", " ") == "No slip up to 15 g"
+    plt.close("all")
+
+
+def test_picture_in_space_shows_slip_inside_and_none_outside(dataset, tmp_path):
+    pytest.importorskip("pyvista")
+    picture = imread(plot_slip_in_coil(dataset, tmp_path / "coil.png"))[..., :3]
+    colour = np.array(to_rgb(level_colours(6)[0]))  # the lightest: slips at 15 g alone
+    here = np.abs(picture - colour).max(axis=2) < 0.1
+    rows = np.flatnonzero(here.any(axis=1))
+    assert here.sum() > 500
+    assert rows.min() > 0.2 * len(picture)  # the upper part of the coil does not slip

@@ -37,13 +37,14 @@ class CoilShape(NamedTuple):
 
 def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
     """Modes with their stress, winding pressure, steady response and slip of a case; see `transient_dataset`."""
+    from ..case.winding import completed
     from ..winding import wound_roll
 
     excitation = case.excitation
     if excitation.kind != "sine" or case.damping_ratio is None or case.winding is None:
         raise ValueError("the case was not checked for analysis modal_transient")
     with progress.stage("winding", 1) as stage:
-        roll = wound_roll(case.winding)
+        roll = wound_roll(completed(case))
         stage.update(1)
     with progress.stage("modes and their stress", 1) as stage:
         modes = shear_modes(case)
@@ -66,10 +67,12 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
 def shear_modes(case: Case) -> ShearModes:
     """Modes with their shear stress from the discretisation that the case asks for."""
     if case.mesh.discretisation == "fourier":
-        from ..fem.fourier_shear import shear_modes as solve
-    else:
-        from ..fem.shear import shear_modes as solve
-    return solve(case)
+        from ..fem import fourier_shear
+
+        return fourier_shear.shear_modes(case)
+    from ..fem import shear
+
+    return shear.shear_modes(case)
 
 
 def transient_dataset(
@@ -182,8 +185,8 @@ def remarks(dataset: xr.Dataset) -> list[str]:
     f, top = float(dataset.attrs["excitation_frequency_hz"]), float(dataset["mode_frequency"].max())
     if f > 0.7 * top:
         found.append(
-            f"the base moves at {f:.1f} Hz and the highest mode is at {top:.1f} Hz: raise modal.count until the highest "
-            "lies well above"
+            f"the base moves at {f:.1f} Hz and the highest mode is at {top:.1f} Hz: raise modal.count until the "
+            "highest lies well above"
         )
     return found
 

@@ -124,6 +124,10 @@ def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
                 step = (number + 1) * case.output.every
                 kept = dataset.isel(snapshot_time=number)
                 written.append(write_slip_vtu(kept, folder / f"slip_{step:08d}.vtu"))
+    if "slip_onset" in dataset:
+        from ..plotting.coil_slip_space import write_coil_vtu
+
+        written.append(write_coil_vtu(dataset, folder / "coil_slip.vtu"))
     if "mode_shape" in dataset:
         written.append(_write_modes(dataset, folder / "mode_shapes.vtu"))
     return written
@@ -171,10 +175,25 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
         for number in filter(partial(has_surface, dataset), range(dataset.sizes["interface"])):
             options = {"interface": number, "quantity": "pressure"}
             drawn.append((f"pressure_{number + 1:02d}", plotting.plot_slip_map, options))
+    if "slip_onset" in dataset:
+        drawn += _of_the_coil(dataset)
     if "mode_frequency" in dataset:
         drawn.append(("modes", plotting.plot_modes, {}))
     paths = [plotting.save_figure(draw(dataset, **options), folder / f"{name}.png") for name, draw, options in drawn]
     return paths + _draw_in_space(dataset, folder)
+
+
+def _of_the_coil(dataset: xr.Dataset) -> list[tuple[str, Callable[..., Any], dict[str, Any]]]:
+    from ..plotting import coil_slip
+
+    drawn: list[tuple[str, Callable[..., Any], dict[str, Any]]] = [
+        ("steady_response", coil_slip.plot_steady_response, {}),
+        ("shear_distribution", coil_slip.plot_shear_distribution, {}),
+    ]
+    if coil_slip.has_grid(dataset):
+        drawn.append(("root_section", coil_slip.plot_root_sections, {}))
+        drawn.append(("slip_zone", coil_slip.plot_slip_zone, {}))
+    return drawn
 
 
 def _draw_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
@@ -195,6 +214,12 @@ def _draw_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
                 folder / "mode_shapes.png",
             )
         ]
+    if "slip_onset" in dataset:
+        from ..plotting.coil_slip import has_grid
+        from ..plotting.coil_slip_space import plot_slip_in_coil
+
+        wanted = find_spec("pyvista") is not None and has_grid(dataset)
+        return [plot_slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
     if "cumulative_slip" in dataset and has_surface(dataset, 0) and float(dataset["cumulative_slip"].max()) > 0:
         return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
     return []

@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
+from matplotlib.colors import to_hex
+from matplotlib.patches import Circle, Patch
 
 from wroll_fem.coil_grid import CoilGrid, coil_grid, largest_along
 from wroll_fem.errors import InputError
@@ -26,6 +27,11 @@ def points_of(dataset: xr.Dataset) -> style.FloatArray:
     return np.stack([dataset[name].values for name in ("theta_rad", "z_m", "r_m")], axis=1)
 
 
+def has_grid(dataset: xr.Dataset) -> bool:
+    """Whether the quadrature points form a grid, which maps of sections need."""
+    return coil_grid(points_of(dataset)) is not None
+
+
 def grid_of(dataset: xr.Dataset) -> CoilGrid:
     """Grid of the quadrature points.
 
@@ -40,9 +46,9 @@ def grid_of(dataset: xr.Dataset) -> CoilGrid:
     return grid
 
 
-def level_colours(count: int) -> list[tuple[float, ...]]:
+def level_colours(count: int) -> list[str]:
     """Colours of `count` levels, light to dark."""
-    return [tuple(colour) for colour in colormaps["viridis_r"](np.linspace(0.15, 1.0, count))]
+    return [to_hex(colormaps["viridis_r"](share)) for share in np.linspace(0.15, 1.0, count)]
 
 
 def levels_to_draw(levels: style.FloatArray, most: int = 8) -> list[int]:
@@ -211,6 +217,62 @@ def plot_root_sections(dataset: xr.Dataset) -> Axes:
     height = 1e3 * float(dataset["z_m"].min())
     bar.set_label(f"Amplitude over the largest capacity, {height:.2g} mm above the base\n(dashed: slips inside)")
     return panels[0]
+
+
+def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """Plot depth and height of the slip zone at every level: regions of height and radius where some angle slips.
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient` on a grid of points.
+    ax
+        Axes to draw in; a new figure without.
+
+    Returns
+    -------
+    Axes
+        The axes drawn in.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field or its points form no grid.
+
+    Notes
+    -----
+    Linear between the quadrature points; constant from the outermost points to the coil's surfaces.
+    """
+    style.require(dataset, (*_POINTS, "slip_onset"), "slip zone")
+    grid, levels = grid_of(dataset), dataset["amplitude_g"].values
+    levels = levels[levels_to_draw(levels)]
+    attrs, never = dataset.attrs, 100.0 * float(levels[-1])
+    r_m, r_o, length = (1e3 * float(attrs[f"{name}_m"]) for name in ("mandrel_radius", "coil_outer_radius", "length"))
+    onset = np.pad(np.minimum(dataset["slip_onset"].values, never)[grid.numbers].min(axis=2), 1, mode="edge")
+    depth = np.concatenate([[0.0], 1e3 * grid.r - r_m, [r_o - r_m]])
+    height = np.concatenate([[0.0], 1e3 * grid.z, [length]])
+    ax = style.axes(ax, 4.6)
+    ax.grid(False)
+    ax.set_facecolor("#E4E4E4")
+    colours = level_colours(levels.size)[::-1]
+    edges = np.concatenate([[0.0], levels])
+    if onset.min() < levels[-1]:
+        ax.contourf(depth, height, np.log(onset.T + 1e-12), levels=np.log(edges + 1e-12), colors=colours)
+    handles = [Patch(facecolor=colour, label=f"slips at {g:g} g") for g, colour in zip(levels, colours, strict=True)]
+    handles.append(Patch(facecolor="#E4E4E4", label=f"no slip up to {levels[-1]:g} g"))
+    ax.legend(handles=handles, fontsize=8, framealpha=0.95, loc="upper right")
+    reach = 1e3 * float(dataset["slip_zone_height"].values[-1]), 1e3 * float(dataset["slip_zone_depth"].values[-1])
+    ax.set_ylim(0.0, min(length, max(1.4 * reach[0], 0.1 * length)))
+    ax.set_xlim(0.0, min(r_o - r_m, max(2.0 * reach[1], 0.3 * (r_o - r_m))))
+    ax.set_xlabel("Distance from the mandrel (mm)")
+    ax.set_ylabel("Height above the base (mm)")
+    share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
+    found = (
+        f"At {levels[-1]:g}\u00a0g slip reaches {reach[0]:.3g} mm up and {reach[1]:.3g} mm out from the mandrel, "
+        f"{share:.2g} % of the coil's volume; it starts above {onset.min():.3g}\u00a0g"
+    )
+    style.title(ax, found if share > 0.0 else f"No slip up to {levels[-1]:g}\u00a0g")
+    return ax
 
 
 def plot_steady_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:

@@ -1,0 +1,127 @@
+"""Slip of a solid coil in space: a file for three-dimensional viewers, and a picture (pyvista, off-screen)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import xarray as xr
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from wroll_fem.coil_grid import coil_cells, coil_grid
+from wroll_fem.plotting import style
+from wroll_fem.plotting.coil_slip import grid_of, level_colours, levels_to_draw, points_of
+from wroll_fem.plotting.mode_shapes import _cropped, _pyvista, _render
+
+_FIELDS = ("slip_onset", "shear_resultant", "shear_rz", "shear_rt", "friction_capacity")
+_STUCK = "#DDDDDD"
+_HEXAHEDRON = 12
+_NEVER = 1e9  # g; file formats of viewers know no infinity
+
+
+def _ends(dataset: xr.Dataset) -> tuple[tuple[float, float], tuple[float, float]]:
+    attrs = dataset.attrs
+    return (float(attrs["mandrel_radius_m"]), float(attrs["coil_outer_radius_m"])), (0.0, float(attrs["length_m"]))
+
+
+def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
+    """Write the coil as .vtu: one hexahedron around each quadrature point, with the point's values.
+
+    Fields: shear components and resultant at 1 g (Pa), friction capacity (Pa), onset (g; 1e9 where nothing shears the
+    coil), and whether it slips at each level. Points without a grid are written as vertices.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    style.require(dataset, (*_FIELDS, "amplitude_g"), "slip map of the coil")
+    values = {name: dataset[name].values for name in _FIELDS}
+    for g in dataset["amplitude_g"].values:
+        values[f"slips_at_{g:g}_g"] = (values["slip_onset"] < g).astype(np.int8)
+    values["slip_onset"] = np.minimum(values["slip_onset"], _NEVER)
+    points = points_of(dataset)
+    grid = coil_grid(points)
+    target = style.target(path)
+    if grid is None:
+        theta, z, r = points.T
+        where = np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
+        meshio.Mesh(where, [("vertex", np.arange(len(where))[:, None])], point_data=values).write(target, "vtu")
+        return target
+    nodes, cells = coil_cells(grid, *_ends(dataset))
+    data = {name: [array] for name, array in values.items()}
+    meshio.Mesh(nodes, [("hexahedron", cells)], cell_data=data).write(target, "vtu")
+    return target
+
+
+def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
+    """Render the coil cut open, each cell coloured by the lowest level at which it slips; whole and at the root.
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient` on a grid of points.
+    path
+        PNG to write; parents are made.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        When the points form no grid, or pyvista is missing.
+    """
+    pv = _pyvista()
+    levels, onset = dataset["amplitude_g"].values, dataset["slip_onset"].values
+    levels = levels[levels_to_draw(levels)]
+    radii, ends = _ends(dataset)
+    nodes, cells = coil_cells(grid_of(dataset), radii, ends)
+    coil = pv.UnstructuredGrid({_HEXAHEDRON: cells}, nodes)
+    coil["level"] = np.searchsorted(levels, onset, side="right").astype(float)  # the lowest above the onset
+    colours = [*level_colours(levels.size)[::-1], _STUCK]
+    options = {"scalars": "level", "cmap": ListedColormap(colours), "clim": (-0.5, levels.size + 0.5), "ambient": 0.45}
+    tube = pv.CylinderStructured(
+        radius=np.array([0.9, 1.0]) * radii[0], height=ends[1], center=(0, 0, 0.5 * ends[1]), direction=(0, 0, 1),
+        theta_resolution=96,
+    )  # fmt: skip
+    metal: dict[str, Any] = {"color": "#9A9A9A", "ambient": 0.4}
+    # the cut goes through the roll's axis and holds the excitation: faces with the largest axial shear
+    along = str(dataset.attrs.get("excitation_direction", "x")) == "x"
+    normal, view = ((0, 1, 0), (0.25, -1.0, 0.30)) if along else ((-1, 0, 0), (1.0, 0.25, 0.30))
+    crown = max(2.2 * radii[1], 1.15 * float(dataset["slip_zone_height"].values[-1]))
+    root = min(crown, ends[1])
+    pictures = {}
+    for heading, top in (("whole coil, cut along the excitation", ends[1]), (f"lowest {1e3 * root:.0f} mm", root)):
+        part = coil.extract_cells(np.flatnonzero(nodes[cells][:, :, 2].min(axis=1) < top - 1e-9))
+        half = part.clip(normal=normal, origin=(0, 0, 0), crinkle=True, invert=False)
+        top = float(part.bounds[5])
+        stub = tube.clip(normal=(0, 0, 1), origin=(0, 0, top)) if top < ends[1] else tube
+        half_tube = stub.clip(normal=normal, origin=(0, 0, 0), invert=False)
+        edges = half.extract_feature_edges(boundary_edges=True, manifold_edges=False)
+        extent = max(top, 2.0 * radii[1])
+        line = {"color": "#555555", "line_width": 1.5}
+        meshes = [(half, options), (half_tube, metal), (edges, line)]
+        pictures[heading] = _cropped([_render(meshes, np.array([0.0, 0.0, 0.5 * top]), view, extent)])[0]
+    figure = Figure(figsize=(style.WIDTH, 5.4), dpi=style.DPI, layout="constrained")
+    widths = [picture.shape[1] / picture.shape[0] for picture in pictures.values()]
+    for ax, (heading, picture) in zip(figure.subplots(1, 2, width_ratios=widths), pictures.items(), strict=True):
+        ax.imshow(picture)
+        ax.set_title(heading, fontsize=9)
+        ax.axis("off")
+    names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
+    keys = [Patch(facecolor=colour, label=name) for colour, name in zip(colours, names, strict=True)]
+    figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
+    share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
+    first = f"slip starts above {onset.min():.3g} g" if np.isfinite(onset.min()) else "nothing shears the coil"
+    figure.suptitle(f"{first[0].upper()}{first[1:]}; at {levels[-1]:g} g {share:.2g} % of the coil slips", fontsize=10)
+    target = style.target(path)
+    figure.savefig(target)
+    return target
