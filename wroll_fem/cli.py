@@ -44,6 +44,10 @@ _TABLE = (
     ("peak_transmissibility", "peak transmissibility", "{:.2f}"),
     ("energy_balance_error", "energy balance error", "{:.2%}"),
     ("friction_energy_j", "friction energy", "{:.4g} J"),
+    ("pressure_mandrel_pa", "pressure at the mandrel", "{:.4g} Pa"),
+    ("pressure_mandrel_wrap_grid_pa", "same, source's grid", "{:.4g} Pa"),
+    ("capacity_mandrel_pa", "friction capacity there", "{:.4g} Pa"),
+    ("mandrel_stiffness_pa", "mandrel stiffness", "{:.4g} Pa"),
     ("interface_pressure_mean_pa", "mean interface pressure", "{:.4g} Pa"),
     ("dofs", "degrees of freedom", "{:d}"),
     ("steps", "time steps", "{:d}"),
@@ -198,6 +202,7 @@ def mesh(
         from .mesh_file import write_mesh
         from .meshing import build_mesh
 
+        _refuse_winding(case, case_file)
         if case.structure is not None:
             remedy = "its file holds matrices alone: mesh the case it was exported from"
             raise InputError("leaves nothing to mesh", key="structure", file=str(case_file), remedy=remedy)
@@ -222,6 +227,7 @@ def export(
     """Mesh, assemble and preload a case, and write its matrices and interfaces (docs/matrices.md)."""
     with _reporting():
         case = load_case(case_file, overrides or ())
+        _refuse_winding(case, case_file)
         from .dynamics.matrix_file import check_suffix
 
         check_suffix(out)  # before the work
@@ -265,6 +271,12 @@ def info() -> None:
         broken = broken or bool(part.problem and part.name not in OPTIONAL)
     if broken:
         raise typer.Exit(1)
+
+
+def _refuse_winding(case: Any, file: Path) -> None:
+    if case.analysis == "winding":
+        remedy = "use a case with geometry, mandrel and coil"
+        raise InputError("analysis winding has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy)
 
 
 def _print_estimate(case: Any) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .body import Body
 from .case.contact import RateFriction, SmoothedFriction
 from .contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
@@ -62,13 +64,33 @@ def friction_law(case: Case) -> FrictionLaw:
 
 
 def build_system(case: Case, bodies: Sequence[Body]) -> System:
-    """Stack the bodies and their interfaces with the laws and loads of the case."""
-    normal = case.contact.normal
+    """Stack the bodies and their interfaces with the laws and loads of the case.
+
+    With ``preload.kind: winding_tension`` the load is found here, by static solutions, where the analysis needs it.
+    """
+    from .winding.interface import external_pressures
+
     layers = len(bodies) - 1
-    return System.from_bodies(
+    system = System.from_bodies(
         bodies,
         direction=DIRECTIONS[case.excitation.direction],
-        friction=friction_law(case),
-        normal=NormalPenalty(normal_penalty(case), normal.separation),
-        pressures=case.preload.per_layer(layers) if layers else (),
+        friction=friction_law(case) if layers else None,
+        normal=NormalPenalty(normal_penalty(case), case.contact.normal.separation) if layers else None,
+        pressures=external_pressures(case) if layers else (),
     )
+    unpressed = case.analysis == "modal" and case.modal.interface != "stuck"
+    if not layers or case.preload.kind != "winding_tension" or unpressed:
+        return system
+    return _wound(case, bodies, system)
+
+
+def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
+    """System whose mean interface pressures are those of the wound roll."""
+    from .dynamics.pressing import press_to
+    from .winding.interface import ring_split, target_pressures
+
+    unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs
+    for load, body in zip(unit_loads, bodies[1:], strict=True):
+        load[end : end + body.n_dofs] = body.pressure_force
+        end += body.n_dofs
+    return press_to(system, unit_loads, target_pressures(case), ring_split(case), steps=case.preload.steps)

@@ -141,7 +141,20 @@ FIELDS: dict[str, Field] = {
     "slipping_volume_fraction": Field("1", "fraction of the coil's volume that slips"),
     "slip_zone_height": Field("m", "height above the base of the highest slipping point"),
     "slip_zone_depth": Field("m", "distance from the mandrel of the outermost slipping point"),
+    # the wound roll
+    "r": Field("m", "radius"),
+    "pressure_pa": Field("Pa", "pressure between the wraps"),
+    "capacity_pa": Field("Pa", "friction capacity between the wraps"),
+    "hoop_stress_pa": Field("Pa", "stress along the web"),
+    "radial_modulus_pa": Field("Pa", "radial modulus of the stack"),
+    "winding_tension_pa": Field("Pa", "tension stress with which the web was laid"),
+    "wrap": Field("1", "wrap, inner first (the source's grid)"),
+    "wrap_radius": Field("m", "radius under the wrap"),
+    "wrap_pressure_pa": Field("Pa", "pressure under the wrap, the source's grid"),
+    "wrap_capacity_pa": Field("Pa", "friction capacity under the wrap, the source's grid"),
+    "wrap_hoop_stress_pa": Field("Pa", "mean stress along the wrap, the source's grid"),
     # statics
+    "external_pressure": Field("Pa", "external pressure on the layer outside the interface"),
     "static_displacement": Field("m", "displacement under the preload"),
 }
 

@@ -24,9 +24,19 @@ def _time_history(case: Case, **keywords: Any) -> xr.Dataset:
 
 
 def _modal(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    if case.mesh.discretisation == "fourier":
+        from .fourier import run_fourier_modal
+
+        return run_fourier_modal(case, progress=progress)
     from .modal import run_modal
 
     return run_modal(case, progress=progress)
+
+
+def _design_map(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .design_map import run_design_map
+
+    return run_design_map(case, progress=progress)
 
 
 def _harmonic(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
@@ -53,6 +63,12 @@ def _modal_transient(case: Case, *, progress: Progress, checkpoint: Path | None,
     return run_modal_transient(case, progress=progress)
 
 
+def _winding(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .winding import run_winding
+
+    return run_winding(case, progress=progress)
+
+
 ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "sweep": _time_history,
     "dwell": _time_history,
@@ -61,6 +77,8 @@ ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "modal": _modal,
     "modal_transient": _modal_transient,
     "preload": _preload,
+    "design_map": _design_map,
+    "winding": _winding,
 }
 """Name in the case file -> function of the case, returning an annotated Dataset."""
 

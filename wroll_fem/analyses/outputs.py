@@ -46,6 +46,19 @@ _COUNTS = (
     "solver_time_s",
     "mass_total_kg",
 )
+_WINDING = (
+    "pressure_mandrel_pa",
+    "capacity_mandrel_pa",
+    "mandrel_stiffness_pa",
+    "pressure_mandrel_error_estimate",
+    "pressure_mandrel_wrap_grid_pa",
+    "capacity_mandrel_wrap_grid_pa",
+    "hoop_bound_pa",
+    "hoop_stress_min_pa",
+    "tension_stress_pa",
+    "tension_n",
+    "outer_radius_m",
+)
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
@@ -73,6 +86,13 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         area, pressure = dataset["area"], dataset["pressure"]
         mean = (pressure * area).sum("point") / area.sum("point")
         summary["interface_pressure_mean_pa"] = mean.values.tolist()
+    summary |= {key: attrs[key] for key in _WINDING if key in attrs}
+    if "external_pressure" in dataset:
+        summary["external_pressure_pa"] = dataset["external_pressure"].values.tolist()
+    if case.preload.kind == "winding_tension" and case.coil.model == "layers":
+        from ..winding.interface import target_pressures
+
+        summary["winding_pressure_pa"] = target_pressures(case).tolist()
     if "input_work" in dataset:
         last = dataset.isel(time=-1)
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
@@ -179,6 +199,8 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
         drawn += _of_the_coil(dataset)
     if "mode_frequency" in dataset:
         drawn.append(("modes", plotting.plot_modes, {}))
+    if "wrap_pressure_pa" in dataset:
+        drawn.append(("winding", plotting.plot_winding, {}))
     paths = [plotting.save_figure(draw(dataset, **options), folder / f"{name}.png") for name, draw, options in drawn]
     return paths + _draw_in_space(dataset, folder)
 

@@ -14,7 +14,9 @@ from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_vali
 from .base import Real, Section, wrong
 from .coil import Coil
 from .contact import Contact, PenaltyFriction
+from .design_map import DesignMap
 from .excitation import DwellExcitation, Excitation
+from .fourier import design_map_fits, fourier_fits
 from .geometry import Geometry
 from .harmonic import Backbone, Harmonic
 from .integrator import Integrator
@@ -27,8 +29,9 @@ from .output import Output
 from .preload import Preload
 from .solver import Solver
 from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
+from .winding import Winding, winding_fits, winding_present
 
-Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload"]
+Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map"]
 ANALYSES: tuple[str, ...] = get_args(Analysis)
 
 #: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
@@ -37,8 +40,11 @@ FEWEST_STEPS_PER_CYCLE = 20
 #: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
 _OPTIONAL = (
     "contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure", "harmonic", "backbone",
-    "damping_ratio",
+    "damping_ratio", "winding", "design_map",
 )  # fmt: skip
+
+#: Sections without a part in the wound-roll stress; they stay out of its resolved case unless written.
+_NOT_IN_WINDING = ("integrator", "solver", "mesh", "modal")
 
 #: Sections that describe a roll, and what the matrices of `structure` stand for.
 _ROLL = ("geometry", "mandrel", "coil")
@@ -74,7 +80,8 @@ class Case(Section):
     """
 
     model_config = ConfigDict(
-        json_schema_extra={"anyOf": [{"required": [*_ROLL]}, {"required": ["structure"]}]}  # for editors
+        # for editors
+        json_schema_extra={"anyOf": [{"required": [*keys]} for keys in (_ROLL, ("structure",), ("winding",))]}
     )
 
     analysis: Analysis = Field(description="what to compute")
@@ -86,6 +93,7 @@ class Case(Section):
     coil: Coil = Field(default_factory=unused_coil, description="how the wound web is modelled")
     contact: Contact = Field(default_factory=_unused_contact, description="between facing surfaces")
     preload: Preload = Field(default_factory=_unused_preload, description="what presses the layers onto the mandrel")
+    winding: Winding | None = Field(default=None, description="how the roll was wound: tension, wraps, mandrel, web")
     excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
     damping_ratio: Real | None = Field(
         default=None, ge=1e-3, lt=1, description="share of critical damping of every mode, dimensionless (modal_transient)"
@@ -96,6 +104,7 @@ class Case(Section):
     modal: Modal = Field(default_factory=Modal, description="the eigenvalue analysis")
     harmonic: Harmonic = Field(default_factory=Harmonic, description="periodic motions by harmonic balance")
     backbone: Backbone = Field(default_factory=Backbone, description="range of the backbone")
+    design_map: DesignMap | None = Field(default=None, description="mandrels of the map between loosest and tightest")
     output: Output = Field(default_factory=Output, description="what a run writes; never changes numbers")
 
     _source: Path | None = PrivateAttr(default=None)
@@ -143,6 +152,10 @@ class Case(Section):
         unused = {key for key in _OPTIONAL if key not in self.model_fields_set}
         if self.structure is not None:
             return self._resolved_structure(unused | {"mesh"})
+        if self.analysis == "winding":
+            return self.model_dump(
+                mode="json", exclude=unused | {key for key in _NOT_IN_WINDING if key not in self.model_fields_set}
+            )
         data = self.model_dump(mode="json", exclude=unused)
         if self.coil.model != "solid":
             for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
@@ -172,7 +185,7 @@ class Case(Section):
         data = self.resolved()
         del data["output"]
         for key in _NOT_PHYSICS:
-            del data["solver"][key]
+            data.get("solver", {}).pop(key, None)
         if self.mesh.file is not None:
             data["mesh"]["file"] = hashlib.sha256(self.mesh.file.read_bytes()).hexdigest()
         if self.structure is not None:
@@ -194,7 +207,12 @@ def _needs(case: Case, section: str, reason: str) -> None:
 
 
 def _roll_or_structure(case: Case) -> None:
-    """Either the sections of a roll, or matrices in their place."""
+    """Either the sections of a roll, or matrices in their place; the wound-roll stress needs neither."""
+    if case.analysis == "winding":
+        if case.structure is not None:
+            remedy = "leave it out: section winding describes the roll"
+            raise wrong("analysis winding has no matrices", key="structure", show_value=False, remedy=remedy)
+        return
     if case.structure is None:
         for section in _ROLL:
             if section not in case.model_fields_set:
@@ -218,7 +236,7 @@ def _sections_present(case: Case) -> None:
     if case.analysis in ("sweep", "dwell", "harmonic", "modal_transient"):
         _needs(case, "excitation", f"analysis {case.analysis} shakes the base")
     stuck = case.analysis == "modal" and case.modal.interface == "stuck"
-    if case.coil.model == "layers" and (case.analysis != "modal" or stuck):
+    if case.coil.model == "layers" and (case.analysis not in ("modal", "winding") or stuck):
         reason = "modal.interface stuck follows the preloaded contact" if stuck else "coil.model layers has interfaces"
         _needs(case, "contact", reason)
         _needs(case, "preload", reason)
@@ -271,5 +289,6 @@ def _fine_enough(case: Case) -> None:
 
 _CHECKS: Sequence[Callable[[Case], None]] = (
     _roll_or_structure, _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer,
-    _fine_enough, damping_ratio_fits, solid_coil,
+    _fine_enough, winding_present, winding_fits, damping_ratio_fits, solid_coil, fourier_fits,
+    design_map_fits,
 )  # fmt: skip

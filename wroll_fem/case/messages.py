@@ -141,6 +141,7 @@ def _unknown_key(keys: list[str], parent: type[BaseModel] | None, root: type[Bas
     if near:
         return "unknown key", f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
     elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
+    elsewhere = [k for k in elsewhere if k.startswith(f"{keys[0]}.")] or elsewhere  # the same section first
     elsewhere = [k for k in elsewhere if k.count(".") == min(other.count(".") for other in elsewhere)]
     known = f"known here: {', '.join(siblings)}"
     if elsewhere and ".".join(keys) not in elsewhere:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from .base import Section, Whole, _number, wrong
 
@@ -12,17 +12,23 @@ from .base import Section, Whole, _number, wrong
 class Preload(Section):
     """Nonlinear static step before the vibration."""
 
-    kind: Literal["external_pressure"] = Field(
-        default="external_pressure", description="external_pressure: pressure on the outside of layers"
+    kind: Literal["external_pressure", "winding_tension"] = Field(
+        default="external_pressure",
+        description="external_pressure: pressure on the outside of layers; winding_tension: pressed until the mean "
+        "pressure of every interface is that of the wound roll (section winding)",
     )
-    pressure: float | list[float] = Field(
-        description="external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner first)"
+    pressure: float | list[float] | None = Field(
+        default=None,
+        description="external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner "
+        "first); left out with winding_tension",
     )
     steps: Whole = Field(default=10, ge=1, description="load steps of the static preload (count)")
 
     @field_validator("pressure", mode="before")
     @classmethod
     def _pressures(cls, value: Any) -> Any:
+        if value is None:
+            return value
         if not isinstance(value, list | tuple):
             return _pressure(value)
         if not value:
@@ -30,8 +36,27 @@ class Preload(Section):
             raise wrong("the list of pressures is empty", remedy=remedy, value=value)
         return [_pressure(entry) for entry in value]
 
+    @model_validator(mode="after")
+    def _pressure_or_winding(self) -> Self:
+        if self.kind == "winding_tension" and self.pressure is not None:
+            raise wrong(
+                "the tension of section winding sets the pressure", key="pressure", value=self.pressure,
+                remedy="leave it out, or use kind: external_pressure",
+            )  # fmt: skip
+        if self.kind == "external_pressure" and self.pressure is None:
+            what = "external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner first)"
+            raise wrong("required key is missing", key="pressure", show_value=False, remedy=f"add it ({what})")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """No empty keys."""
+        return {key: value for key, value in dict(plain(self)).items() if value is not None}
+
     def per_layer(self, layers: int) -> list[float]:
-        """Pressure on the outside of each layer, inner first, Pa."""
+        """External pressure on the outside of each layer, inner first, Pa, of kind external_pressure."""
+        if self.pressure is None:
+            raise ValueError("the pressures of winding_tension follow from the structure: `winding_preload`")
         if isinstance(self.pressure, list):
             return list(self.pressure)
         return [0.0] * (layers - 1) + [self.pressure]

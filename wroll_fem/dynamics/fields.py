@@ -59,6 +59,8 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
             "interface_name": ("interface", [interface.name for interface in system.interfaces]),
         },
     )
+    if len(system.pressures) == len(system.interfaces):
+        dataset = dataset.assign(external_pressure=("interface", np.array(system.pressures)))
     points = np.vstack([interface.points for interface in system.interfaces])
     if not np.isfinite(points).all():
         return dataset

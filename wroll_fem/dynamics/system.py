@@ -39,6 +39,8 @@ class System:
         Invariant subspaces of a rotationally symmetric structure (see `cyclic`); empty when there are none.
     damping
         (n, n) sparse symmetric viscous damping, N s/m; None for none.
+    pressures
+        External pressure on each layer in Pa, inner first, behind the load "preload"; empty when that has other reasons.
     """
 
     stiffness: sp.csr_matrix
@@ -49,6 +51,7 @@ class System:
     loads: Mapping[str, FloatArray] = field(default_factory=dict)
     subspaces: tuple[Subspace, ...] = ()
     damping: sp.csr_matrix | None = None
+    pressures: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -165,6 +168,7 @@ class System:
             probes=probes,
             loads={"preload": preload},
             subspaces=cyclic_subspaces(bodies),
+            pressures=tuple(float(pressure) for pressure in pressures),
         )
 
 

@@ -12,6 +12,7 @@ from wroll_fem.plotting.modes import plot_modes
 from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_slip_map
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.plotting.transmissibility import plot_comparison, plot_transmissibility
+from wroll_fem.plotting.winding import plot_winding
 
 __all__ = [
     "plot_backbone",
@@ -25,6 +26,7 @@ __all__ = [
     "plot_slip_map",
     "plot_slip_on_cylinder",
     "plot_transmissibility",
+    "plot_winding",
     "save_figure",
     "write_slip_vtu",
 ]

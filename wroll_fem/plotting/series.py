@@ -42,6 +42,7 @@ from wroll_fem.plotting.study import (
     values_of,
 )  # fmt: skip
 from wroll_fem.plotting.transmissibility import magnitude
+from wroll_fem.plotting.winding import plot_pressure_over_tension, plot_soft_and_hard
 from wroll_fem.results import label
 
 _BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
@@ -338,5 +339,7 @@ FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "mesh_friction": plot_friction_convergence,
     "mesh_frequency": plot_frequency_convergence,
     "friction_laws": plot_friction_laws,
+    "winding_hardness": plot_soft_and_hard,
+    "winding_tension": plot_pressure_over_tension,
 }
 """Name in a grid file -> function of the finished cases."""

@@ -24,6 +24,7 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
     "coil.material.E": ("layer modulus", "GPa", 1e-9),
     "coil.layers": ("layers", "", 1.0),
     "excitation.amplitude": ("base acceleration", "g", 1.0 / 9.80665),
+    "winding.tension_newton": ("winding tension", "N", 1.0),
     "mesh.axial": ("elements along the axis", "", 1.0),
     "mesh.circumferential": ("elements around", "", 1.0),
     "mesh.grading": ("grading", "", 1.0),

@@ -1,0 +1,98 @@
+"""Stress in the wound roll of a case."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ..case.winding import completed
+from ..results import annotate
+from ..winding import WoundRoll, wound_roll
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..case.winding import Winding
+    from ..progress import Progress
+
+COARSE = 0.01
+"""Estimated error of the pressure at the mandrel above which the user is told."""
+
+
+def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Pressure, capacity and hoop stress over the radius, on the refined grid and on the source's.
+
+    Returns
+    -------
+    xr.Dataset
+        `pressure_pa`, `capacity_pa`, `hoop_stress_pa`, `radial_modulus_pa`, `winding_tension_pa` over `r`, and the
+        source's grid over `wrap` (values under each wrap; the hoop stress is the mean in it).
+    """
+    section = completed(case)
+    with progress.stage("wound roll", 1) as stage:
+        roll = wound_roll(section)
+        stage.update(1, f"{section.wraps} wraps, {section.cells} cells")
+    for text in doubts(section, roll):
+        progress.warning(text)
+    wraps, mu = roll.wraps, section.mu
+    assert mu is not None
+    dataset = xr.Dataset(
+        {
+            "pressure_pa": ("r", roll.pressure),
+            "capacity_pa": ("r", roll.capacity),
+            "hoop_stress_pa": ("r", roll.hoop_stress),
+            "radial_modulus_pa": ("r", roll.modulus(roll.pressure)),
+            "winding_tension_pa": ("r", roll.tension),
+            "wrap_radius": ("wrap", wraps.radius[:-1]),
+            "wrap_pressure_pa": ("wrap", wraps.pressure[:-1]),
+            "wrap_capacity_pa": ("wrap", mu * wraps.pressure[:-1]),
+            "wrap_hoop_stress_pa": ("wrap", wraps.hoop_stress),
+        },
+        coords={"r": roll.radius, "wrap": np.arange(1, section.wraps + 1)},
+    )
+    dataset.attrs |= readings(section, roll)
+    return annotate(dataset)
+
+
+def readings(section: Winding, roll: WoundRoll) -> dict[str, Any]:
+    """Return what summary.json gets, flat and in SI."""
+    assert section.mu is not None
+    first = {
+        "pressure_mandrel_pa": float(roll.pressure[0]),
+        "capacity_mandrel_pa": float(roll.capacity[0]),
+        "mandrel_stiffness_pa": roll.mandrel_stiffness,
+        "pressure_mandrel_error_estimate": roll.error_estimate,
+        "pressure_mandrel_wrap_grid_pa": float(roll.wraps.pressure[0]),
+        "capacity_mandrel_wrap_grid_pa": section.mu * float(roll.wraps.pressure[0]),
+        "hoop_bound_pa": roll.hoop_bound,
+        "hoop_stress_min_pa": float(roll.hoop_stress.min()),
+        "tension_stress_pa": section.stress,
+        "outer_radius_m": float(roll.radius[-1]),
+    }
+    if section.web_width is not None:
+        first["tension_n"] = section.stress * section.web_width * section.wrap_thickness
+    return first
+
+
+def doubts(section: Winding, roll: WoundRoll) -> list[str]:
+    """What a user should know about the result, each with what to change."""
+    found = []
+    if roll.error_estimate > COARSE:
+        found.append(
+            f"the pressure at the mandrel still changes by {100 * roll.error_estimate:.1f} % with the grid; raise "
+            f"winding.cells (now {section.cells})"
+        )
+    stiffest = float(roll.modulus(roll.pressure[0]))
+    if stiffest > section.web.E_theta:
+        found.append(
+            f"under the pressure at the mandrel the stack is stiffer through its thickness ({stiffest:.3g} Pa) than "
+            "the web along itself; check winding.web.radial_modulus"
+        )
+    law = section.web.radial_modulus
+    if law.law == "table" and roll.pressure[0] > law.pressure[-1]:
+        found.append(
+            f"the pressure at the mandrel, {roll.pressure[0]:.3g} Pa, lies beyond the last row of "
+            "winding.web.radial_modulus, whose modulus is kept"
+        )
+    return found

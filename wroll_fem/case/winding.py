@@ -1,0 +1,325 @@
+"""Section `winding`: how the roll was wound, for the stress that winding leaves in it."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
+
+from .base import Real, Section, Whole, wrong
+
+if TYPE_CHECKING:
+    from .case import Case
+
+LARGEST_K2 = 1.0e4
+"""A larger K2 is taken for a modulus in Pa; measured stacks of web have 10 to some 1000."""
+
+FIT = 0.01
+"""Share by which the wound roll may differ in size from geometry and coil."""
+
+
+class ConstantModulus(Section):
+    """Radial modulus that does not depend on the pressure."""
+
+    law: Literal["constant"] = Field(description="constant: the same radial modulus at every pressure")
+    E_r: Real = Field(gt=0, description="radial modulus of the stack, Pa")
+
+
+class PfeifferModulus(Section):
+    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), equation 2.9 of the source."""
+
+    law: Literal["pfeiffer"] = Field(description="pfeiffer: E_r = K2 (K1 + P), P the pressure between the wraps")
+    K1: Real = Field(gt=0, description="pressure that the modulus starts from, Pa")
+    K2: Real = Field(gt=0, description="growth of the radial modulus with the pressure, dimensionless")
+
+    @field_validator("K2", mode="before")
+    @classmethod
+    def _without_unit(cls, value: Any) -> Any:
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.inf
+        if isinstance(value, bool) or not number <= LARGEST_K2:
+            raise wrong(
+                "K2 is a number without a unit", value=value,
+                remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}, for example 40 "
+                "(the source's table prints 40 GPa, which cannot be: K1 is the pressure)",
+            )  # fmt: skip
+        return number
+
+
+class TableModulus(Section):
+    """Measured radial modulus over pressure: linear between the rows, constant beyond the ends."""
+
+    law: Literal["table"] = Field(description="table: measured values, linear between the rows")
+    pressure: list[Real] = Field(min_length=1, description="pressure between the wraps, Pa, rising from 0 or more")
+    modulus: list[Real] = Field(min_length=1, description="radial modulus at each pressure, Pa")
+
+    @model_validator(mode="after")
+    def _a_table(self) -> Self:
+        _check_table(self.pressure, self.modulus, "pressure", "modulus", least=0.0)
+        if not min(self.modulus) > 0:
+            raise wrong("must be positive", key="modulus", value=self.modulus, remedy="give moduli above 0 Pa")
+        return self
+
+
+def _check_table(x: list[float], y: list[float], name_x: str, name_y: str, *, least: float) -> None:
+    if len(x) != len(y):
+        raise wrong(
+            f"{len(y)} values for {len(x)} of {name_x}", key=name_y, value=y, remedy=f"give one value per {name_x}"
+        )
+    if any(b <= a for a, b in pairwise(x)) or x[0] < least:
+        raise wrong(
+            "must rise from row to row", key=name_x, value=x, remedy=f"sort the rows by {name_x}, from {least:g} up"
+        )
+
+
+def _law_named(value: Any) -> Any:
+    if isinstance(value, dict) and "law" not in value:
+        raise wrong(
+            "required key is missing", key="law", show_value=False, remedy="add law: constant, pfeiffer or table"
+        )
+    return value
+
+
+RadialModulus = Annotated[
+    ConstantModulus | PfeifferModulus | TableModulus, Field(discriminator="law"), BeforeValidator(_law_named)
+]
+
+
+class ConstantTension(Section):
+    """The same tension from the first wrap to the last."""
+
+    kind: Literal["constant"] = Field(default="constant", description="constant: the same tension in every wrap")
+
+
+class TaperTension(Section):
+    """Tension that falls linearly with the radius."""
+
+    kind: Literal["taper"] = Field(description="taper: the tension changes linearly from mandrel to outer radius")
+    taper: Real = Field(lt=1, ge=-10, description="share of the tension lost at the outer radius, dimensionless")
+
+
+class TableTension(Section):
+    """Tension over the radius: linear between the rows, constant beyond the ends."""
+
+    kind: Literal["table"] = Field(description="table: share of the tension over the radius, linear between the rows")
+    radius: list[Real] = Field(min_length=1, description="radius at which a wrap is laid, m, rising")
+    factor: list[Real] = Field(
+        min_length=1, description="share of tension_stress or tension_newton there, dimensionless"
+    )
+
+    @model_validator(mode="after")
+    def _a_table(self) -> Self:
+        _check_table(self.radius, self.factor, "radius", "factor", least=0.0)
+        if not min(self.factor) > 0:
+            raise wrong(
+                "must be positive", key="factor", value=self.factor, remedy="a web cannot be wound without pull"
+            )
+        return self
+
+
+def _constant_without_kind(value: Any) -> Any:
+    return {"kind": "constant"} if value == {} else value
+
+
+TensionProfile = Annotated[
+    ConstantTension | TaperTension | TableTension,
+    Field(discriminator="kind"),
+    BeforeValidator(_constant_without_kind),
+]
+
+
+class WindingMandrel(Section):
+    """The core under the first wrap: an elastic tube, or its stiffness as a number."""
+
+    outer_radius: Real = Field(gt=0, description="outer radius of the mandrel, m")
+    wall: Real | None = Field(default=None, gt=0, description="wall thickness, m; the outer radius for a solid core")
+    E: Real | None = Field(default=None, gt=0, description="Young's modulus of the mandrel, Pa")
+    nu: Real = Field(default=0.33, gt=-1, lt=0.5, description="Poisson's ratio of the mandrel, dimensionless")
+    stiffness: Real | None = Field(
+        default=None, gt=0, description="pressure over hoop strain at the surface, Pa, in place of wall and E"
+    )
+
+    @model_validator(mode="after")
+    def _tube_or_number(self) -> Self:
+        if self.stiffness is not None:
+            for key in ("wall", "E", "nu"):
+                if key in self.model_fields_set:
+                    raise wrong(
+                        "stands beside stiffness, which replaces it", key=key, value=getattr(self, key),
+                        remedy="give wall and E, or stiffness",
+                    )  # fmt: skip
+            return self
+        for key in ("wall", "E"):
+            if getattr(self, key) is None:
+                what = type(self).model_fields[key].description
+                raise wrong("required key is missing", key=key, show_value=False, remedy=f"add it ({what})")
+        assert self.wall is not None
+        if self.wall > self.outer_radius:
+            raise wrong(
+                "the wall is thicker than the radius", key="wall", value=self.wall,
+                remedy=f"use outer_radius = {self.outer_radius:g} m or less (equal: a solid core)",
+            )  # fmt: skip
+        return self
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """The keys of a tube, or the number."""
+        used = ("outer_radius", "stiffness") if self.stiffness is not None else ("outer_radius", "wall", "E", "nu")
+        return {key: value for key, value in dict(plain(self)).items() if key in used}
+
+
+class Web(Section):
+    """Material of the wound sheet."""
+
+    E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
+    nu_theta: Real = Field(
+        default=0.3, gt=-1, lt=1, description="contraction across the thickness per hoop strain, dimensionless"
+    )
+    radial_modulus: RadialModulus = Field(description="stiffness of the stack through its thickness")
+
+
+class Winding(Section):
+    """A web wound under tension onto a mandrel."""
+
+    tension_stress: Real | None = Field(default=None, gt=0, description="tension of the web over its section, Pa")
+    tension_newton: Real | None = Field(
+        default=None, gt=0, description="tension of the web as a force, N, with web_width in place of tension_stress"
+    )
+    web_width: Real | None = Field(default=None, gt=0, description="width of the web along the axis, m")
+    tension_profile: TensionProfile = Field(
+        default_factory=ConstantTension, description="how the tension changes while the roll grows"
+    )
+    wraps: Whole = Field(ge=1, le=20000, description="number of wraps (count)")
+    wrap_thickness: Real = Field(gt=0, description="thickness of the web, m")
+    mandrel: WindingMandrel | None = Field(
+        default=None, description="the core; may be left out where geometry and mandrel describe it"
+    )
+    web: Web = Field(description="material of the web")
+    mu: Real | None = Field(
+        default=None, ge=0, description="friction between wraps, dimensionless; the capacity is mu times the pressure"
+    )
+    cells: Whole = Field(default=2000, ge=50, le=20000, description="cells of the refined grid (count)")
+
+    @model_validator(mode="after")
+    def _one_tension(self) -> Self:
+        if (self.tension_stress is None) == (self.tension_newton is None):
+            both = self.tension_stress is not None
+            raise wrong(
+                "stands beside tension_stress" if both else "the tension is missing",
+                key="tension_newton" if both else "tension_stress", value=self.tension_newton, show_value=both,
+                remedy="give tension_stress in Pa, or tension_newton in N with web_width in m",
+            )  # fmt: skip
+        if self.tension_newton is not None and self.web_width is None:
+            remedy = "add it (width of the web, m), or give tension_stress in Pa"
+            raise wrong("tension_newton needs the width", key="web_width", show_value=False, remedy=remedy)
+        return self
+
+    @model_validator(mode="after")
+    def _thin_web(self) -> Self:
+        if self.mandrel is not None and self.wrap_thickness >= self.mandrel.outer_radius:
+            raise wrong(
+                "the web is thicker than the roll it is wound on", key="wrap_thickness", value=self.wrap_thickness,
+                remedy=f"use less than mandrel.outer_radius = {self.mandrel.outer_radius:g} m",
+            )  # fmt: skip
+        return self
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """No empty keys."""
+        return {key: value for key, value in dict(plain(self)).items() if value is not None}
+
+    @property
+    def stress(self) -> float:
+        """Tension of the web over its section, Pa, before the profile."""
+        if self.tension_stress is not None:
+            return self.tension_stress
+        assert self.tension_newton is not None
+        assert self.web_width is not None
+        return self.tension_newton / (self.web_width * self.wrap_thickness)
+
+    @property
+    def build_up(self) -> float:
+        """Thickness of all wraps together, m."""
+        return self.wraps * self.wrap_thickness
+
+
+def completed(case: Case) -> Winding:
+    """Section `winding` of a case, its mandrel taken from geometry and mandrel where it was left out."""
+    winding = case.winding
+    assert winding is not None
+    if winding.mandrel is not None:
+        return winding
+    tube = WindingMandrel(
+        outer_radius=0.5 * case.geometry.mandrel_outer_diameter, wall=case.geometry.mandrel_thickness,
+        E=case.mandrel.material.E, nu=case.mandrel.material.nu,
+    )  # fmt: skip
+    return winding.model_copy(update={"mandrel": tube})
+
+
+def winding_present(case: Case) -> None:
+    """The section stands where something is computed from it."""
+    tension = case.preload.kind == "winding_tension"
+    if case.winding is None:
+        needs = {"winding": "analysis winding", "modal_transient": "the friction capacity of analysis modal_transient"}
+        reason = "preload.kind: winding_tension" if tension else needs.get(case.analysis)
+        if reason:
+            raise wrong(
+                "required section is missing", key="winding", show_value=False,
+                remedy=f"add it (how the roll was wound: tension, wraps, mandrel, web): {reason} needs it",
+            )  # fmt: skip
+        return
+    if case.winding.mu is None and case.analysis in ("winding", "modal_transient"):
+        remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
+        raise wrong("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
+    if case.winding.mandrel is None and not {"geometry", "mandrel"} <= case.model_fields_set:
+        remedy = "add it (outer_radius with wall and E, or with stiffness)"
+        raise wrong("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)
+
+
+def winding_fits(case: Case) -> None:
+    """The wound roll has the size of the roll that is simulated."""
+    winding = case.winding
+    if winding is None or case.structure is not None or "geometry" not in case.model_fields_set:
+        return
+    radius, wall = 0.5 * case.geometry.mandrel_outer_diameter, case.geometry.mandrel_thickness
+    if winding.mandrel is not None:
+        _same(winding.mandrel.outer_radius, radius, "mandrel.outer_radius", "geometry.mandrel_outer_diameter / 2")
+        if winding.mandrel.wall is not None:
+            _same(winding.mandrel.wall, wall, "mandrel.wall", "geometry.mandrel_thickness")
+    if winding.wrap_thickness >= radius:
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", "a thinner web")
+    if winding.web_width is not None and winding.web_width > (1.0 + FIT) * case.geometry.length:
+        limit = f"geometry.length = {case.geometry.length:g} m or less"
+        raise _misfit("web_width", winding.web_width, "the web is wider than the roll is long", limit)
+    if case.coil.model == "none":
+        return
+    thickness = case.coil.total_thickness
+    if winding.wrap_thickness > (1.0 + FIT) * thickness:
+        limit = f"coil.total_thickness = {thickness:g} m / wraps"
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", limit)
+    if abs(winding.build_up - thickness) > FIT * thickness:
+        problem = (
+            f"{winding.wraps} wraps of {winding.wrap_thickness:g} m are {winding.build_up:g} m thick, the coil is "
+        )
+        wraps = max(1, round(thickness / winding.wrap_thickness))
+        raise _misfit("wraps", winding.wraps, f"{problem}{thickness:g} m", f"wraps: {wraps}, or change the coil")
+
+
+def _same(value: float, wanted: float, key: str, name: str) -> None:
+    if abs(value - wanted) > FIT * wanted:
+        raise _misfit(key, value, f"differs from {name} = {wanted:g} m", f"{wanted:g} m, or leave winding.mandrel out")
+
+
+def _misfit(key: str, value: Any, problem: str, use: str) -> Exception:
+    return wrong(problem, key=f"winding.{key}", value=value, remedy=f"use {use}")

@@ -1,0 +1,77 @@
+"""Preload that gives every interface a mean pressure of its own: external pressures found by Broyden's method."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..body import FloatArray
+from ..errors import ConvergenceError
+from .condensed_static import CondensedStatic
+from .static import ContactState, solve_load_path
+from .system import System
+
+TOLERANCE = 1e-4
+"""Largest relative error of a mean interface pressure; the linear split is off by some per cent."""
+
+
+def mean_pressures(system: System, state: ContactState) -> FloatArray:
+    """(n_interfaces,) area mean of the contact pressure, Pa, inner first."""
+    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
+    area, force = system.laws.area, system.laws.area * state.pressure
+    return np.array([f.sum() / a.sum() for f, a in zip(np.split(force, ends), np.split(area, ends), strict=True)])
+
+
+def press_to(
+    system: System,
+    unit_loads: FloatArray,
+    targets: FloatArray,
+    split: FloatArray,
+    *,
+    steps: int,
+    max_iterations: int = 12,
+) -> System:
+    """System whose preload gives every interface its target.
+
+    Parameters
+    ----------
+    unit_loads
+        (n_interfaces, n_dofs) forces in N of 1 Pa on the outside of each layer.
+    targets
+        (n_interfaces,) mean pressures, Pa, above 0.
+    split
+        (n_interfaces, n_interfaces) estimate of mean pressures per external pressures.
+    steps
+        Load steps of the preload.
+
+    Raises
+    ------
+    ConvergenceError
+        When no external pressures are found, with the misfit of each attempt.
+
+    Notes
+    -----
+    The pressures are those of the whole ramp with friction from the unloaded roll, as `static.solve_preload` solves it:
+    friction makes them depend on the path a little.
+    """
+    solver = CondensedStatic.of(system, float(targets.max()))
+    jacobian, pressures, history = split.copy(), np.linalg.solve(split, targets), []
+    found = change = np.zeros(len(targets))
+    for attempt in range(max_iterations):
+        force = pressures @ unit_loads
+        path = [force * (i + 1) / steps for i in range(steps)]
+        before, found = found, mean_pressures(system, solve_load_path(system, path, condensed=solver)[-1])
+        misfit = targets - found
+        history.append(float(np.abs(misfit / targets).max()))
+        if history[-1] <= TOLERANCE:
+            return replace(system, loads={**system.loads, "preload": force}, pressures=tuple(pressures.tolist()))
+        if attempt:
+            jacobian += np.outer(found - before - jacobian @ change, change) / (change @ change)
+        change = np.linalg.solve(jacobian, misfit)
+        pressures = pressures + change
+    raise ConvergenceError(
+        "no external pressures give the interfaces the pressure of the wound roll", time_s=None,
+        iterations=max_iterations, residual_history=history,
+        advice="use fewer coil.layers or more winding tension: at low pressure the layers open",
+    )  # fmt: skip
