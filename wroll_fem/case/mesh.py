@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer
 
 from .base import Real, Section, Whole, wrong
 
@@ -22,6 +22,11 @@ class Mesh(Section):
     radial_grading: Real = Field(
         default=1.0, ge=1, description="element thickness outside over that at the mandrel, dimensionless; 1 is uniform"
     )
+    discretisation: Literal["three_dimensional", "fourier"] = Field(
+        default="three_dimensional",
+        description="three_dimensional: shells and hexahedra; fourier: harmonics around the axis on a mesh of the r-z "
+        "half plane, mandrel and solid coil as solids (fast; modes only)",
+    )
     file: Path | None = Field(
         default=None,
         description="Gmsh .msh file with the named groups (path, relative to the case file); null: made here",
@@ -29,6 +34,14 @@ class Mesh(Section):
 
     OF_SOLID: ClassVar[tuple[str, ...]] = ("radial", "radial_grading")
     """Keys that only a solid coil uses; they stay out of other resolved cases unless written."""
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the discretisation unless it was written: cases from before it keep their hash."""
+        data = dict(plain(self))
+        if "discretisation" not in self.model_fields_set:
+            data.pop("discretisation", None)
+        return data
 
     @field_validator("circumferential")
     @classmethod

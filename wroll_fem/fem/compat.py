@@ -67,13 +67,13 @@ def compile_form(form: Any) -> Any:
         return fem.form(form)
 
 
-def lagrange(cell: str, degree: int, components: int = 1) -> Any:
-    """Lagrange element on `cell` embedded in 3-D: scalar, or a vector of `components`."""
+def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) -> Any:
+    """Lagrange element on `cell` in a space of `dimension`: scalar, or a vector of `components`."""
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
 
         return basix_ufl.element("Lagrange", cell, degree, shape=(components,) if components > 1 else ())
-    ufl_cell = ufl.Cell(cell, geometric_dimension=3)
+    ufl_cell = ufl.Cell(cell, geometric_dimension=dimension)
     if components == 1:
         return ufl.FiniteElement("Lagrange", ufl_cell, degree)
     return ufl.VectorElement("Lagrange", ufl_cell, degree, dim=components)
@@ -95,15 +95,17 @@ def function_space(domain: mesh.Mesh, element: Any) -> fem.FunctionSpace:
         return make(domain, element)
 
 
-def create_mesh(comm: Any, nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str) -> mesh.Mesh:
-    """Order-2 mesh in 3-D from nodes (n, 3) and cells in dolfinx's local numbering."""
+def create_mesh(
+    comm: Any, nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int = 2
+) -> mesh.Mesh:
+    """Mesh of order `degree` from nodes (n, dimension of the space) and cells in dolfinx's local numbering."""
     nodes, cells = np.ascontiguousarray(nodes, float), np.ascontiguousarray(cells, np.int64)
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
 
-        domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, 2, shape=(3,)))
+        domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, degree, shape=(nodes.shape[1],)))
     else:
-        domain = ufl.Mesh(lagrange(cell, 2, components=3))
+        domain = ufl.Mesh(lagrange(cell, degree, components=nodes.shape[1], dimension=nodes.shape[1]))
     with quiet_compiler():
         if VERSION >= (0, 10):
             return mesh.create_mesh(comm, cells, domain, nodes)
@@ -135,6 +137,18 @@ def hexahedron_points() -> npt.NDArray[np.float64]:
         element.ElementFamily.P, element.CellType.hexahedron, 2, element.LagrangeVariant.equispaced
     )
     return np.asarray(made.points, float)
+
+
+def tabulate_quadrilateral(degree: int, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """(3, n_points, n_functions) values and both derivatives of the `lagrange` element's basis on the unit square.
+
+    Functions are in basix's local order, that of `cell_dofs`.
+    """
+    element: Any = basix
+    made = element.create_element(
+        element.ElementFamily.P, element.CellType.quadrilateral, degree, element.LagrangeVariant.gll_warped
+    )
+    return np.asarray(made.tabulate(1, np.ascontiguousarray(points, float)), float)[..., 0]
 
 
 def assemble_csr(form: Any) -> sp.csr_matrix:

@@ -115,6 +115,10 @@ def plot_mode_shapes(
     kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
     grid = pv.UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
     rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
+    if rest.n_points == 0:  # a closed skin has corners instead of borders
+        rest = grid.extract_feature_edges(
+            60.0, boundary_edges=False, non_manifold_edges=False, feature_edges=True, manifold_edges=False
+        )
     options = {"scalars": "size", "cmap": "viridis", "clim": (0.0, 1.0), "smooth_shading": True, "ambient": 0.35}
     columns = min(columns, len(shapes))
     rows = -(-len(shapes) // columns)

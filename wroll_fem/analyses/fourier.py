@@ -1,0 +1,93 @@
+"""Natural frequencies and modes of a case in harmonics around the axis (`mesh.discretisation: fourier`)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from ..results import annotate
+from ..revolve import cartesian, lattice_outline, revolve
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..fem.fourier import FourierModel
+    from ..fem.fourier_modes import FourierMode
+    from ..progress import Progress
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Lowest modes of the whole roll; the same Dataset as the three-dimensional model's.
+
+    Modes of harmonics m >= 1 come in pairs, that along x first. Shapes are those of the skin of the revolved section,
+    with `mesh.circumferential` cells around.
+    """
+    from ..fem.fourier_modes import lowest_modes
+    from ..fem.fourier_roll import FourierRoll
+
+    with progress.stage("mesh and matrices", 1) as stage:
+        roll = FourierRoll(case)
+        stage.update(1, f"{3 * len(roll.model.nodes)} DOFs in each harmonic")
+    with progress.stage("modes", 1) as stage:
+        found = lowest_modes(roll, case.modal.count)
+        stage.update(1, f"harmonics 0 to {max(mode.family.harmonic for mode in found)}")
+    listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.family.harmonic else (False,))]
+    listed = listed[: case.modal.count]
+    fraction, share = np.zeros((len(listed), 3)), np.zeros(len(listed))
+    for row, (mode, turned) in enumerate(listed):
+        direction = "y" if turned and mode.family.harmonic == 1 else mode.family.direction
+        if direction is not None:
+            fraction[row, "xyz".index(direction)] = mode.participation**2 / roll.mass_total
+            share[row] = mode.tip * mode.participation if direction == case.excitation.direction else 0.0
+    nodes, cells, shapes = _shapes(roll.model, listed, case.mesh.circumferential)
+    dataset = xr.Dataset(
+        {
+            "mode_frequency": ("mode", np.array([mode.frequency_hz for mode, _ in listed])),
+            "mode_kind": ("mode", np.array([mode.kind for mode, _ in listed])),
+            "mode_harmonic": ("mode", np.array([mode.family.harmonic for mode, _ in listed])),
+            "mode_residual": ("mode", np.array([mode.residual for mode, _ in listed])),
+            "effective_mass_fraction": (("mode", "component"), fraction),
+            "tip_participation": ("mode", share),
+            "mode_shape": (("mode", "node", "component"), shapes),
+            "node_position": (("node", "component"), nodes),
+            "cell_nodes": (("cell", "corner"), cells),
+        },
+        coords={"mode": np.arange(1, len(listed) + 1), "component": ["x", "y", "z"]},
+    )
+    dofs = 3 * len(roll.model.nodes)
+    dataset.attrs |= {"dofs": dofs, "interface_points": 0, "mass_total_kg": roll.mass_total}
+    return annotate(dataset)
+
+
+def _shapes(
+    model: FourierModel, modes: list[tuple[FourierMode, bool]], around: int
+) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
+    """Nodes (n, 3), cells (c, 9) and shapes (modes, n, 3), largest 1, on the skin of the revolved section."""
+    grid = np.array([[a, b] for a in (0.0, 0.5, 1.0) for b in (0.0, 0.5, 1.0)])
+    border = lattice_outline(*(2 * n + 1 for n in model.section.shape))
+    nodes, cells = revolve(_lattice(model.positions(grid))[border], around)
+    values, _ = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), grid)
+    outline = _lattice(values)[border].reshape(len(border[0]), len(modes), 3)
+    shapes = np.array(
+        [
+            cartesian(outline[:, k], mode.family.harmonic, around, turned)
+            for k, (mode, turned) in enumerate(modes)
+        ]
+    )  # fmt: skip
+    largest = np.linalg.norm(shapes, axis=2).max(axis=1)
+    return nodes, cells, shapes / largest[:, None, None]
+
+
+def _lattice(cell_values: FloatArray) -> FloatArray:
+    """(n_r, n_z, 9, k) on the 3 x 3 grid of each cell -> (2 n_r + 1, 2 n_z + 1, k)."""
+    n_r, n_z, _, k = cell_values.shape
+    lattice = np.empty((2 * n_r + 1, 2 * n_z + 1, k))
+    blocks = cell_values.reshape(n_r, n_z, 3, 3, k)
+    for a in range(3):
+        for b in range(3):
+            lattice[a : a + 2 * n_r : 2, b : b + 2 * n_z : 2] = blocks[:, :, a, b]
+    return lattice

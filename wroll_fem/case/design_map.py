@@ -1,0 +1,46 @@
+"""Section `design_map`: mandrels over which the disparity between loosest and tightest coil is mapped."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, field_validator
+
+from .base import Section, _number, wrong
+
+
+class DesignMap(Section):
+    """Every mandrel of a grid with the case's coil as wound tightest, and with the loosest one."""
+
+    mandrel_radius: list[float] = Field(description="outer radii of the mandrel, m, ascending")
+    mandrel_thickness: list[float] = Field(description="walls of the mandrel, m, ascending")
+    loosest: Literal["fundamental_bending"] | float = Field(
+        default="fundamental_bending",
+        description="shear modulus between wraps of the loosest coil, Pa, or fundamental_bending: for each mandrel the "
+        "lowest one whose fundamental mode is bending",
+    )
+
+    @field_validator("mandrel_radius", "mandrel_thickness", mode="before")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        remedy = "write lengths in m, positive and ascending, for example [0.02, 0.03, 0.04]"
+        if not isinstance(value, list | tuple) or not value:
+            raise wrong("must be a list of lengths", remedy=remedy, value=value)
+        lengths = [_number(entry) for entry in value]
+        numbers = all(isinstance(entry, int | float) for entry in lengths)
+        if not numbers or lengths[0] <= 0 or any(b <= a for a, b in zip(lengths, lengths[1:], strict=False)):
+            raise wrong("must be positive and ascending", remedy=remedy, value=value)
+        return lengths
+
+    @field_validator("loosest", mode="before")
+    @classmethod
+    def _modulus(cls, value: Any) -> Any:
+        if value == "fundamental_bending":
+            return value
+        remedy = "write a shear modulus in Pa, or fundamental_bending"
+        if isinstance(value, str | bool) and not str(value)[:1].isdigit():
+            raise wrong("is neither a number nor fundamental_bending", remedy=remedy, value=value)
+        number = _number(value)
+        if not isinstance(number, int | float) or number <= 0:
+            raise wrong("must be positive", remedy=remedy, value=value)
+        return number

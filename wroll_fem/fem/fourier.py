@@ -1,0 +1,210 @@
+r"""Solid of revolution in harmonics around its axis: two-dimensional cells in the r-z half plane, theta in closed form.
+
+With displacements of harmonic m
+
+    u_r = U(r, z) cos m theta,    u_theta = V(r, z) sin m theta,    u_z = W(r, z) cos m theta
+
+the strains (Voigt, engineering shear) are
+
+    cos m theta:  rr = U,r        tt = (U + m V) / r    zz = W,z    rz = U,z + W,r
+    sin m theta:  tz = V,z - m W / r                    rt = V,r - (V + m U) / r
+
+A material whose axes are r, theta, z does not couple the two groups, so each harmonic stands alone and the integral
+over theta is c = pi (m >= 1) for both groups:
+
+    energy = c / 2 int (e_c . C_c e_c + e_s . C_s e_s) r dr dz,    kinetic = c / 2 int rho (U'^2 + V'^2 + W'^2) r dr dz
+
+For m = 0 the same form with c = 2 pi falls apart into [U, W] (axial and breathing motions) and V, which is then the
+torsion u_theta = V. The motion turned by pi / (2 m) about the axis is the other one of each pair.
+
+Notes
+-----
+Linear kinematics, r > 0. Degree-3 Lagrange cells by default, fully integrated: thin walls do not lock
+(tests/test_fourier.py). m and the materials are constants of the forms and the geometry is moved, so everything
+compiles once. One process.
+
+References
+----------
+E. L. Wilson, Structural analysis of axisymmetric solids, AIAA Journal 3 (1965) 2269-2274.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+from wroll_fem.fem import compat
+from wroll_fem.section import RollSection
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+COSINE, SINE = [0, 1, 2, 4], [3, 5]
+"""Strains (rr, tt, zz, rz) and (tz, rt) in the Voigt order (rr, tt, zz, tz, rz, rt)."""
+WALL, COIL = 1, 2
+DEGREE = 3
+_CELL = "quadrilateral"
+
+
+def angular_weight(harmonic: int) -> float:
+    """Integral of cos^2 m theta over the circumference; the torsion set counts with m = 0 too."""
+    return np.pi if harmonic else 2 * np.pi
+
+
+def strains(u: Any, r: Any, m: Any) -> tuple[Any, Any]:
+    """UFL strains (rr, tt, zz, rz) of cos m theta and (tz, rt) of sin m theta; u = (U, V, W) over (r, z)."""
+    U, V, W = u
+    rr = U.dx(0)
+    tt = (U + m * V) / r
+    zz = W.dx(1)
+    rz = U.dx(1) + W.dx(0)
+    tz = V.dx(1) - m * W / r
+    rt = V.dx(0) - (V + m * U) / r
+    return ufl.as_vector([rr, tt, zz, rz]), ufl.as_vector([tz, rt])
+
+
+class FourierModel:
+    """Section of a roll with the forms of all harmonics; degrees of freedom are node-major [U, V, W].
+
+    Parameters
+    ----------
+    section
+        Rectangles in the r-z half plane.
+    degree
+        Of the Lagrange cells.
+    """
+
+    def __init__(self, section: RollSection, degree: int = DEGREE):
+        compat.require_real_scalars()
+        self.section, self.degree = section, degree
+        self.mesh = compat.create_mesh(MPI.COMM_SELF, section.nodes, section.cells, _CELL, degree=1)
+        self.space = compat.function_space(self.mesh, compat.lagrange(_CELL, degree, components=3, dimension=2))
+        self._node = np.asarray(self.mesh.geometry.input_global_indices, np.int64)
+        corners = section.nodes[self._node[compat.geometry_dofs(self.mesh)]]
+        centre = corners.mean(axis=1)
+        along_r = np.searchsorted(section.radii, centre[:, 0]) - 1
+        along_z = np.searchsorted(section.heights, centre[:, 1]) - 1
+        self._cell_order = np.lexsort((along_z, along_r))
+        region = np.where(along_r < section.wall_cells, WALL, COIL).astype(np.int32)
+        tags = mesh.meshtags(self.mesh, 2, np.arange(len(region), dtype=np.int32), region)
+        metadata = {"quadrature_degree": 2 * degree + 1}
+        self._dx = ufl.Measure("dx", domain=self.mesh, subdomain_data=tags, metadata=metadata)
+        self._harmonic = fem.Constant(self.mesh, 0.0)
+        self._cosine = {k: fem.Constant(self.mesh, np.zeros((4, 4))) for k in (WALL, COIL)}
+        self._sine = {k: fem.Constant(self.mesh, np.zeros((2, 2))) for k in (WALL, COIL)}
+        self._density = {k: fem.Constant(self.mesh, 0.0) for k in (WALL, COIL)}
+        self._forms()
+
+    def _forms(self) -> None:
+        r, m = ufl.SpatialCoordinate(self.mesh)[0], self._harmonic
+        u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        cos_u, sin_u = strains(u, r, m)
+        cos_v, sin_v = strains(v, r, m)
+        energy, inertia = [], []
+        for region in (WALL, COIL):
+            dx = self._dx(region)
+            energy.append(ufl.inner(self._cosine[region] * cos_u, cos_v) * r * dx)
+            energy.append(ufl.inner(self._sine[region] * sin_u, sin_v) * r * dx)
+            inertia.append(self._density[region] * ufl.inner(u, v) * r * dx)
+        self._energy = compat.compile_form(sum(energy[1:], energy[0]))
+        self._inertia = compat.compile_form(sum(inertia[1:], inertia[0]))
+
+    def move(self, section: RollSection) -> None:
+        """Take another geometry with the same numbers of cells.
+
+        Raises
+        ------
+        ValueError
+            If the numbers of cells differ.
+        """
+        if section.shape != self.section.shape or section.wall_cells != self.section.wall_cells:
+            raise ValueError(f"a section of {section.shape} cells does not fit a model of {self.section.shape}")
+        self.section = section
+        self.mesh.geometry.x[:, :2] = section.nodes[self._node]
+
+    def set_material(self, region: int, stiffness: FloatArray, density: float) -> None:
+        """Give the wall (`WALL`) or the coil (`COIL`) its material.
+
+        Parameters
+        ----------
+        stiffness
+            (6, 6) Pa in the order (rr, tt, zz, tz, rz, rt).
+        density
+            kg/m^3.
+
+        Raises
+        ------
+        ValueError
+            If the material couples (rr, tt, zz, rz) with (tz, rt): harmonics would not stand alone.
+        """
+        C = np.asarray(stiffness, float)
+        if np.abs(C[np.ix_(COSINE, SINE)]).max() > 1e-12 * np.abs(C).max():
+            raise ValueError("the material's axes are not r, theta, z")
+        self._cosine[region].value[...] = C[np.ix_(COSINE, COSINE)]
+        self._sine[region].value[...] = C[np.ix_(SINE, SINE)]
+        self._density[region].value = float(density)
+
+    @property
+    def nodes(self) -> FloatArray:
+        """(n_nodes, 2) coordinates [r, z] of the nodes, m."""
+        return np.asarray(self.space.tabulate_dof_coordinates()[:, :2], float)
+
+    @cached_property
+    def cell_nodes(self) -> IntArray:
+        """(n_r, n_z, nodes per cell) nodes of each cell of the section, in basix's local order."""
+        return compat.cell_dofs(self.space)[self._cell_order].reshape(*self.section.shape, -1)
+
+    def stiffness(self, harmonic: int) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) stiffness of a harmonic, N/m, whole circumference."""
+        self._harmonic.value = float(harmonic)
+        return angular_weight(harmonic) * compat.assemble_csr(self._energy)
+
+    def mass(self, harmonic: int) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) consistent mass of a harmonic, kg, whole circumference."""
+        return angular_weight(harmonic) * compat.assemble_csr(self._inertia)
+
+    def tip_weights(self) -> FloatArray:
+        """(n_nodes,) share of each node in the mean over the end face of the wall; sums to 1."""
+        r, z = ufl.SpatialCoordinate(self.mesh)
+        wall = fem.Constant(self.mesh, self.section.wall_radius + 1e-6 * self.section.length)
+        tip = fem.Constant(self.mesh, float(self.section.heights[-1]) - 1e-6 * self.section.length)
+        there = ufl.conditional(ufl.And(ufl.gt(z, tip), ufl.lt(r, wall)), 1.0, 0.0)
+        ds = ufl.Measure("ds", domain=self.mesh, metadata={"quadrature_degree": 2 * self.degree})
+        share = compat.assemble_array(compat.compile_form(there * r * ufl.TestFunction(self.space)[0] * ds))[0::3]
+        return np.asarray(share / share.sum())
+
+    def evaluate(self, values: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Values and gradients of nodal fields at the same reference points of every cell.
+
+        Parameters
+        ----------
+        values
+            (n_nodes, k).
+        points
+            (q, 2) in the unit square, along r and z.
+
+        Returns
+        -------
+        values : (n_r, n_z, q, k)
+        gradients : (n_r, n_z, q, k, 2) derivatives by r and z, per m.
+        """
+        basis = compat.tabulate_quadrilateral(self.degree, points)
+        local = np.asarray(values)[self.cell_nodes]
+        size = (np.diff(self.section.radii)[:, None, None, None], np.diff(self.section.heights)[None, :, None, None])
+        at, by_r, by_z = (np.einsum("qn,ijnk->ijqk", table, local) for table in basis)
+        return at, np.stack([by_r / size[0], by_z / size[1]], axis=-1)
+
+    def positions(self, points: FloatArray) -> FloatArray:
+        """(n_r, n_z, q, 2) coordinates [r, z] of reference points (q, 2) in every cell, m."""
+        radii, heights = self.section.radii, self.section.heights
+        r = radii[:-1, None] + np.diff(radii)[:, None] * points[:, 0]
+        z = heights[:-1, None] + np.diff(heights)[:, None] * points[:, 1]
+        shape = (*self.section.shape, len(points))
+        return np.stack(np.broadcast_arrays(r[:, None, :], z[None, :, :]), axis=-1).reshape(*shape, 2)

@@ -1,0 +1,119 @@
+"""The loosest coil whose roll still bends in its lowest mode (thesis, section 2.5), in harmonics around the axis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.fem.fourier_modes import FourierMode, family_modes, lowest_modes
+from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll
+from wroll_fem.materials import CylindricalOrthotropic
+
+_TOLERANCE = 1e-5  # of the frequencies that meet
+_ITERATIONS = 40
+_ASIDE = 1e-3  # step above the crossing at which the fundamental mode is looked up, in the shear modulus
+
+
+@dataclass(frozen=True)
+class LooseCoil:
+    """Coil of the lowest shear modulus between wraps that leaves bending the fundamental mode.
+
+    Attributes
+    ----------
+    shear_modulus
+        G_r_theta = G_r_z, Pa.
+    bending
+        Bending mode there.
+    rival
+        Kind of the mode that takes its place below: "torsion" or "axial" shear of the coil, or "ovalling-n".
+    """
+
+    shear_modulus: float
+    bending: FourierMode
+    rival: str
+
+
+def with_shear_modulus(material: CylindricalOrthotropic, G: float) -> CylindricalOrthotropic:
+    """Same web with another shear modulus between wraps, G_r_theta = G_r_z, Pa."""
+    return replace(material, G_r_theta=G, G_r_z=G)
+
+
+def fundamental(roll: FourierRoll) -> FourierMode:
+    """Lowest mode of a roll over all harmonics."""
+    return lowest_modes(roll, 1)[0]
+
+
+def loosest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> LooseCoil | None:
+    """Lower the shear modulus between wraps until another mode is as low as bending.
+
+    Parameters
+    ----------
+    roll
+        Roll with a solid coil; it is left with the loosest one.
+    material
+        The tightest coil considered.
+
+    Returns
+    -------
+    LooseCoil or None
+        None if bending is not the fundamental mode of the tightest coil either.
+
+    Raises
+    ------
+    ConvergenceError
+        If the crossing is not found.
+
+    Notes
+    -----
+    Bending is the lowest mode of m = 1. A soft coil's own lowest motions are uniform shear on the wall, around or along
+    the axis, near sqrt(G / rho) / (4 t): they fall with sqrt(G) while bending hardly changes, so they cross once. Modes
+    of other harmonics are looked up at the crossing and, if one lies lower, take part in the next search.
+    """
+    roll.set_coil(material)
+    first = fundamental(roll)
+    if first.family != BENDING:
+        return None
+    rivals: list[Family] = [TORSION, AXIAL]
+    while True:
+        found: dict[float, tuple[FourierMode, FourierMode]] = {}
+
+        def gap(log_modulus: float, rivals: list[Family] = rivals, found: dict = found) -> float:
+            roll.set_coil(with_shear_modulus(material, float(np.exp(log_modulus))))
+            bending = family_modes(roll, BENDING, 1)[0]
+            rival = min((family_modes(roll, f, 1)[0] for f in rivals), key=lambda mode: mode.frequency_hz)
+            found[log_modulus] = bending, rival
+            return float(np.log(rival.frequency_hz / bending.frequency_hz))
+
+        thickness = roll.model.section.radii[-1] - roll.model.section.wall_radius
+        root = _root(gap, float(np.log(material.rho * (4 * thickness * first.frequency_hz) ** 2)))
+        G = float(np.exp(root))
+        roll.set_coil(with_shear_modulus(material, G * (1 + _ASIDE)))
+        lowest = fundamental(roll)
+        roll.set_coil(with_shear_modulus(material, G))
+        if lowest.family == BENDING or lowest.family in rivals:
+            bending, rival = found[root]
+            return LooseCoil(G, bending, rival.kind)
+        rivals = [*rivals, lowest.family]
+
+
+def _root(gap: Callable[[float], float], start: float) -> float:
+    """Zero of a growing function by secants; the first step assumes the slope 1/2 of a shear frequency."""
+    x = start
+    history: list[float] = []
+    previous: tuple[float, float] | None = None
+    while len(history) < _ITERATIONS:
+        y = gap(x)
+        history.append(abs(y))
+        if abs(y) < _TOLERANCE:
+            return x
+        slope = 0.5 if previous is None or x == previous[0] else (y - previous[1]) / (x - previous[0])
+        previous = x, y
+        x -= float(np.clip(y / max(slope, 0.05), -3.0, 3.0))
+    raise ConvergenceError(
+        "the shear modulus at which bending stops being the fundamental mode was not found",
+        time_s=None, iterations=len(history), residual_history=history,
+        advice="give design_map.loosest as a shear modulus in Pa",
+    )  # fmt: skip

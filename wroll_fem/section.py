@@ -1,0 +1,106 @@
+"""The r-z half plane of a roll as a grid of rectangles: wall of the mandrel inside, coil outside. FEM-free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from .case import Case
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+WALL_CELLS = 1
+"""Cells through the mandrel's wall: cubic ones need no more (docs/design-map.md)."""
+
+END_CELLS = 3
+"""Cells by which the lowest and the topmost one are split towards clamp and tip, where stresses have an edge."""
+
+IN_SECTION = ("solid", "bonded")
+"""Coil models that are meshed; the others are a mass on the wall, or nothing."""
+
+
+@dataclass(frozen=True)
+class RollSection:
+    """Rectangles between radii and heights.
+
+    Attributes
+    ----------
+    radii
+        (n_r + 1,) ascending, m: borders of the cells from the mandrel's bore outwards.
+    heights
+        (n_z + 1,) ascending, m: borders of the cells from the base upwards.
+    wall_cells
+        Number of cells, counted from the inside, that are the mandrel's wall; the rest is coil.
+    """
+
+    radii: FloatArray
+    heights: FloatArray
+    wall_cells: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells along r and z."""
+        return len(self.radii) - 1, len(self.heights) - 1
+
+    @property
+    def wall_radius(self) -> float:
+        """Outer radius of the mandrel, m."""
+        return float(self.radii[self.wall_cells])
+
+    @property
+    def length(self) -> float:
+        """Height of the tip above the base, m."""
+        return float(self.heights[-1] - self.heights[0])
+
+    @property
+    def nodes(self) -> FloatArray:
+        """((n_r + 1) (n_z + 1), 2) corners of the cells [r, z], z running fastest."""
+        r, z = np.meshgrid(self.radii, self.heights, indexing="ij")
+        return np.column_stack([r.ravel(), z.ravel()])
+
+    @property
+    def cells(self) -> IntArray:
+        """(n_r n_z, 4) corners of each cell in dolfinx's order, (inner, lower) first, z running fastest."""
+        n_r, n_z = self.shape
+        i, j = np.meshgrid(np.arange(n_r), np.arange(n_z), indexing="ij")
+        first = (i * (n_z + 1) + j).ravel()
+        return np.column_stack([first, first + n_z + 1, first + 1, first + n_z + 2])
+
+    def volume(self, *, coil: bool) -> float:
+        """Volume of revolution of the coil, or of the wall, m^3."""
+        inner, outer = (self.wall_radius, self.radii[-1]) if coil else (self.radii[0], self.wall_radius)
+        return float(np.pi * (outer**2 - inner**2) * self.length)
+
+
+def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> FloatArray:
+    """Heights with the first and the last cell split in geometric progression down to about `smallest`, m."""
+
+    def steps(cell: float) -> FloatArray:
+        ratio = float(np.clip((smallest / cell) ** (1.0 / count), 0.1, 0.5)) if count else 1.0
+        return cell * ratio ** np.arange(1, count + 1)
+
+    first, last = steps(heights[1] - heights[0]), steps(heights[-1] - heights[-2])
+    return np.concatenate([heights[:1], heights[0] + first[::-1], heights[1:-1], heights[-1] - last, heights[-1:]])
+
+
+def make_section(case: Case) -> RollSection:
+    """Section of a case: `mesh.axial` and `mesh.grading` along the axis, `mesh.radial` through a solid coil.
+
+    Cells at both ends are split down to half the wall's thickness. A bonded coil gets a cell per layer.
+    """
+    from .meshing import axial_stations
+
+    g, coil, mesh = case.geometry, case.coil, case.mesh
+    outer = 0.5 * g.mandrel_outer_diameter
+    radii = [np.linspace(outer - g.mandrel_thickness, outer, WALL_CELLS + 1)]
+    if coil.model == "solid":
+        radii.append(outer + axial_stations(coil.total_thickness, mesh.radial, mesh.radial_grading)[1:])
+    elif coil.model == "bonded":
+        radii.append(outer + coil.layer_thickness * np.arange(1, coil.layers + 1))
+    heights = split_ends(axial_stations(g.length, mesh.axial, mesh.grading), 0.5 * g.mandrel_thickness)
+    return RollSection(np.concatenate(radii), heights, WALL_CELLS)
