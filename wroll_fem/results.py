@@ -137,6 +137,8 @@ FIELDS: dict[str, Field] = {
     "shear_resultant": Field("Pa", "shear resultant at 1 g (largest in the steady cycle)"),
     "shear_resultant_history": Field("Pa", "shear resultant where slip starts"),
     "friction_capacity": Field("Pa", "friction capacity"),
+    "capacity_radius": Field("m", "distance from the axis"),
+    "capacity_profile": Field("Pa", "friction capacity"),
     "slip_onset": Field("1", "base acceleration in g above which a point slips"),
     "slipping_volume_fraction": Field("1", "fraction of the coil's volume that slips"),
     "slip_zone_height": Field("m", "height above the base of the highest slipping point"),

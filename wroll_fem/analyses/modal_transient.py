@@ -124,6 +124,7 @@ def transient_dataset(
     history = np.hypot(modes.srz[:, first] @ run.state.coordinate, modes.srt[:, first] @ run.state.coordinate)
 
     mass = np.asarray(modes.participation) ** 2
+    radius = np.linspace(shape.mandrel_radius, shape.outer_radius, 301)
     data: dict[str, Any] = {
         "mode_frequency": ("mode", modes.frequencies_hz),
         "effective_mass_fraction": ("mode", mass / modes.mass_total),
@@ -141,6 +142,8 @@ def transient_dataset(
         "shear_resultant": ("point", shear.resultant),
         "friction_capacity": ("point", capacity),
         "slip_onset": ("point", onset),
+        "capacity_radius": ("capacity_point", radius),
+        "capacity_profile": ("capacity_point", np.asarray(capacity_at(radius))),
         "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
         "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
         "slip_zone_depth": ("amplitude_g", [zone.depth for zone in zones]),
@@ -167,7 +170,7 @@ def transient_dataset(
         "mandrel_radius_m": shape.mandrel_radius,
         "coil_outer_radius_m": shape.outer_radius,
         "length_m": shape.length,
-        "capacity_mandrel_pa": float(np.asarray(capacity_at(np.array([shape.mandrel_radius])))[0]),
+        "capacity_mandrel_pa": float(np.asarray(capacity_at(radius[:1]))[0]),
     }
     return annotate(dataset)
 

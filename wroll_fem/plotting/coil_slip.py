@@ -17,9 +17,10 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.units import GRAVITY
 
-_POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "amplitude_g")
+_POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "capacity_profile", "amplitude_g")
 _CAPACITY = "#C00000"
 _MANDREL = "#BDBDBD"
+_LINEAR_UP_TO = 5.0  # times the capacity; a longer axis is logarithmic, so that the crossing can be read
 
 
 def points_of(dataset: xr.Dataset) -> style.FloatArray:
@@ -86,7 +87,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     style.require(dataset, _POINTS, "shear distribution")
     attrs, levels = dataset.attrs, dataset["amplitude_g"].values
     most, shear = float(attrs["capacity_mandrel_pa"]), dataset["shear_resultant"].values
-    position, largest = largest_along(dataset[f"{along}_m"].values, shear)
+    position, largest = _largest(dataset, along, shear)
     scale = float(attrs["length_m" if along == "z" else "mandrel_radius_m"])
     ax = style.axes(ax, 4.0)
     drawn = levels_to_draw(levels)
@@ -98,15 +99,19 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
         ax.set_xlim(0.0, 1.0)
         ax.set_xlabel("Height above the base over length, z/L")
     else:
-        radius, capacity = largest_along(dataset["r_m"].values, dataset["friction_capacity"].values)
-        radius = np.concatenate([[scale], radius, [float(attrs["coil_outer_radius_m"])]])
-        ax.plot(radius / scale, np.concatenate([[most], capacity, [0.0]]) / most, color=_CAPACITY, lw=1.8,
-                label="capacity")  # fmt: skip
+        radius, capacity = dataset["capacity_radius"].values, dataset["capacity_profile"].values
+        held = capacity > 0.0  # zero at the surface has no place on a logarithmic axis
+        ax.plot(radius[held] / scale, capacity[held] / most, color=_CAPACITY, lw=1.8, label="capacity")
         ax.set_xlim(1.0, radius[-1] / scale)
         ax.set_xlabel("Radius over mandrel radius, r/r_m")
-    ax.set_ylim(0.0, 1.08 * max(1.0, levels[-1] * float(largest.max()) / most))
+    highest = max(1.0, levels[-1] * float(largest.max()) / most)
+    if highest > _LINEAR_UP_TO:
+        ax.set_yscale("log")
+        ax.set_ylim(0.01, 1.3 * highest)
+    else:
+        ax.set_ylim(0.0, 1.08 * highest)
     ax.set_ylabel("Largest shear resultant\nover largest capacity")
-    ax.legend(fontsize=8, ncol=2, framealpha=0.95)
+    ax.legend(fontsize=8, ncol=2, framealpha=0.95, loc="upper right")
     where = "height" if along == "z" else "radius"
     peak = int(np.argmax(largest))
     style.title(
@@ -118,9 +123,18 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     return ax
 
 
+def _largest(dataset: xr.Dataset, along: str, values: style.FloatArray) -> tuple[style.FloatArray, style.FloatArray]:
+    """Positions of the rows of points along "z" or "r", and the largest value in each."""
+    grid = coil_grid(points_of(dataset))
+    if grid is None:
+        return largest_along(dataset[f"{along}_m"].values, values)
+    table = values[grid.numbers]
+    return (grid.z, table.max(axis=(0, 2))) if along == "z" else (grid.r, table.max(axis=(1, 2)))
+
+
 def _place(along: str, position: float, scale: float) -> str:
     if along == "z":
-        return f"{1e3 * position:.1f} mm above the base"
+        return f"{1e3 * position:.2g} mm above the base"
     return f"{1e3 * (position - scale):.2f} mm from the mandrel"
 
 

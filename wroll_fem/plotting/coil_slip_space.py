@@ -99,7 +99,7 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
     crown = max(2.2 * radii[1], 1.15 * float(dataset["slip_zone_height"].values[-1]))
     root = min(crown, ends[1])
     pictures = {}
-    for heading, top in (("whole coil, cut along the excitation", ends[1]), (f"lowest {1e3 * root:.0f} mm", root)):
+    for heading, top in (("whole coil", ends[1]), (f"cut along the excitation, lowest {1e3 * root:.0f} mm", root)):
         part = coil.extract_cells(np.flatnonzero(nodes[cells][:, :, 2].min(axis=1) < top - 1e-9))
         half = part.clip(normal=normal, origin=(0, 0, 0), crinkle=True, invert=False)
         top = float(part.bounds[5])
