@@ -38,6 +38,28 @@ class Trace:
 
 
 @dataclass(frozen=True)
+class SolidPart:
+    """The homogenised coil bonded to a body: its mesh, and how it follows the body's unknowns.
+
+    Attributes
+    ----------
+    nodes
+        (n_nodes, 3) m; layers of nodes from the inside out, each with as many as the mandrel, facing its nodes.
+    cells
+        (n_cells, 27) in VTK_TRIQUADRATIC_HEXAHEDRON order, the third local axis outwards.
+    expand
+        (3 * n_nodes, n_dofs) sparse map to the nodal displacements, node-major [ux, uy, uz].
+    mass
+        kg, whole circumference.
+    """
+
+    nodes: FloatArray
+    cells: npt.NDArray[np.int64]
+    expand: sp.csr_matrix
+    mass: float
+
+
+@dataclass(frozen=True)
 class Body:
     """One meshed part, constrained and ready for a `System`.
 
@@ -66,6 +88,8 @@ class Body:
         Mass of the body with its tip mass, whole circumference, kg.
     symmetric
         True when only motions symmetric about the x-z plane are left.
+    solid
+        The homogenised coil that is bonded to this body, in its matrices already; None without one.
     unknown_node, unknown_component
         (n,) node of each DOF (-1: a rigid tip's) and which of [ux, uy, uz, rx, ry, rz] it is; None when unknown.
     """
@@ -82,6 +106,7 @@ class Body:
     probes: dict[str, sp.csr_matrix] = field(default_factory=dict)
     mass_total: float = 0.0
     symmetric: bool = False
+    solid: SolidPart | None = None
     unknown_node: npt.NDArray[np.int64] | None = None
     unknown_component: npt.NDArray[np.int64] | None = None
 

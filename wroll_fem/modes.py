@@ -2,7 +2,8 @@
 
 On each ring of nodes the displacement in the roll's frame is a Fourier series over theta. The share of wave number
 n is the sum over rings and components of |c_n|^2, weighted by the height that the ring stands for and by the
-body's mass per height. Wave number 1 moves the axis sideways (bending); n >= 2 leaves the axis in place (ovalling).
+body's mass per height; a solid coil is a stack of cylinders of nodes. Wave number 1 moves the axis sideways
+(bending); n >= 2 leaves the axis in place (ovalling).
 """
 
 from __future__ import annotations
@@ -47,14 +48,29 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
     Parameters
     ----------
     body
-        Any body on concentric rings of nodes.
+        Any body on concentric rings of nodes, with its solid coil.
     vector
         (n_dofs,) amplitudes of the body's unknowns.
     highest
         Largest wave number; rings with fewer than 2 n + 1 nodes contribute nothing to n.
     """
     u = (body.expand @ vector).reshape(-1, 6)[:, :3]
-    x, y, z = body.nodes.T
+    if body.solid is None:
+        return _ring_content(body.nodes, u, highest) * body.mass_total
+    content = _ring_content(body.nodes, u, highest) * (body.mass_total - body.solid.mass)
+    n = len(body.nodes)
+    nodes, shape = body.solid.nodes.reshape(-1, n, 3), (body.solid.expand @ vector).reshape(-1, n, 3)
+    radius = np.hypot(nodes[:, 0, 0], nodes[:, 0, 1])
+    step = np.diff(radius)
+    share = radius * (np.append(step, 0.0) + np.append(0.0, step))  # of the coil's mass, per layer of nodes
+    for k, part in enumerate(share / share.sum()):
+        content += _ring_content(nodes[k], shape[k], highest) * part * body.solid.mass
+    return content
+
+
+def _ring_content(nodes: FloatArray, u: FloatArray, highest: int) -> FloatArray:
+    """(highest + 1, 3) mean square displacement per wave number and component of nodes (n, 3) on one cylinder."""
+    x, y, z = nodes.T
     theta = np.arctan2(y, x)
     cos, sin = np.cos(theta), np.sin(theta)
     local = np.column_stack([-sin * u[:, 0] + cos * u[:, 1], u[:, 2], cos * u[:, 0] + sin * u[:, 1]])
@@ -71,7 +87,7 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
         waves = np.arange(min(highest, (len(ring) - 1) // 2) + 1)
         c = np.exp(-1j * np.outer(waves, theta[ring])) @ (share[:, None] * local[ring])
         content[waves] += weight[k] * np.where(waves == 0, 1.0, 2.0)[:, None] * np.abs(c) ** 2
-    return content * body.mass_total / weight.sum()
+    return content / weight.sum()
 
 
 def classify_mode(bodies: Sequence[Body], vector: FloatArray, highest: int = _HIGHEST) -> ModeKind:

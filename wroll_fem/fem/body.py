@@ -11,8 +11,9 @@ from mpi4py import MPI
 
 from wroll_fem.body import Body, Trace
 from wroll_fem.errors import InputError
+from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
-from wroll_fem.fem.shell import Section, ShellModel, drop_small, radial_director
+from wroll_fem.fem.shell import Section, ShellModel, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh import CylinderMesh, canonical_vertices, ring_edges
 from wroll_fem.meshing import build_mesh, shell_layout
@@ -45,7 +46,7 @@ def assemble_bodies(
     -------
     list of Body
         With the coil model "none" or "nonstructural_mass" the mandrel only; the latter spreads the coil's mass
-        over the mandrel's mid-surface.
+        over the mandrel's mid-surface. With "solid" the mandrel with the coil bonded to it, as one body.
 
     Raises
     ------
@@ -108,16 +109,16 @@ def _assemble_shell(
     if tip_mass and not rigid_tip:
         nodal_mass = nodal_mass + ring_mass(part, tip_mass)
     E = constraints.expand
-    mass = (E.T @ nodal_mass @ E).tocsr()
+    stiffness, mass = E.T @ model.stiffness(section) @ E, E.T @ nodal_mass @ E
     if tip_mass and constraints.master is not None:
         mass = mass + point_mass(constraints, tip_mass)
     outward = radial_director(part.nodes)
     scale = (radius + 0.5 * thickness) / radius
-    return Body(
+    body = Body(
         name=name,
-        stiffness=_tidy(E.T @ model.stiffness(section) @ E),
-        mass=_tidy(mass),
-        influence=base_influence(constraints, symmetric),
+        stiffness=tidy(stiffness),
+        mass=tidy(mass),
+        influence=base_influence(constraints.component, symmetric),
         expand=E,
         nodes=part.nodes,
         cells=part.cells,
@@ -129,22 +130,18 @@ def _assemble_shell(
         unknown_node=constraints.node,
         unknown_component=constraints.component,
     )
+    if index == 0 and case.coil.model == "solid":
+        return bond_coil(body, assemble_coil(case, part, constraints, symmetric=symmetric))
+    return body
 
 
-def _tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
-    """Symmetric CSR with sorted indices and without rounding-error entries."""
-    tidy = drop_small(((matrix + matrix.T) * 0.5).tocsr())
-    tidy.sort_indices()
-    return tidy
-
-
-def base_influence(constraints: Constraints, symmetric: bool) -> FloatArray:
+def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
     """(n, 3) displacement of the unknowns under unit translations of the base.
 
-    Clamped nodes move with the base and have no unknowns. In a symmetric model a translation along y has no
-    symmetric part: its column is zero.
+    `component` (n,) tells which of [ux, uy, uz, rx, ry, rz] each unknown is. Clamped nodes move with the base and have
+    no unknowns. In a symmetric model a translation along y has no symmetric part: its column is zero.
     """
-    influence = (constraints.component[:, None] == np.arange(3)).astype(float)
+    influence = (component[:, None] == np.arange(3)).astype(float)
     if symmetric:
         influence[:, 1] = 0.0
     return influence
