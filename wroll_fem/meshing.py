@@ -54,8 +54,14 @@ def build_mesh(case: Case) -> CylinderMesh:
     Raises
     ------
     InputError
-        If a user's own mesh lacks groups, has other cells or does not fit the case's geometry.
+        If a user's own mesh lacks groups, has other cells or does not fit the case's geometry, or if the case works in
+        harmonics around the axis.
     """
+    if case.mesh.discretisation == "fourier":
+        raise InputError(
+            "harmonics around the axis have no mesh of the roll, and no matrices of all harmonics together",
+            key="mesh.discretisation", remedy="use three_dimensional for that",
+        )  # fmt: skip
     layout = shell_layout(case)
     if case.mesh.file is not None:
         mesh = read_mesh(case.mesh.file, required=[name for name, _, _ in layout])

@@ -124,6 +124,7 @@ FIELDS: dict[str, Field] = {
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
     "node_position": Field("m", "node coordinates"),
     "cell_nodes": Field("1", "nodes of each quadratic quad"),
+    "solid_cell_nodes": Field("1", "nodes of each quadratic hexahedron of the coil"),
     "cell": Field("1", "cell"),
     "corner": Field("1", "node of a cell"),
     # solid coil under a steady sine
@@ -155,6 +156,15 @@ FIELDS: dict[str, Field] = {
     "wrap_pressure_pa": Field("Pa", "pressure under the wrap, the source's grid"),
     "wrap_capacity_pa": Field("Pa", "friction capacity under the wrap, the source's grid"),
     "wrap_hoop_stress_pa": Field("Pa", "mean stress along the wrap, the source's grid"),
+    # map of mandrels
+    "mandrel_radius": Field("m", "outer radius of the mandrel"),
+    "mandrel_thickness": Field("m", "wall of the mandrel"),
+    "frequency_tightest": Field("Hz", "bending frequency with the tightest coil"),
+    "frequency_loosest": Field("Hz", "bending frequency with the loosest coil"),
+    "frequency_mandrel": Field("Hz", "bending frequency of the mandrel alone"),
+    "frequency_disparity": Field("Hz", "bending frequency, tightest less loosest coil"),
+    "loosest_shear_modulus": Field("Pa", "shear modulus between the wraps of the loosest coil"),
+    "limit_kind": Field("1", "mode that is lower than bending in a coil looser still"),
     # statics
     "external_pressure": Field("Pa", "external pressure on the layer outside the interface"),
     "static_displacement": Field("m", "displacement under the preload"),

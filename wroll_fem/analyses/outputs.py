@@ -93,6 +93,10 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         from ..winding.interface import target_pressures
 
         summary["winding_pressure_pa"] = target_pressures(case).tolist()
+    if "frequency_disparity" in dataset:
+        from .design_map import summarise_design_map
+
+        summary |= summarise_design_map(dataset)
     if "input_work" in dataset:
         last = dataset.isel(time=-1)
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
@@ -165,6 +169,8 @@ def _write_modes(dataset: xr.Dataset, path: Path) -> Path:
         )
     }
     cells = [("quad9", dataset["cell_nodes"].values)]
+    if "solid_cell_nodes" in dataset:
+        cells.append(("hexahedron27", dataset["solid_cell_nodes"].values))
     meshio.Mesh(dataset["node_position"].values, cells, point_data=shapes).write(path, file_format="vtu")
     return path
 
@@ -201,6 +207,8 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
         drawn.append(("modes", plotting.plot_modes, {}))
     if "wrap_pressure_pa" in dataset:
         drawn.append(("winding", plotting.plot_winding, {}))
+    if "frequency_disparity" in dataset:
+        drawn.append(("design_map", plotting.plot_design_map, {}))
     paths = [plotting.save_figure(draw(dataset, **options), folder / f"{name}.png") for name, draw, options in drawn]
     return paths + _draw_in_space(dataset, folder)
 

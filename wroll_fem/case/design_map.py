@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, Literal
 
 from pydantic import Field, field_validator
@@ -28,7 +29,7 @@ class DesignMap(Section):
             raise wrong("must be a list of lengths", remedy=remedy, value=value)
         lengths = [_number(entry) for entry in value]
         numbers = all(isinstance(entry, int | float) for entry in lengths)
-        if not numbers or lengths[0] <= 0 or any(b <= a for a, b in zip(lengths, lengths[1:], strict=False)):
+        if not numbers or lengths[0] <= 0 or any(b <= a for a, b in pairwise(lengths)):
             raise wrong("must be positive and ascending", remedy=remedy, value=value)
         return lengths
 

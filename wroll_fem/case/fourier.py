@@ -53,7 +53,9 @@ def design_map_fits(case: Case) -> None:
             remedy="add design_map: {mandrel_radius: [...], mandrel_thickness: [...]}",
         )  # fmt: skip
     if case.coil.model != "solid":
-        raise wrong("analysis design_map loosens a solid coil", key="coil.model", value=case.coil.model, remedy="use solid")
+        raise wrong(
+            "analysis design_map loosens a solid coil", key="coil.model", value=case.coil.model, remedy="use solid"
+        )
     if case.coil.material.kind != "cylindrical_orthotropic":
         raise wrong(
             "analysis design_map changes the shear moduli between wraps", key="coil.material.kind",

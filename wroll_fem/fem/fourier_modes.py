@@ -17,7 +17,7 @@ SHIFT = -((2 * np.pi * 100.0) ** 2)
 """Shift in (rad/s)^2: below the spectrum, and large enough that rounding in cells of half a millimetre stays small."""
 
 HIGHEST_HARMONIC = 80
-_BEYOND = 5
+_BEYOND = 4
 """Harmonics in a row whose lowest frequency must lie above all wanted ones, and rise, before the search stops."""
 _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.modes: a motion below this is a rigid one
 

@@ -27,12 +27,15 @@ class LooseCoil:
         G_r_theta = G_r_z, Pa.
     bending
         Bending mode there.
+    tightest
+        Bending mode of the roll with the tightest coil.
     rival
         Kind of the mode that takes its place below: "torsion" or "axial" shear of the coil, or "ovalling-n".
     """
 
     shear_modulus: float
     bending: FourierMode
+    tightest: FourierMode
     rival: str
 
 
@@ -95,7 +98,7 @@ def loosest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> LooseCo
         roll.set_coil(with_shear_modulus(material, G))
         if lowest.family == BENDING or lowest.family in rivals:
             bending, rival = found[root]
-            return LooseCoil(G, bending, rival.kind)
+            return LooseCoil(G, bending, first, rival.kind)
         rivals = [*rivals, lowest.family]
 
 

@@ -6,6 +6,7 @@ Every function of matplotlib takes a Dataset and an `ax` and returns the `ax`; n
 
 from wroll_fem.plotting.backbone import plot_backbone, plot_harmonic_response
 from wroll_fem.plotting.cylinder import plot_slip_on_cylinder, write_slip_vtu
+from wroll_fem.plotting.design_map import plot_design_map
 from wroll_fem.plotting.history import plot_energy_ledger, plot_response
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes
 from wroll_fem.plotting.modes import plot_modes
@@ -17,6 +18,7 @@ from wroll_fem.plotting.winding import plot_winding
 __all__ = [
     "plot_backbone",
     "plot_comparison",
+    "plot_design_map",
     "plot_energy_ledger",
     "plot_harmonic_response",
     "plot_mode_shapes",

@@ -1,0 +1,137 @@
+"""Map of mandrels: how far loosest and tightest coil lie apart in their bending frequency (thesis, Fig. 2.16)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ..case.coil import Coil
+from ..case.geometry import Geometry
+from ..results import annotate
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..fem.fourier import FourierModel
+    from ..progress import Progress
+
+_NUMBERS = ("frequency_tightest", "frequency_loosest", "frequency_mandrel", "loosest_shear_modulus")
+
+
+@dataclass(frozen=True)
+class Design:
+    """What becomes of one mandrel; frequencies in Hz, nan where bending is not the fundamental mode.
+
+    Attributes
+    ----------
+    frequency_tightest, frequency_loosest, frequency_mandrel
+        Bending frequency with the case's coil, with the loosest one, and of the mandrel without coil.
+    loosest_shear_modulus
+        Shear modulus between wraps of the loosest coil, Pa.
+    limit_kind
+        The mode that is lower than bending when the coil is looser still; where a frequency is nan, the fundamental
+        mode in place of bending; otherwise "" for a loosest coil that the case gives.
+    """
+
+    frequency_tightest: float
+    frequency_loosest: float
+    frequency_mandrel: float
+    loosest_shear_modulus: float
+    limit_kind: str
+
+
+class _Models:
+    """Sections with and without coil, moved from design to design so that their forms are built once."""
+
+    def __init__(self) -> None:
+        self._with: FourierModel | None = None
+        self._without: FourierModel | None = None
+
+    def design(self, case: Case) -> Design:
+        """Frequencies of a case's mandrel."""
+        from ..fem.fourier_modes import family_modes
+        from ..fem.fourier_roll import BENDING, FourierRoll
+        from ..fem.loosest import fundamental, loosest_coil, with_shear_modulus
+
+        assert case.design_map is not None
+        bare = FourierRoll(case.model_copy(update={"coil": Coil(model="none")}), self._without)
+        roll = FourierRoll(case, self._with)
+        self._without, self._with = bare.model, roll.model
+        mandrel = family_modes(bare, BENDING, 1)[0].frequency_hz
+        material = case.coil.material.solid()
+        modulus = case.design_map.loosest
+        if isinstance(modulus, str):
+            found = loosest_coil(roll, material)
+            if found is None:
+                roll.set_coil(material)
+                return Design(np.nan, np.nan, mandrel, np.nan, fundamental(roll).kind)
+            low, high = found.bending.frequency_hz, found.tightest.frequency_hz
+            return Design(high, low, mandrel, found.shear_modulus, found.rival)
+        tight = fundamental(roll)
+        roll.set_coil(with_shear_modulus(material, modulus))
+        loose = fundamental(roll)
+        frequencies = (mode.frequency_hz if mode.family == BENDING else np.nan for mode in (tight, loose))
+        kinds = [mode.kind for mode in (tight, loose) if mode.family != BENDING]
+        return Design(*frequencies, mandrel, modulus, kinds[0] if kinds else "")
+
+
+def run_design_map(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Disparity of every mandrel of `design_map`, and of the case's own.
+
+    Returns
+    -------
+    xr.Dataset
+        `frequency_tightest`, `frequency_loosest`, `frequency_disparity`, `frequency_mandrel`, `loosest_shear_modulus`,
+        `limit_kind` over (mandrel_radius, mandrel_thickness); the case's own mandrel in the attributes `own_*`.
+    """
+    assert case.design_map is not None
+    radii, walls = case.design_map.mandrel_radius, case.design_map.mandrel_thickness
+    models, designs = _Models(), []
+    with progress.stage("designs", len(radii) * len(walls) + 1) as stage:
+        own = models.design(case)
+        for radius in radii:
+            for wall in walls:
+                stage.update(len(designs) + 1)
+                geometry = Geometry(
+                    length=case.geometry.length, mandrel_outer_diameter=2 * radius, mandrel_thickness=wall
+                )
+                designs.append(models.design(case.model_copy(update={"geometry": geometry})))
+        stage.update(len(designs) + 1, f"{len(designs)} mandrels")
+    shape, dims = (len(radii), len(walls)), ("mandrel_radius", "mandrel_thickness")
+    fields: dict[str, Any] = {
+        name: (dims, np.array([getattr(design, name) for design in designs]).reshape(shape)) for name in _NUMBERS
+    }
+    fields["frequency_disparity"] = (dims, fields["frequency_tightest"][1] - fields["frequency_loosest"][1])
+    fields["limit_kind"] = (dims, np.array([design.limit_kind for design in designs]).reshape(shape))
+    dataset = xr.Dataset(fields, coords={"mandrel_radius": radii, "mandrel_thickness": walls})
+    dataset.attrs |= {f"own_{name}": getattr(own, name) for name in (*_NUMBERS, "limit_kind")}
+    dataset.attrs |= {
+        "own_mandrel_radius": 0.5 * case.geometry.mandrel_outer_diameter,
+        "own_mandrel_thickness": case.geometry.mandrel_thickness,
+    }
+    return annotate(dataset)
+
+
+def summarise_design_map(dataset: xr.Dataset) -> dict[str, Any]:
+    """Flat summary: the case's own mandrel, and where on the map the disparity is largest and smallest."""
+    own = {name: dataset.attrs[f"own_{name}"] for name in _NUMBERS}
+    disparity = dataset["frequency_disparity"]
+    summary: dict[str, Any] = {
+        "disparity_hz": own["frequency_tightest"] - own["frequency_loosest"],
+        "f_tightest_hz": own["frequency_tightest"],
+        "f_loosest_hz": own["frequency_loosest"],
+        "f_mandrel_hz": own["frequency_mandrel"],
+        "loosest_shear_modulus_pa": own["loosest_shear_modulus"],
+        "designs": int(disparity.size),
+        "designs_without_disparity": int(disparity.isnull().sum()),
+    }
+    summary = {key: None if isinstance(value, float) and np.isnan(value) else value for key, value in summary.items()}
+    if disparity.notnull().any():
+        for name, at in (("largest", disparity.argmax(...)), ("smallest", disparity.argmin(...))):
+            there = disparity.isel(at)  # type: ignore[arg-type]
+            summary[f"disparity_{name}_hz"] = float(there)
+            summary[f"disparity_{name}_mandrel_radius_m"] = float(there["mandrel_radius"])
+            summary[f"disparity_{name}_mandrel_thickness_m"] = float(there["mandrel_thickness"])
+    return summary
