@@ -51,12 +51,15 @@ class SolidPart:
         (3 * n_nodes, n_dofs) sparse map to the nodal displacements, node-major [ux, uy, uz].
     mass
         kg, whole circumference.
+    skin
+        (n, 9) faces that are seen, in VTK_BIQUADRATIC_QUAD order.
     """
 
     nodes: FloatArray
     cells: npt.NDArray[np.int64]
     expand: sp.csr_matrix
     mass: float
+    skin: npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

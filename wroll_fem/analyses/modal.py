@@ -86,8 +86,9 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
             ),
             "tip_participation": ("mode", tip_participation(system, vectors)),
             "mode_shape": (("mode", "node", "component"), _shapes(bodies, vectors)),
-            "node_position": (("node", "component"), np.vstack([body.nodes for body in bodies])),
+            "node_position": (("node", "component"), np.vstack([part for body in bodies for part in _parts(body)])),
             "cell_nodes": (("cell", "corner"), _cells(bodies)),
+            **_solid_cells(bodies),
         },
         coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
     )
@@ -140,13 +141,41 @@ def _structure_modes(case: Case, progress: Progress) -> xr.Dataset:
 def _shapes(bodies: list[Body], vectors: FloatArray) -> FloatArray:
     """(n_modes, n_nodes, 3) displacement of every node, largest 1."""
     ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
-    parts = [body.expand @ part for body, part in zip(bodies, np.split(vectors, ends), strict=True)]
-    nodal = np.vstack([part.reshape(-1, 6, vectors.shape[1])[:, :3] for part in parts])
-    shapes = np.moveaxis(nodal, 2, 0)
+    parts = []
+    for body, part in zip(bodies, np.split(vectors, ends), strict=True):
+        parts.append((body.expand @ part).reshape(-1, 6, vectors.shape[1])[:, :3])
+        if body.solid is not None:
+            parts.append((body.solid.expand @ part).reshape(-1, 3, vectors.shape[1]))
+    shapes = np.moveaxis(np.vstack(parts), 2, 0)
     largest = np.linalg.norm(shapes, axis=2).max(axis=1)
     return np.asarray(shapes / largest[:, None, None])
 
 
+def _parts(body: Body) -> list[FloatArray]:
+    """Nodes of a body, then those of its solid coil."""
+    return [body.nodes] if body.solid is None else [body.nodes, body.solid.nodes]
+
+
+def _starts(bodies: list[Body]) -> list[int]:
+    """Number of the first node of each body among all nodes."""
+    return np.concatenate([[0], np.cumsum([sum(map(len, _parts(body))) for body in bodies])]).tolist()
+
+
 def _cells(bodies: list[Body]) -> np.ndarray:
-    starts = np.concatenate([[0], np.cumsum([len(body.nodes) for body in bodies])])
-    return np.vstack([body.cells + start for body, start in zip(bodies, starts, strict=False)])
+    """(n, 9) quads of the shells and of what is seen of the solid coil."""
+    quads = []
+    for body, start in zip(bodies, _starts(bodies), strict=False):
+        quads.append(body.cells + start)
+        if body.solid is not None:
+            quads.append(body.solid.skin + start + len(body.nodes))
+    return np.vstack(quads)
+
+
+def _solid_cells(bodies: list[Body]) -> dict[str, tuple[tuple[str, str], np.ndarray]]:
+    """Hexahedra of the solid coil, or nothing."""
+    cells = [
+        body.solid.cells + start + len(body.nodes)
+        for body, start in zip(bodies, _starts(bodies), strict=False)
+        if body.solid is not None
+    ]
+    return {"solid_cell_nodes": (("solid_cell", "solid_corner"), np.vstack(cells))} if cells else {}

@@ -112,12 +112,13 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
     clamped = part.groups["base"] if case.coil.base == "clamped" else np.empty(0, np.int64)
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
     material = case.coil.material.solid()
+    ordered = in_vtk_order(cells)
     stiffness, mass = model.orthotropic_stiffness(material), model.mass(material.rho)
     return CoilMatrices(
         stiffness=(expand.T @ stiffness @ expand).tocsr(),
         mass=(expand.T @ mass @ expand).tocsr(),
         component=component,
-        part=SolidPart(nodes, in_vtk_order(cells), expand, material.rho * model.volume),
+        part=SolidPart(nodes, ordered, expand, material.rho * model.volume, skin_quads(ordered)),
     )
 
 
