@@ -68,6 +68,7 @@ def readings(section: Winding, roll: WoundRoll) -> dict[str, Any]:
         "hoop_bound_pa": roll.hoop_bound,
         "hoop_stress_min_pa": float(roll.hoop_stress.min()),
         "tension_stress_pa": section.stress,
+        "web_modulus_pa": section.web.E_theta,
         "outer_radius_m": float(roll.radius[-1]),
     }
     if section.web_width is not None:

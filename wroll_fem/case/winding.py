@@ -45,14 +45,15 @@ class PfeifferModulus(Section):
     @classmethod
     def _without_unit(cls, value: Any) -> Any:
         try:
-            number = float(value)
+            number = math.nan if isinstance(value, bool) else float(value)
         except (TypeError, ValueError):
-            number = math.inf
-        if isinstance(value, bool) or not number <= LARGEST_K2:
+            number = math.nan
+        if not number <= LARGEST_K2:
+            unit = "a number without a unit" if math.isnan(number) else "not a modulus in Pa: it has no unit"
             raise wrong(
-                "K2 is a number without a unit", value=value,
-                remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}, for example 40 "
-                "(the source's table prints 40 GPa, which cannot be: K1 is the pressure)",
+                f"K2 is {unit}", value=value,
+                remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
+                "(the source's Table 2.3 prints 40 GPa where 40 is meant)",
             )  # fmt: skip
         return number
 
@@ -209,7 +210,9 @@ class Winding(Section):
     mu: Real | None = Field(
         default=None, ge=0, description="friction between wraps, dimensionless; the capacity is mu times the pressure"
     )
-    cells: Whole = Field(default=2000, ge=50, le=20000, description="cells of the refined grid (count)")
+    cells: Whole = Field(
+        default=4000, ge=50, le=20000, description="cells of the finer of the two refined grids (count)"
+    )
 
     @model_validator(mode="after")
     def _one_tension(self) -> Self:

@@ -75,7 +75,8 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
     style.title(
         upper,
         f"{style.engineering(fine, 'Pa')} at the mandrel, capacity {capacity}; "
-        f"the source's grid, one row per wrap, is {100 * (coarse / fine - 1):+.1f} % off",
+        f"the source's grid, one row per wrap, reads {abs(100 * (coarse / fine - 1)):.1f} % "
+        f"{'more' if coarse > fine else 'less'}",
     )
     return upper
 
@@ -89,9 +90,9 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
     ax = style.axes(ax)
     for m, colour in zip(grid, (style.RED, style.BLUE, style.GREEN, style.ORANGE, style.PURPLE), strict=False):
         r, tension = m.data["r"].values, m.data.attrs["tension_stress_pa"]
-        ax.plot(r / r[0], m.data["pressure_pa"] / tension, color=colour, lw=1.8, label=_law(m.values[MODULUS]))
+        ax.plot(r / r[0], m.data["pressure_pa"] / tension, color=colour, lw=1.8, label=_law(m))
         ax.plot(1.0, m.data["pressure_pa"].values[0] / tension, "o", color=colour, ms=5, clip_on=False, zorder=5)
-    ax.set_xlim(1.0, None)
+    ax.set_xlim(1.0, max(float(m.data["r"][-1] / m.data["r"][0]) for m in grid))
     ax.set_ylim(0.0, None)
     ax.set_xlabel("Radius over that of the mandrel (–)")
     ax.set_ylabel("Pressure over winding tension (–)")
@@ -106,10 +107,12 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
     return ax
 
 
-def _law(modulus: Mapping[str, Any]) -> str:
-    """Radial modulus of a case file as people say it."""
+def _law(member: SeriesMember) -> str:
+    """Radial modulus of a case as people say it."""
+    modulus: Mapping[str, Any] = member.values[MODULUS]
     if modulus["law"] == "constant":
-        return f"{1e-9 * modulus['E_r']:g} GPa"
+        ratio = member.data.attrs["web_modulus_pa"] / modulus["E_r"]
+        return f"{1e-9 * modulus['E_r']:g} GPa ($E_θ/E_r$ = {ratio:g})"
     if modulus["law"] == "pfeiffer":
         return f"{modulus['K2']:g} ({1e-3 * modulus['K1']:g} kPa + P)"
     return "measured table"

@@ -42,7 +42,7 @@ class WoundRoll:
     Attributes
     ----------
     radius
-        (n,) m, the mandrel's outer radius first, the roll's last; refined grid.
+        (n,) m, the mandrel's outer radius first, the roll's last: the nodes that two grids share.
     pressure
         (n,) between the wraps, Pa, positive in compression; 0 at the outer radius.
     hoop_stress
@@ -56,7 +56,7 @@ class WoundRoll:
     mu
         Friction between wraps; None when the section has none.
     error_estimate
-        Estimated relative error of the pressure at the mandrel, from a grid with half the cells.
+        Estimated relative error of the pressure at the mandrel: what extrapolation from the two grids changes.
     wraps
         The same roll on the source's grid.
     """
@@ -108,8 +108,9 @@ class WoundRoll:
 def wound_roll(section: Winding) -> WoundRoll:
     """Stress in the roll that a section `winding` describes.
 
-    The roll grows continuously, which makes the result independent of the grid (`cells`) and of the thickness of a
-    wrap; `WoundRoll.wraps` holds the same roll by the source's scheme, one row per wrap.
+    The roll grows continuously, which makes the result independent of the grid and of the thickness of a wrap. It is
+    computed on two grids, `cells` and half of them, and extrapolated; `WoundRoll.wraps` holds the same roll by the
+    source's scheme, one row per wrap.
 
     Raises
     ------
@@ -128,20 +129,22 @@ def wound_roll(section: Winding) -> WoundRoll:
     modulus = RadialModulus.of(section.web.radial_modulus)
     core = section.web.E_theta / stiffness + section.web.nu_theta
 
-    def grown(cells: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def grown(cells: int) -> FloatArray:  # (4, cells + 1): radius, tension, pressure, hoop stress
         radius = inner * (1.0 + section.build_up / inner) ** np.linspace(0.0, 1.0, cells + 1)
         tension = tension_stress(section, radius)
-        return radius, tension, kernels.accrete(radius, tension, section.web.E_theta, core, *modulus.knots)
+        pressure = kernels.accrete(radius, tension, section.web.E_theta, core, *modulus.knots)
+        return np.array([radius, tension, pressure, hoop_stress(radius, pressure, tension, core)])
 
-    radius, tension, pressure = grown(section.cells)
-    coarse = grown(section.cells // 2)[2]
+    coarse = grown(section.cells // 2)
+    fine = grown(2 * (section.cells // 2))[:, ::2]
+    radius, tension, pressure, hoop = (4.0 * fine - coarse) / 3.0  # both are of second order
     return WoundRoll(
-        radius, pressure, _hoop_stress(radius, pressure, tension, core), tension, modulus, stiffness, section.mu,
-        abs(pressure[0] - coarse[0]) / (3.0 * pressure[0]), _on_wraps(section, core, modulus),
+        radius, pressure, hoop, tension, modulus, stiffness, section.mu,
+        float(abs(pressure[0] / fine[2, 0] - 1.0)), _on_wraps(section, core, modulus),
     )  # fmt: skip
 
 
-def _hoop_stress(radius: FloatArray, pressure: FloatArray, tension: FloatArray, core: float) -> FloatArray:
+def hoop_stress(radius: FloatArray, pressure: FloatArray, tension: FloatArray, core: float) -> FloatArray:
     """(n,) Pa: equilibrium, -d(r P)/dr inside; the web's tension outside; the mandrel's strain at the core."""
     step = np.log(radius[1] / radius[0])
     hoop = -np.gradient(radius * pressure, step) / radius

@@ -1,0 +1,51 @@
+"""Figure of the cantilevered mandrel: shear and moment along it, stress around its root."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from wroll_fem.cantilever import Cantilever
+from wroll_fem.plotting import style
+
+
+def plot_cantilever(beam: Cantilever) -> Axes:
+    """Plot moment and shear over the height, and bending and shear stress around the root (Figs 2.8 and 2.9).
+
+    Each is divided by its largest value; the sentence gives both stresses.
+
+    Returns
+    -------
+    Axes
+        The upper axes.
+    """
+    _, (upper, lower) = plt.subplots(2, 1, figsize=(style.WIDTH, 6.2), dpi=style.DPI, layout="constrained")
+    style.axes(upper)
+    style.axes(lower)
+    z = np.linspace(0.0, beam.length, 200)
+    for values, colour, text in (
+        (beam.moment(z), style.BLUE, "moment M"), (beam.shear_force(z), style.RED, "shear force V"),
+    ):  # fmt: skip
+        upper.plot(z / beam.length, values / values[0], color=colour, lw=1.8, label=text)
+    upper.set_xlabel("Height over length (–)")
+    upper.set_ylabel("Over the value at the root (–)")
+    upper.set_xlim(0.0, 1.0)
+    upper.set_ylim(0.0, 1.05)
+    upper.legend(fontsize=8)
+    theta = np.linspace(-np.pi, np.pi, 361)
+    bending, shear = np.abs(beam.bending_stress(theta, 0.0)), np.abs(beam.shear_stress(theta, 0.0))
+    lower.plot(np.degrees(theta), bending / bending.max(), color=style.BLUE, lw=1.8, label="bending stress, outer face")
+    lower.plot(np.degrees(theta), shear / shear.max(), color=style.RED, lw=1.8, label="transverse shear stress")
+    lower.set_xlabel("Angle from the direction of the load (°); neutral axis at ±90°")
+    lower.set_ylabel("Size at the root over its largest (–)")
+    lower.set_xlim(-180.0, 180.0)
+    lower.set_xticks(np.arange(-180, 181, 45))
+    lower.set_ylim(0.0, 1.05)
+    lower.legend(fontsize=8, loc="upper right", framealpha=0.95)
+    style.title(
+        upper,
+        f"Root: bending {style.engineering(bending.max(), 'Pa')} on the faces along the load, transverse shear "
+        f"{style.engineering(shear.max(), 'Pa')} at the neutral axis",
+    )
+    return upper
