@@ -112,7 +112,7 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
     clamped = part.groups["base"] if case.coil.base == "clamped" else np.empty(0, np.int64)
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
     material = case.coil.material.solid()
-    ordered = in_vtk_order(cells)
+    ordered = in_vtk_order(nodes, cells)
     stiffness, mass = model.orthotropic_stiffness(material), model.mass(material.rho)
     return CoilMatrices(
         stiffness=(expand.T @ stiffness @ expand).tocsr(),
@@ -122,10 +122,13 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
     )
 
 
-def in_vtk_order(cells: IntArray) -> IntArray:
-    """(n_cells, 27) cells from basix's local order to that of VTK_TRIQUADRATIC_HEXAHEDRON."""
+def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
+    """(n_cells, 27) cells from basix's local order to that of VTK_TRIQUADRATIC_HEXAHEDRON, which is right-handed."""
     grid = [tuple(point) for point in np.rint(2 * compat.hexahedron_points()).astype(int).tolist()]
-    return np.asarray(cells[:, [grid.index(point) for point in VTK_GRID]])
+    corner, *ends = (nodes[cells[0, grid.index(point)]] for point in ((0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)))
+    right_handed = np.linalg.det(np.array(ends) - corner) > 0
+    order = [grid.index((a, b, c) if right_handed else (b, a, c)) for a, b, c in VTK_GRID]
+    return np.asarray(cells[:, order])
 
 
 def wall_offset(nodes: FloatArray, height: float) -> sp.csr_matrix:
