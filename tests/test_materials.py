@@ -118,6 +118,15 @@ def test_case_section_hands_over_the_same_material_and_survives_a_round_trip():
     assert "kind" not in film.model_dump()["material"]  # as cases were written before there were several kinds
 
 
+def test_constants_left_out_are_those_of_a_web_isotropic_in_its_plane():
+    few = {"kind": "cylindrical_orthotropic", "E_theta": 4e9, "E_r": 4e7, "G_r_theta": 1e6, "rho": 1400}
+    few |= {"nu_theta_z": 0.35, "nu_theta_r": 0.35, "nu_z_r": 0.35}
+    film = Coil.model_validate(COIL | {"material": few}).material
+    assert (film.E_z, film.G_z_theta, film.G_r_z) == (4e9, pytest.approx(1.4815e9, rel=1e-4), 1e6)
+    with pytest.raises(ValidationError, match="not isotropic in its plane"):
+        Coil.model_validate(COIL | {"material": few | {"E_z": 5e9}})
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -25,6 +26,10 @@ class IsotropicMaterial(Section):
         return CylindricalOrthotropic.isotropic(self.E, self.nu, self.rho)
 
 
+def _left_out() -> float:
+    return math.nan
+
+
 class OrthotropicMaterial(Section):
     """Linear elastic material with axes along r, theta, z of the roll: a homogenised coil."""
 
@@ -32,7 +37,9 @@ class OrthotropicMaterial(Section):
         description="cylindrical_orthotropic: nine constants in the roll's axes (coil.model: solid)"
     )
     E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
-    E_z: Real = Field(gt=0, description="Young's modulus along the roll's axis, Pa")
+    E_z: Real = Field(
+        default_factory=_left_out, gt=0, description="Young's modulus along the roll's axis, Pa; left out: E_theta"
+    )
     E_r: Real = Field(gt=0, description="Young's modulus through the stack of wraps, Pa")
     nu_theta_z: Real = Field(
         description="Poisson's ratio, dimensionless: -strain_z / strain_theta under stress along theta"
@@ -41,10 +48,36 @@ class OrthotropicMaterial(Section):
         description="Poisson's ratio, dimensionless: -strain_r / strain_theta under stress along theta"
     )
     nu_z_r: Real = Field(description="Poisson's ratio, dimensionless: -strain_r / strain_z under stress along z")
-    G_z_theta: Real = Field(gt=0, description="in-plane shear modulus of the web, Pa")
+    G_z_theta: Real = Field(
+        default_factory=_left_out, gt=0,
+        description="in-plane shear modulus of the web, Pa; left out: E_theta / (2 (1 + nu_theta_z)), a web isotropic "
+        "in its plane",
+    )  # fmt: skip
     G_r_theta: Real = Field(gt=0, description="shear modulus between wraps around the roll, Pa")
-    G_r_z: Real = Field(gt=0, description="shear modulus between wraps along the axis, Pa")
+    G_r_z: Real = Field(
+        default_factory=_left_out,
+        gt=0,
+        description="shear modulus between wraps along the axis, Pa; left out: G_r_theta",
+    )
     rho: Real = Field(gt=0, description="density, kg/m^3")
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        given = self.model_fields_set
+        # in __dict__, not as fields that were set: a changed constant changes those that follow it
+        if "E_z" not in given:
+            self.__dict__["E_z"] = self.E_theta
+        if "G_r_z" not in given:
+            self.__dict__["G_r_z"] = self.G_r_theta
+        if "G_z_theta" not in given:
+            if self.E_z != self.E_theta:
+                raise wrong(
+                    f"required key is missing: the web is not isotropic in its plane (E_z = {self.E_z:g} Pa, "
+                    f"E_theta = {self.E_theta:g} Pa)",
+                    key="G_z_theta", show_value=False, remedy="give the in-plane shear modulus of the web, Pa",
+                )  # fmt: skip
+            self.__dict__["G_z_theta"] = self.E_theta / (2 * (1 + self.nu_theta_z)) if self.nu_theta_z > -1 else 0.0
+        return self
 
     @model_validator(mode="after")
     def _admissible(self) -> Self:
