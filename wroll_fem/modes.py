@@ -118,6 +118,21 @@ def classify_mode(bodies: Sequence[Body], vector: FloatArray, highest: int = _HI
     return ModeKind(kind, n, float(per_wave[n] / max(per_wave.sum(), 1e-300)))
 
 
+def main_bending(kinds: Sequence[str], fractions: FloatArray) -> int | None:
+    """Index of the bending mode with the largest effective mass, or None without one.
+
+    Parameters
+    ----------
+    kinds
+        (n_modes,) names.
+    fractions
+        (n_modes,) or (n_modes, 3) effective mass; the largest component counts.
+    """
+    share = np.asarray(fractions, float).reshape(len(kinds), -1).max(axis=1)
+    bending = [k for k, kind in enumerate(kinds) if str(kind) == "bending"]
+    return max(bending, key=lambda k: (round(float(share[k]), 6), -k)) if bending else None
+
+
 def effective_mass_fractions(
     mass: sp.spmatrix, influence: FloatArray, vectors: FloatArray, mass_total: float
 ) -> FloatArray:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from ..modes import main_bending
 from ..slip import has_surface
 
 if TYPE_CHECKING:
@@ -119,6 +120,9 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
             fraction = fraction.sel(component=case.excitation.direction)
         if "mode_kind" in dataset:
             summary["mode_kinds"] = [str(kind) for kind in dataset["mode_kind"].values]
+            index = main_bending(summary["mode_kinds"], fraction.values)
+            if index is not None:
+                summary["bending_hz"] = float(dataset["mode_frequency"].values[index])
         summary["modes_hz"] = dataset["mode_frequency"].values.tolist()
         summary["effective_mass_fraction"] = fraction.values.ravel().tolist()
     return summary

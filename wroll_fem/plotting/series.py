@@ -20,6 +20,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.convergence import plot_frequency_convergence, plot_friction_convergence
 from wroll_fem.plotting.history import plot_response
+from wroll_fem.plotting.shear_stiffness import plot_shear_stiffness, plot_shear_stiffness_band
 from wroll_fem.plotting.slip_series import plot_slip_extent, plot_slip_vectors
 from wroll_fem.plotting.study import (
     LAYER_BASE,
@@ -42,7 +43,7 @@ from wroll_fem.plotting.study import (
     values_of,
 )  # fmt: skip
 from wroll_fem.plotting.transmissibility import magnitude
-from wroll_fem.plotting.winding import plot_pressure_over_tension, plot_soft_and_hard
+from wroll_fem.plotting.winding import TENSION, plot_pressure_over_tension, plot_soft_and_hard
 from wroll_fem.results import label
 
 _BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
@@ -339,6 +340,9 @@ FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "mesh_friction": plot_friction_convergence,
     "mesh_frequency": plot_frequency_convergence,
     "friction_laws": plot_friction_laws,
+    "transmissibility_over_tension": partial(plot_family, colour=TENSION, figure="transmissibility_over_tension"),
+    "shear_stiffness": plot_shear_stiffness,
+    "shear_stiffness_band": plot_shear_stiffness_band,
     "winding_hardness": plot_soft_and_hard,
     "winding_tension": plot_pressure_over_tension,
 }

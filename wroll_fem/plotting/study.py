@@ -22,12 +22,15 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
     "contact.friction.elastic_slip": ("elastic slip γ*", "µm", 1e6),
     "contact.friction.mu": ("friction coefficient", "", 1.0),
     "coil.material.E": ("layer modulus", "GPa", 1e-9),
+    "coil.material.E_theta": ("in-plane modulus", "GPa", 1e-9),
+    "coil.material.G_r_theta": ("shear stiffness between wraps", "MPa", 1e-6),
     "coil.layers": ("layers", "", 1.0),
     "excitation.amplitude": ("base acceleration", "g", 1.0 / 9.80665),
     "winding.tension_newton": ("winding tension", "N", 1.0),
     "mesh.axial": ("elements along the axis", "", 1.0),
     "mesh.circumferential": ("elements around", "", 1.0),
     "mesh.grading": ("grading", "", 1.0),
+    "mesh.radial": ("elements through the coil", "", 1.0),
 }
 """Dotted key -> name, unit and scale for people."""
 
