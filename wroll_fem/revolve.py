@@ -9,13 +9,6 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 
-def lattice_outline(n_r: int, n_z: int) -> tuple[IntArray, IntArray]:
-    """Indices (along r, along z) of the border of an n_r x n_z lattice, once around from the inner lower corner."""
-    i = [np.arange(n_r), np.full(n_z - 1, n_r - 1), np.arange(n_r - 2, -1, -1), np.zeros(n_z - 2, int)]
-    j = [np.zeros(n_r, int), np.arange(1, n_z), np.full(n_r - 1, n_z - 1), np.arange(n_z - 2, 0, -1)]
-    return np.concatenate(i), np.concatenate(j)
-
-
 def revolve(outline: FloatArray, around: int) -> tuple[FloatArray, IntArray]:
     """Revolve a closed outline of quadratic edges.
 

@@ -20,6 +20,12 @@ WALL_CELLS = 1
 END_CELLS = 3
 """Cells by which the lowest and the topmost one are split towards clamp and tip, where stresses have an edge."""
 
+BOND_CELLS = 2
+"""Cells by which the innermost one of the coil is split towards the wall: its lower edge is where the clamp ends."""
+
+BOND_RATIO = 0.3
+"""Size of a cell over that of its outer neighbour there."""
+
 IN_SECTION = ("solid", "bonded")
 """Coil models that are meshed; the others are a mass on the wall, or nothing."""
 
@@ -71,10 +77,26 @@ class RollSection:
         first = (i * (n_z + 1) + j).ravel()
         return np.column_stack([first, first + n_z + 1, first + 1, first + n_z + 2])
 
+    @property
+    def outline(self) -> FloatArray:
+        """(2 e, 2) corners and middles [r, z] of the border's edges, once around from the inner lower corner."""
+        r, z = (_with_middles(borders) for borders in (self.radii, self.heights))
+        lower = np.column_stack([r, np.full_like(r, z[0])])
+        outer = np.column_stack([np.full_like(z, r[-1]), z])
+        upper = np.column_stack([r[::-1], np.full_like(r, z[-1])])
+        inner = np.column_stack([np.full_like(z, r[0]), z[::-1]])
+        return np.concatenate([side[:-1] for side in (lower, outer, upper, inner)])
+
     def volume(self, *, coil: bool) -> float:
         """Volume of revolution of the coil, or of the wall, m^3."""
         inner, outer = (self.wall_radius, self.radii[-1]) if coil else (self.radii[0], self.wall_radius)
         return float(np.pi * (outer**2 - inner**2) * self.length)
+
+
+def _with_middles(borders: FloatArray) -> FloatArray:
+    both = np.empty(2 * len(borders) - 1)
+    both[::2], both[1::2] = borders, 0.5 * (borders[1:] + borders[:-1])
+    return both
 
 
 def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> FloatArray:
@@ -89,9 +111,25 @@ def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> 
 
 
 def make_section(case: Case) -> RollSection:
-    """Section of a case: `mesh.axial` and `mesh.grading` along the axis, `mesh.radial` through a solid coil.
+    """Section on which a case is solved: `plain_section`, refined towards clamp, tip and bond.
 
-    Cells at both ends are split down to half the wall's thickness. A bonded coil gets a cell per layer.
+    Cells at both ends are split down to half the wall's thickness. The harmonics cost so little that accuracy need not
+    hang on the numbers of cells in the case.
+    """
+    plain = plain_section(case)
+    heights = split_ends(plain.heights, 0.5 * case.geometry.mandrel_thickness)
+    w = plain.wall_cells
+    if len(plain.radii) == w + 1:
+        return RollSection(plain.radii, heights, w)
+    bond = (plain.radii[w + 1] - plain.radii[w]) * BOND_RATIO ** np.arange(BOND_CELLS, 0, -1)
+    radii = np.concatenate([plain.radii[: w + 1], plain.radii[w] + bond, plain.radii[w + 1 :]])
+    return RollSection(radii, heights, w)
+
+
+def plain_section(case: Case) -> RollSection:
+    """Cells that a case asks for: `mesh.axial`, `mesh.grading` along the axis, `mesh.radial` through a solid coil.
+
+    A bonded coil gets a cell per layer.
     """
     from .meshing import axial_stations
 
@@ -102,5 +140,4 @@ def make_section(case: Case) -> RollSection:
         radii.append(outer + axial_stations(coil.total_thickness, mesh.radial, mesh.radial_grading)[1:])
     elif coil.model == "bonded":
         radii.append(outer + coil.layer_thickness * np.arange(1, coil.layers + 1))
-    heights = split_ends(axial_stations(g.length, mesh.axial, mesh.grading), 0.5 * g.mandrel_thickness)
-    return RollSection(np.concatenate(radii), heights, WALL_CELLS)
+    return RollSection(np.concatenate(radii), axial_stations(g.length, mesh.axial, mesh.grading), WALL_CELLS)

@@ -72,9 +72,9 @@ class _Models:
         tight = fundamental(roll)
         roll.set_coil(with_shear_modulus(material, modulus))
         loose = fundamental(roll)
-        frequencies = (mode.frequency_hz if mode.family == BENDING else np.nan for mode in (tight, loose))
+        high, low = (mode.frequency_hz if mode.family == BENDING else np.nan for mode in (tight, loose))
         kinds = [mode.kind for mode in (tight, loose) if mode.family != BENDING]
-        return Design(*frequencies, mandrel, modulus, kinds[0] if kinds else "")
+        return Design(high, low, mandrel, modulus, kinds[0] if kinds else "")
 
 
 def run_design_map(case: Case, *, progress: Progress) -> xr.Dataset:
@@ -88,7 +88,8 @@ def run_design_map(case: Case, *, progress: Progress) -> xr.Dataset:
     """
     assert case.design_map is not None
     radii, walls = case.design_map.mandrel_radius, case.design_map.mandrel_thickness
-    models, designs = _Models(), []
+    models = _Models()
+    designs: list[Design] = []
     with progress.stage("designs", len(radii) * len(walls) + 1) as stage:
         own = models.design(case)
         for radius in radii:

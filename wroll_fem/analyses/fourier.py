@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from ..results import annotate
-from ..revolve import cartesian, lattice_outline, revolve
+from ..revolve import cartesian, revolve
 
 if TYPE_CHECKING:
     from ..case import Case
@@ -67,27 +67,15 @@ def _shapes(
     model: FourierModel, modes: list[tuple[FourierMode, bool]], around: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
     """Nodes (n, 3), cells (c, 9) and shapes (modes, n, 3), largest 1, on the skin of the revolved section."""
-    grid = np.array([[a, b] for a in (0.0, 0.5, 1.0) for b in (0.0, 0.5, 1.0)])
-    border = lattice_outline(*(2 * n + 1 for n in model.section.shape))
-    nodes, cells = revolve(_lattice(model.positions(grid))[border], around)
-    values, _ = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), grid)
-    outline = _lattice(values)[border].reshape(len(border[0]), len(modes), 3)
+    outline = model.section.outline
+    nodes, cells = revolve(outline, around)
+    values = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), outline)[0]
+    amplitudes = values.reshape(len(outline), len(modes), 3)
     shapes = np.array(
         [
-            cartesian(outline[:, k], mode.family.harmonic, around, turned)
+            cartesian(amplitudes[:, k], mode.family.harmonic, around, turned)
             for k, (mode, turned) in enumerate(modes)
         ]
     )  # fmt: skip
     largest = np.linalg.norm(shapes, axis=2).max(axis=1)
     return nodes, cells, shapes / largest[:, None, None]
-
-
-def _lattice(cell_values: FloatArray) -> FloatArray:
-    """(n_r, n_z, 9, k) on the 3 x 3 grid of each cell -> (2 n_r + 1, 2 n_z + 1, k)."""
-    n_r, n_z, _, k = cell_values.shape
-    lattice = np.empty((2 * n_r + 1, 2 * n_z + 1, k))
-    blocks = cell_values.reshape(n_r, n_z, 3, 3, k)
-    for a in range(3):
-        for b in range(3):
-            lattice[a : a + 2 * n_r : 2, b : b + 2 * n_z : 2] = blocks[:, :, a, b]
-    return lattice

@@ -100,6 +100,7 @@ class FourierModel:
         self._cosine = {k: fem.Constant(self.mesh, np.zeros((4, 4))) for k in (WALL, COIL)}
         self._sine = {k: fem.Constant(self.mesh, np.zeros((2, 2))) for k in (WALL, COIL)}
         self._density = {k: fem.Constant(self.mesh, 0.0) for k in (WALL, COIL)}
+        self._mass: sp.csr_matrix | None = None
         self._forms()
 
     def _forms(self) -> None:
@@ -126,7 +127,7 @@ class FourierModel:
         """
         if section.shape != self.section.shape or section.wall_cells != self.section.wall_cells:
             raise ValueError(f"a section of {section.shape} cells does not fit a model of {self.section.shape}")
-        self.section = section
+        self.section, self._mass = section, None
         self.mesh.geometry.x[:, :2] = section.nodes[self._node]
 
     def set_material(self, region: int, stiffness: FloatArray, density: float) -> None:
@@ -149,7 +150,8 @@ class FourierModel:
             raise ValueError("the material's axes are not r, theta, z")
         self._cosine[region].value[...] = C[np.ix_(COSINE, COSINE)]
         self._sine[region].value[...] = C[np.ix_(SINE, SINE)]
-        self._density[region].value = float(density)
+        if float(density) != float(self._density[region].value):
+            self._density[region].value, self._mass = float(density), None
 
     @property
     def nodes(self) -> FloatArray:
@@ -168,7 +170,9 @@ class FourierModel:
 
     def mass(self, harmonic: int) -> sp.csr_matrix:
         """(3 n_nodes, 3 n_nodes) consistent mass of a harmonic, kg, whole circumference."""
-        return angular_weight(harmonic) * compat.assemble_csr(self._inertia)
+        if self._mass is None:
+            self._mass = compat.assemble_csr(self._inertia)
+        return angular_weight(harmonic) * self._mass
 
     def tip_weights(self) -> FloatArray:
         """(n_nodes,) share of each node in the mean over the end face of the wall; sums to 1."""
@@ -181,30 +185,27 @@ class FourierModel:
         return np.asarray(share / share.sum())
 
     def evaluate(self, values: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Values and gradients of nodal fields at the same reference points of every cell.
+        """Values and gradients of nodal fields at points of the section.
 
         Parameters
         ----------
         values
             (n_nodes, k).
         points
-            (q, 2) in the unit square, along r and z.
+            (p, 2) [r, z], m. On a border between cells the gradient is that of the cell inside, or below.
 
         Returns
         -------
-        values : (n_r, n_z, q, k)
-        gradients : (n_r, n_z, q, k, 2) derivatives by r and z, per m.
+        values : (p, k)
+        gradients : (p, k, 2) derivatives by r and z, per m.
         """
-        basis = compat.tabulate_quadrilateral(self.degree, points)
-        local = np.asarray(values)[self.cell_nodes]
-        size = (np.diff(self.section.radii)[:, None, None, None], np.diff(self.section.heights)[None, :, None, None])
-        at, by_r, by_z = (np.einsum("qn,ijnk->ijqk", table, local) for table in basis)
-        return at, np.stack([by_r / size[0], by_z / size[1]], axis=-1)
-
-    def positions(self, points: FloatArray) -> FloatArray:
-        """(n_r, n_z, q, 2) coordinates [r, z] of reference points (q, 2) in every cell, m."""
-        radii, heights = self.section.radii, self.section.heights
-        r = radii[:-1, None] + np.diff(radii)[:, None] * points[:, 0]
-        z = heights[:-1, None] + np.diff(heights)[:, None] * points[:, 1]
-        shape = (*self.section.shape, len(points))
-        return np.stack(np.broadcast_arrays(r[:, None, :], z[None, :, :]), axis=-1).reshape(*shape, 2)
+        cell, size, local = [], [], []
+        for borders, x in zip((self.section.radii, self.section.heights), np.asarray(points).T, strict=True):
+            at = np.clip(np.searchsorted(borders, x) - 1, 0, len(borders) - 2)
+            cell.append(at)
+            size.append(np.diff(borders)[at])
+            local.append((x - borders[at]) / size[-1])
+        basis = compat.tabulate_quadrilateral(self.degree, np.column_stack(local))
+        nodal = np.asarray(values)[self.cell_nodes[cell[0], cell[1]]]
+        here, by_r, by_z = (np.einsum("pn,pnk->pk", table, nodal) for table in basis)
+        return here, np.stack([by_r / size[0][:, None], by_z / size[1][:, None]], axis=-1)

@@ -90,7 +90,7 @@ class FourierRoll:
     Raises
     ------
     InputError
-        For coil models that slip.
+        For coil models that slip, or a coil whose base is held while the mandrel's is not.
 
     Notes
     -----
@@ -105,6 +105,11 @@ class FourierRoll:
             raise InputError(
                 "layers with friction have no harmonics of their own", key="coil.model",
                 remedy="use solid, bonded, nonstructural_mass or none, or mesh.discretisation: three_dimensional",
+            )  # fmt: skip
+        if case.coil.model in IN_SECTION and case.mandrel.base == "free" and case.coil.base != "free":
+            raise InputError(
+                f"the coil's base is held, the mandrel's is free (coil.base: {case.coil.base})", key="coil.base",
+                remedy="use coil.base: free, or mandrel.base: clamped",
             )  # fmt: skip
         section = make_section(case)
         if model is None:
