@@ -210,9 +210,13 @@ def mesh(
             raise InputError("leaves nothing to mesh", key="structure", file=str(case_file), remedy=remedy)
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
-        built = build_mesh(case)
+        built, coil = build_mesh(case), None
+        if case.coil.model == "solid":
+            from .fem.coil import coil_hexes
+
+            coil = coil_hexes(case, built)
         try:
-            written = write_mesh(built, out)
+            written = write_mesh(built, out, coil=coil)
         except OSError as error:
             remedy = "choose another --out"
             raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None

@@ -14,9 +14,12 @@ import gmsh
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.mesh import CylinderMesh, IntArray, ring_edges
+from wroll_fem.mesh import VTK_GRID, CylinderMesh, FloatArray, IntArray, ring_edges
 
-_QUAD9, _LINE3 = 10, 8  # gmsh element types
+_QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
+
+Hexes = tuple[FloatArray, IntArray]
+"""Nodes (n, 3) and cells (m, 27), VTK_TRIQUADRATIC_HEXAHEDRON order, of a solid coil."""
 
 
 def start_gmsh() -> None:
@@ -156,17 +159,20 @@ def _group_elements(dim: int, group: int, name: str, source: str) -> IntArray:
     return np.concatenate(blocks)
 
 
-def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh") -> list[Path]:
-    """Write `name`.msh (gmsh 4.1, named groups) and `name`.vtu (for ParaView) to a folder; returns the paths."""
+def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh", coil: Hexes | None = None) -> list[Path]:
+    """Write `name`.msh (gmsh 4.1, named groups) and `name`.vtu (for ParaView) to a folder; returns the paths.
+
+    A solid coil is the volume "coil", with nodes of its own: those of the mandrel lie on its mid-surface.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     msh, vtu = folder / f"{name}.msh", folder / f"{name}.vtu"
-    _write_msh(mesh, msh)
-    _write_vtu(mesh, vtu)
+    _write_msh(mesh, msh, coil)
+    _write_vtu(mesh, vtu, coil)
     return [msh, vtu]
 
 
-def _write_msh(mesh: CylinderMesh, path: Path) -> None:
+def _write_msh(mesh: CylinderMesh, path: Path, coil: Hexes | None) -> None:
     with gmsh_model("write"):
         for tag, name in enumerate(mesh.parts, start=1):
             cells = mesh.cells[mesh.groups[name]]
@@ -180,14 +186,32 @@ def _write_msh(mesh: CylinderMesh, path: Path) -> None:
                 gmsh.model.addDiscreteEntity(1, ring)
                 gmsh.model.mesh.addElementsByType(ring, _LINE3, [], edges.ravel() + 1)
                 gmsh.model.addPhysicalGroup(1, [ring], ring, name=f"{name}_{end}")
+        if coil is not None:
+            _add_hexes(*coil, first=len(mesh.nodes) + 1)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.write(str(path))
 
 
-def _write_vtu(mesh: CylinderMesh, path: Path) -> None:
+def _add_hexes(nodes: FloatArray, cells: IntArray, first: int) -> None:
+    """Add the volume "coil" to the current gmsh model, its nodes numbered from `first`."""
+    local = gmsh.model.mesh.getElementProperties(_HEX27)[4]
+    grid = (np.asarray(local).reshape(-1, 3) + 1).round().astype(int).tolist()
+    gmsh.model.addDiscreteEntity(3, 1)
+    gmsh.model.mesh.addNodes(3, 1, np.arange(len(nodes)) + first, nodes.ravel())
+    ordered = cells[:, [VTK_GRID.index((a, b, c)) for a, b, c in grid]]
+    gmsh.model.mesh.addElementsByType(1, _HEX27, [], ordered.ravel() + first)
+    gmsh.model.addPhysicalGroup(3, [1], 1, name="coil")
+
+
+def _write_vtu(mesh: CylinderMesh, path: Path, coil: Hexes | None) -> None:
     import meshio
 
-    shell = np.zeros(len(mesh.cells), np.int32)
+    part = np.zeros(len(mesh.cells), np.int32)
     for index, name in enumerate(mesh.parts):
-        shell[mesh.groups[name]] = index
-    meshio.Mesh(mesh.nodes, [("quad9", mesh.cells)], cell_data={"shell": [shell]}).write(str(path))
+        part[mesh.groups[name]] = index
+    nodes, blocks, parts = mesh.nodes, [("quad9", mesh.cells)], [part]
+    if coil is not None:
+        nodes = np.vstack([mesh.nodes, coil[0]])
+        blocks.append(("hexahedron27", coil[1] + len(mesh.nodes)))
+        parts.append(np.full(len(coil[1]), len(mesh.parts), np.int32))
+    meshio.Mesh(nodes, blocks, cell_data={"shell": parts}).write(str(path))

@@ -29,7 +29,7 @@ from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.mesh import CylinderMesh, mirror_nodes
+from wroll_fem.mesh import VTK_GRID, CylinderMesh, mirror_nodes
 from wroll_fem.meshing import axial_stations
 
 if TYPE_CHECKING:
@@ -39,14 +39,6 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
-
-VTK_GRID: list[tuple[int, int, int]] = [
-    (0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2),
-    (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2),
-    (0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1),
-    (0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1),
-]  # fmt: skip
-"""Positions of the nodes of VTK_TRIQUADRATIC_HEXAHEDRON on the 3 x 3 x 3 grid of a cell."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +71,16 @@ def coil_heights(case: Case) -> FloatArray:
 
 
 def mesh_coil(case: Case, part: CylinderMesh) -> tuple[FloatArray, IntArray]:
-    """Nodes (layer after layer, inner first) and 27-node cells of the coil around the mandrel's mesh `part`."""
+    """Nodes (layer after layer, inner first) and 27-node cells (basix's order) of the coil around the mandrel."""
     return thicken(part.nodes, part.cells, list(coil_heights(case)))
+
+
+def coil_hexes(case: Case, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | None:
+    """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of the solid coil for files, or None without one."""
+    if case.coil.model != "solid":
+        return None
+    nodes, cells = mesh_coil(case, mesh.part("mandrel"))
+    return nodes, in_vtk_order(nodes, cells)
 
 
 def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetric: bool) -> CoilMatrices:

@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
-from wroll_fem.fem.coil import VTK_GRID
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
+from wroll_fem.mesh import VTK_GRID
 from wroll_fem.model import DIRECTIONS, build_bodies
 from wroll_fem.modes import align_pairs, classify_mode
 from wroll_fem.shear import ShearModes
