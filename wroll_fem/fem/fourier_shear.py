@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-GAUSS_POINTS = 3
-"""Per direction and cell of the case."""
+GAUSS_POINTS = 2
+"""Per direction and cell of the case, as in the three-dimensional model."""
 
 
 def shear_modes(case: Case) -> ShearModes:
