@@ -350,7 +350,7 @@ def test_the_resolved_text_writes_every_value_and_loads_to_the_same_case(path: P
     written_out = set(yaml.safe_load(case.resolved_yaml()))
     if case.analysis == "winding":
         assert {"winding", "output"} <= written_out
-        assert "cells: 4000" in case.resolved_yaml()
+        assert "cells: 2400" in case.resolved_yaml()
         return
     assert {"integrator", "solver", "modal", "output", "mesh" if case.structure is None else "structure"} <= written_out
     assert "max_cuts: 6" in case.resolved_yaml()

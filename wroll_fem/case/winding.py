@@ -210,8 +210,15 @@ class Winding(Section):
     mu: Real | None = Field(
         default=None, ge=0, description="friction between wraps, dimensionless; the capacity is mu times the pressure"
     )
+    growth: Literal["wraps", "continuous"] = Field(
+        default="wraps",
+        description="wraps: each wrap presses as a whole; continuous: infinitely thin wraps, as thick together",
+    )
     cells: Whole = Field(
-        default=4000, ge=50, le=20000, description="cells of the finer of the two refined grids (count)"
+        default=2400,
+        ge=50,
+        le=20000,
+        description="cells of the finer of the two refined grids, at least 2 per wrap (count)",
     )
 
     @model_validator(mode="after")

@@ -41,11 +41,12 @@ def plot_cantilever(beam: Cantilever) -> Axes:
     lower.set_ylabel("Size at the root over its largest (–)")
     lower.set_xlim(-180.0, 180.0)
     lower.set_xticks(np.arange(-180, 181, 45))
-    lower.set_ylim(0.0, 1.05)
-    lower.legend(fontsize=8, loc="upper right", framealpha=0.95)
+    lower.set_ylim(0.0, 1.2)
+    lower.legend(fontsize=8, loc="upper center", ncols=2, framealpha=0.95)
+    force, couple = float(beam.shear_force(0.0)), float(beam.moment(0.0))
     style.title(
         upper,
-        f"Root: bending {style.engineering(bending.max(), 'Pa')} on the faces along the load, transverse shear "
-        f"{style.engineering(shear.max(), 'Pa')} at the neutral axis",
+        f"Root, {couple:.3g} N m and {force:.3g} N: bending {style.engineering(bending.max(), 'Pa')} on the faces "
+        f"along the load, transverse shear {style.engineering(shear.max(), 'Pa')} at the neutral axis",
     )
     return upper

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import MARKERS, SeriesMember, axis_label, grid_members, shown, values_of
@@ -150,8 +151,11 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
             ax.plot(tension, coarse, color=style.BLUE, ls=(0, (4, 2)), lw=1.2, label="the same, source's grid")
             ax.plot(tension, bound, color="black", ls=":", lw=1.4, label="hoop bound: no wrap relaxes")
     ax.set_yscale("log")
-    ax.set_ylim(5.0, 500.0)
-    ax.set_yticks([5, 10, 20, 50, 100, 200, 500], ["5", "10", "20", "50", "100", "200", "500"])
+    ends = [m.data.attrs["pressure_mandrel_pa"] for m in grid] + [m.data.attrs["hoop_bound_pa"] for m in grid]
+    ax.set_ylim(0.5e-3 * min(*ends, SIMULATED[0]), 1.7e-3 * max(*ends, SIMULATED[1]))
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set_xlabel(axis_label(TENSION))
     ax.set_ylabel("Pressure (kPa)")
     ax.legend(fontsize=8, framealpha=0.9, loc="lower right")

@@ -50,3 +50,31 @@ def pressure(
         )
 
     return np.array([one(float(r)) for r in np.atleast_1d(radius)])
+
+
+def pressure_of_wraps(
+    radius: FloatArray, inner: float, thickness: float, tension: FloatArray, *, ratio: float, core: float
+) -> FloatArray:
+    """Pressure at ``radius`` (k,) in m of a roll of wraps, Pa: sum of T h/r times the increment over the wraps outside.
+
+    Parameters
+    ----------
+    thickness, tension
+        Thickness of a wrap, m; (wraps,) tension stress of each, Pa.
+    ratio, core
+        As `pressure`.
+
+    Notes
+    -----
+    Inside a wrap its own pull counts with the part of its thickness that lies outside.
+    """
+    under = inner + thickness * np.arange(len(tension))
+    total = np.zeros(len(radius))
+    for k, r in enumerate(np.asarray(radius, float)):
+        outside = under >= r * (1.0 - 1e-12)
+        for a, pull in zip(under[outside], tension[outside], strict=True):
+            total[k] += pull * thickness / a * float(increment(np.array(r), inner, a, ratio=ratio, core=core))
+        own = int(np.sum(~outside)) - 1
+        if own >= 0 and not outside[own]:
+            total[k] += tension[own] * max(0.0, under[own] + thickness - r) / r
+    return total

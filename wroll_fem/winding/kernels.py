@@ -1,4 +1,4 @@
-"""Compiled loops of the wound-roll stress: the source's scheme, and accretion on a grid of its own.
+"""Compiled loops of the wound-roll stress: the source's scheme, and refined grids for wraps and for continuous growth.
 
 A radial modulus is a broken line over the pressure: (pressures, moduli) of its knots and the slope beyond the last.
 Symbols as in the source: s increment of the pressure, r radius, h thickness of the web, T tension stress, E modulus
@@ -54,10 +54,12 @@ def wrap_by_wrap(r, T, h, E, core, knots, moduli, slope):
     P, s, ratio = np.zeros(n + 1), np.zeros(n + 1), np.zeros(n + 1)
     if n > 0:
         ratio[0] = 1.0 / (1.0 + core * h / r[0])  # row 2.12: s_0 = ratio s_1
+    A, B_rigid, C = coefficients(r, h, 0.0)
+    soft = E * (h / r) ** 2
     for last in range(n):  # the wrap laid at r[last] on a roll of `last` wraps
         for i in range(1, last):
-            A, B, C = coefficients(r[i], h, E / radial_modulus(P[i], knots, moduli, slope))
-            ratio[i] = -A / (B + C * ratio[i - 1])
+            B = B_rigid[i] - soft[i] / radial_modulus(P[i], knots, moduli, slope)
+            ratio[i] = -A[i] / (B + C[i] * ratio[i - 1])
         s[last] = T[last] * h / r[last]
         for i in range(last - 1, -1, -1):
             s[i] = ratio[i] * s[i + 1]
@@ -67,8 +69,105 @@ def wrap_by_wrap(r, T, h, E, core, knots, moduli, slope):
 
 
 @njit(cache=True)
+def _cell_means(P, P_next, E, knots, moduli, slope):
+    """Mean of kappa over a cell, weighted towards its inner and its outer node (P linear, two Gauss points)."""
+    near = E / radial_modulus(P + _NEAR * (P_next - P), knots, moduli, slope)
+    far = E / radial_modulus(P + _FAR * (P_next - P), knots, moduli, slope)
+    return 0.5 * (_FAR * near + _NEAR * far), 0.5 * (_NEAR * near + _FAR * far)
+
+
+@njit(cache=True)
+def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
+    """Rows first to last - 1: ratio[i] = y[i]/y[i + 1]; carry[i + 1]: what the cell above row i gives the next row."""
+    P = Q[first] / r[first]
+    for i in range(first, last):
+        P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]
+        inner, outer = _cell_means(P, P_next, E, knots, moduli, slope)
+        if i == 0:
+            ratio[0] = 1.0 / (1.0 + d * (core + d * inner))
+        else:
+            before = d / (x[i] - x[i - 1])
+            ratio[i] = 1.0 / (1.0 + before * (1.0 - ratio[i - 1]) + d * (carry[i] + d * inner))
+        carry[i + 1] = d * outer
+        P = P_next
+
+
+@njit(cache=True)
+def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
+    """Pressure in a roll of wraps, each laid as a whole, on a grid with ``cells`` cells in each wrap.
+
+    Parameters
+    ----------
+    r, T
+        (cells n + 1,) radii, m, n wraps; (n,) tension stress of each wrap, Pa.
+    core
+        E/K_m + nu_theta of the core condition dy/dx = core y, x = ln r.
+    blocks, zones
+        (levels,) rising. What lies more than ``zones[k]`` wraps below the surface is brought up to date every
+        ``blocks[k]`` wraps, each a multiple of the one before: there a block changes the pressure by about
+        blocks[k]/zones[k], and the modulus is that of the middle of the block. A zone as deep as the roll leaves
+        nothing out.
+
+    Returns
+    -------
+    (cells n + 1,) array
+        Pressure, Pa; inside the last wrap r P is linear, 0 at the free surface.
+
+    Notes
+    -----
+    Second order in the cell, core row included (docs/winding.md, equations 7 to 10). The load of a wrap comes in
+    ``cells`` equal parts; the modulus of each is that in its middle, predicted from the part before.
+    """
+    n, nodes, levels = len(T), len(r), len(blocks)
+    x = np.log(r)
+    Q, y, middle = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)  # Q = r P, y = r s
+    ratio, carry = np.zeros(nodes), np.zeros(nodes)
+    before, change = np.zeros((levels, nodes)), np.zeros((levels, nodes))
+    edge = np.zeros(levels + 1, np.int64)  # nodes below edge[k] wait for the end of the block of level k
+    passed = np.zeros(levels)  # what they have been handed down so far
+    for start in range(0, n, blocks[0]):
+        end = min(start + blocks[0], n)
+        for k in range(levels - 1, -1, -1):
+            if start % blocks[k] == 0:
+                edge[k], passed[k] = max(0, start - zones[k]) * cells, 0.0
+                for i in range(edge[k + 1], edge[k] + 1):
+                    middle[i] = Q[i] + 0.5 * change[k, i]
+                _eliminate(middle, r, x, edge[k + 1], edge[k], E, core, knots, moduli, slope, ratio, carry)
+                for i in range(edge[k + 1], start * cells + 1):
+                    before[k, i] = Q[i]
+        first = edge[0]
+        for wrap in range(start, end):
+            top, part = wrap * cells, T[wrap] * h / cells
+            for i in range(max(0, top - cells + 1), top + 1):
+                y[i] = part  # new nodes: nothing came before
+            for _ in range(cells):
+                for i in range(first, top + 1):
+                    middle[i] = Q[i] + 0.5 * y[i]
+                _eliminate(middle, r, x, first, top, E, core, knots, moduli, slope, ratio, carry)
+                y[top] = part
+                Q[top] += part
+                for i in range(top - 1, first - 1, -1):
+                    y[i] = ratio[i] * y[i + 1]
+                    Q[i] += y[i]
+                passed[0] += y[first]
+            for j in range(1, cells):
+                Q[top + j] = T[wrap] * h * (1.0 - j / cells)
+        for k in range(levels):
+            if end % blocks[k] == 0 or end == n:
+                hand_down = passed[k]
+                for i in range(edge[k] - 1, edge[k + 1] - 1, -1):
+                    hand_down *= ratio[i]
+                    Q[i] += hand_down
+                if k + 1 < levels:
+                    passed[k + 1] += hand_down
+                for i in range(edge[k + 1], nodes):  # new nodes have no change yet
+                    change[k, i] = Q[i] - before[k, i] if before[k, i] > 0.0 else 0.0
+    return Q / r
+
+
+@njit(cache=True)
 def accrete(r, T, E, core, knots, moduli, slope):
-    """Pressure in a roll that grows continuously, on a grid with constant ratio of radii.
+    """Pressure in a roll of infinitely thin wraps, that grows continuously, on a grid with constant ratio of radii.
 
     Parameters
     ----------
@@ -98,14 +197,13 @@ def accrete(r, T, E, core, knots, moduli, slope):
         P, from_inside = (Q[0] + 2.0 * before * y[0]) / r[0], 0.0
         for i in range(last):
             P_next = (Q[i + 1] + 2.0 * before * y[i + 1]) / r[i + 1] if i + 1 < last else 0.0
-            near = E / radial_modulus(P + _NEAR * (P_next - P), knots, moduli, slope)
-            far = E / radial_modulus(P + _FAR * (P_next - P), knots, moduli, slope)
-            kappa = from_inside + 0.5 * (_FAR * near + _NEAR * far)
+            inner, outer = _cell_means(P, P_next, E, knots, moduli, slope)
+            kappa = from_inside + inner
             if i == 0:
                 ratio[0] = 1.0 / (1.0 + d * core + d * d * kappa)
             else:
                 ratio[i] = 1.0 / (2.0 + d * d * kappa - ratio[i - 1])
-            from_inside = 0.5 * (_NEAR * near + _FAR * far)
+            from_inside = outer
             P = P_next
         for i in range(last):
             Q[i] += before * y[i]

@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from ..case.winding import Winding
 
 
+_BLOCKS, _ZONES = (4, 32), (128, 1024)
+"""Blocks and zones of `kernels.lay_wraps` in wraps: within 4e-5 of the roll that leaves nothing out."""
+
+_MANY = 4000
+"""Rolls of more wraps take blocks twice as long: within 2e-4."""
+
+
 @dataclass(frozen=True)
 class WrapGrid:
     """The source's own grid: one node under each wrap.
@@ -42,11 +49,11 @@ class WoundRoll:
     Attributes
     ----------
     radius
-        (n,) m, the mandrel's outer radius first, the roll's last: the nodes that two grids share.
+        (n,) m, the mandrel's outer radius first, the roll's last: faces of the wraps; nodes in continuous growth.
     pressure
         (n,) between the wraps, Pa, positive in compression; 0 at the outer radius.
     hoop_stress
-        (n,) along the web, Pa, positive in tension.
+        (n,) along the web, Pa, positive in tension; at the face of two wraps their mean.
     tension
         (n,) tension stress with which the web was laid there, Pa.
     modulus
@@ -57,6 +64,8 @@ class WoundRoll:
         Friction between wraps; None when the section has none.
     error_estimate
         Estimated relative error of the pressure at the mandrel: what extrapolation from the two grids changes.
+    hoop_bound
+        Pressure at the mandrel if no wrap relaxed, Pa: sum of T h/r.
     wraps
         The same roll on the source's grid.
     """
@@ -69,6 +78,7 @@ class WoundRoll:
     mandrel_stiffness: float
     mu: float | None
     error_estimate: float
+    hoop_bound: float
     wraps: WrapGrid
 
     @property
@@ -91,12 +101,6 @@ class WoundRoll:
         return self._mu * self.pressure_at(radius)
 
     @property
-    def hoop_bound(self) -> float:
-        """Pressure at the mandrel if no wrap relaxed: integral of T/r over the radius, Pa."""
-        step = np.log(self.radius[-1] / self.radius[0]) / (len(self.radius) - 1)
-        return float(step * (self.tension.sum() - 0.5 * (self.tension[0] + self.tension[-1])))
-
-    @property
     def _mu(self) -> float:
         if self.mu is None:
             raise InputError(
@@ -108,9 +112,10 @@ class WoundRoll:
 def wound_roll(section: Winding) -> WoundRoll:
     """Stress in the roll that a section `winding` describes.
 
-    The roll grows continuously, which makes the result independent of the grid and of the thickness of a wrap. It is
-    computed on two grids, `cells` and half of them, and extrapolated; `WoundRoll.wraps` holds the same roll by the
-    source's scheme, one row per wrap.
+    Each wrap presses with T h/r on the roll below it (``growth: wraps``), solved on a grid of several cells per wrap
+    that does not depend on h; or the wraps are infinitely thin (``continuous``), so that stress and total thickness
+    alone count. Two grids, one twice as fine, are extrapolated. `WoundRoll.wraps` is the same roll by the source's
+    scheme, one row per wrap.
 
     Raises
     ------
@@ -125,37 +130,67 @@ def wound_roll(section: Winding) -> WoundRoll:
         raise InputError(
             "required section is missing", key="winding.mandrel", remedy="add it (outer_radius, wall, E, nu)"
         )
-    inner, stiffness = section.mandrel.outer_radius, mandrel_stiffness(section.mandrel)
+    stiffness = mandrel_stiffness(section.mandrel)
     modulus = RadialModulus.of(section.web.radial_modulus)
     core = section.web.E_theta / stiffness + section.web.nu_theta
-
-    def grown(cells: int) -> FloatArray:  # (4, cells + 1): radius, tension, pressure, hoop stress
-        radius = inner * (1.0 + section.build_up / inner) ** np.linspace(0.0, 1.0, cells + 1)
-        tension = tension_stress(section, radius)
-        pressure = kernels.accrete(radius, tension, section.web.E_theta, core, *modulus.knots)
-        return np.array([radius, tension, pressure, hoop_stress(radius, pressure, tension, core)])
-
-    coarse = grown(section.cells // 2)
-    fine = grown(2 * (section.cells // 2))[:, ::2]
-    radius, tension, pressure, hoop = (4.0 * fine - coarse) / 3.0  # both are of second order
+    if section.growth == "continuous":
+        half = section.cells // 2
+        coarse, fine = _grown(section, half, core, modulus), _grown(section, 2 * half, core, modulus)[:, ::2]
+    else:
+        half = max(1, section.cells // (2 * section.wraps))
+        coarse, fine = _laid(section, half, core, modulus), _laid(section, 2 * half, core, modulus)
+    radius, pressure, hoop = (4.0 * fine - coarse) / 3.0  # both are of second order
     return WoundRoll(
-        radius, pressure, hoop, tension, modulus, stiffness, section.mu,
-        float(abs(pressure[0] / fine[2, 0] - 1.0)), _on_wraps(section, core, modulus),
+        radius, pressure, hoop, tension_stress(section, radius), modulus, stiffness, section.mu,
+        float(abs(pressure[0] / fine[1, 0] - 1.0)), _hoop_bound(section), _on_wraps(section, core, modulus),
     )  # fmt: skip
 
 
-def hoop_stress(radius: FloatArray, pressure: FloatArray, tension: FloatArray, core: float) -> FloatArray:
-    """(n,) Pa: equilibrium, -d(r P)/dr inside; the web's tension outside; the mandrel's strain at the core."""
-    step = np.log(radius[1] / radius[0])
-    hoop = -np.gradient(radius * pressure, step) / radius
+def _laid(section: Winding, cells: int, core: float, modulus: RadialModulus) -> FloatArray:
+    """(3, wraps + 1) radius, pressure and hoop stress at the faces of wraps laid one by one, ``cells`` cells in each.
+
+    Inside a wrap the stress has steps, by which each wrap relaxes the one below: not given out.
+    """
+    under, tension = _under_wraps(section)
+    h, inner = section.wrap_thickness, under[0]
+    radius = inner + section.build_up * np.linspace(0.0, 1.0, section.wraps * cells + 1)
+    blocks = np.array(_BLOCKS if section.wraps <= _MANY else [2 * block for block in _BLOCKS])
+    pressure = kernels.lay_wraps(
+        radius, tension[:-1], h, cells, section.web.E_theta, core, *modulus.knots, blocks, np.array(_ZONES)
+    )[::cells]
+    mean = -np.diff(under * pressure) / h
+    hoop = np.concatenate([mean[:1], 0.5 * (mean[1:] + mean[:-1]), mean[-1:]])
+    # the first wrap's own pull is held while it is laid; only later wraps relax it
+    hoop[0], hoop[-1] = tension[0] - core * (pressure[0] - tension[0] * h / inner), tension[-2]
+    return np.array([under, pressure, hoop])
+
+
+def _grown(section: Winding, cells: int, core: float, modulus: RadialModulus) -> FloatArray:
+    """(3, nodes) radius, pressure and hoop stress of a roll that grows continuously."""
+    assert section.mandrel is not None
+    inner = section.mandrel.outer_radius
+    radius = inner * (1.0 + section.build_up / inner) ** np.linspace(0.0, 1.0, cells + 1)
+    tension = tension_stress(section, radius)
+    pressure = kernels.accrete(radius, tension, section.web.E_theta, core, *modulus.knots)
+    hoop = -np.gradient(radius * pressure, np.log(radius[1] / radius[0])) / radius
     hoop[0], hoop[-1] = tension[0] - core * pressure[0], tension[-1]
-    return hoop
+    return np.array([radius, pressure, hoop])
+
+
+def _under_wraps(section: Winding) -> tuple[FloatArray, FloatArray]:
+    """(wraps + 1,) radius under each wrap and of the free surface, m, and the tension stress there, Pa."""
+    assert section.mandrel is not None
+    radius = section.mandrel.outer_radius + section.wrap_thickness * np.arange(section.wraps + 1)
+    return radius, tension_stress(section, radius)
 
 
 def _on_wraps(section: Winding, core: float, modulus: RadialModulus) -> WrapGrid:
-    assert section.mandrel is not None
+    radius, tension = _under_wraps(section)
     h = section.wrap_thickness
-    radius = section.mandrel.outer_radius + h * np.arange(section.wraps + 1)
-    tension = tension_stress(section, radius)
     pressure = kernels.wrap_by_wrap(radius, tension, h, section.web.E_theta, core - 1.0, *modulus.knots)
     return WrapGrid(radius, pressure, -np.diff(radius * pressure) / h)
+
+
+def _hoop_bound(section: Winding) -> float:
+    radius, tension = _under_wraps(section)
+    return float(np.sum(tension[:-1] * section.wrap_thickness / radius[:-1]))
