@@ -84,10 +84,8 @@ def c27(nine: dict[str, xr.Dataset]) -> Verdict:
 
 
 def variants(nine: dict[str, xr.Dataset]) -> list[str]:
-    rows = [
-        "| inputs | disparity, Hz: 20 mm, 3.2 mm | 35 mm, 2 mm | 50 mm, 1 mm | 40 mm, 1.6 mm | grows with radius; thinner wall |"
-    ]
-    rows.append("|---|---|---|---|---|---|")
+    mandrels = "disparity, Hz: radius 20 mm, wall 3.2 mm | 35 mm, 2 mm | 50 mm, 1 mm | 40 mm, 1.6 mm"
+    rows = [f"| inputs | {mandrels} | grows with radius; thinner wall |", "|---|---|---|---|---|---|"]
     for words, data in nine.items():
         values, attrs = disparity(data), data.attrs
         own = attrs["own_frequency_tightest"] - attrs["own_frequency_loosest"]
