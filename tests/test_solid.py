@@ -72,7 +72,7 @@ def part_of(model):
 # ---- stiffness -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("material", "off"), [(STRIP, 0.10), (SOFT, 0.55)], ids=["tight", "loose"])
+@pytest.mark.parametrize(("material", "off"), [(STRIP, 0.10), (SOFT, 0.70)], ids=["tight", "loose"])
 def test_free_tube_has_exactly_six_zero_modes_and_the_others_converge_from_above(material, off):
     lowest = []
     for mesh in ((12, 2, 1), (24, 3, 2)):
