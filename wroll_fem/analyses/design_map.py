@@ -32,7 +32,7 @@ class Design:
         Shear modulus between wraps of the loosest coil, Pa.
     limit_kind
         The mode that is lower than bending when the coil is looser still; where a frequency is nan, the fundamental
-        mode in place of bending; otherwise "" for a loosest coil that the case gives.
+        mode in place of bending; "" for a loosest coil that the case gives, and where bending is always lowest.
     """
 
     frequency_tightest: float

@@ -12,6 +12,9 @@ from wroll_fem.fem.fourier_modes import FourierMode, family_modes, lowest_modes
 from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll
 from wroll_fem.materials import CylindricalOrthotropic
 
+LOWEST_MODULUS = 1.0
+"""Pa: next to nothing beside any web. A coil that leaves bending the fundamental mode down to here has no limit."""
+
 _TOLERANCE = 1e-5  # of the frequencies that meet
 _ITERATIONS = 40
 _ASIDE = 1e-3  # step above the crossing at which the fundamental mode is looked up, in the shear modulus
@@ -30,7 +33,8 @@ class LooseCoil:
     tightest
         Bending mode of the roll with the tightest coil.
     rival
-        Kind of the mode that takes its place below: "torsion" or "axial" shear of the coil, or "ovalling-n".
+        Kind of the mode that takes its place below: "torsion" or "axial" shear of the coil, or "ovalling-n"; "" when
+        bending stays the fundamental mode down to `LOWEST_MODULUS` (a coil clamped at its base).
     """
 
     shear_modulus: float
@@ -98,23 +102,27 @@ def loosest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> LooseCo
         roll.set_coil(with_shear_modulus(material, G))
         if lowest.family == BENDING or lowest.family in rivals:
             bending, rival = found[root]
-            return LooseCoil(G, bending, first, rival.kind)
+            unlimited = rival.frequency_hz > bending.frequency_hz * (1 + 2 * _TOLERANCE)
+            return LooseCoil(G, bending, first, "" if unlimited else rival.kind)
         rivals = [*rivals, lowest.family]
 
 
 def _root(gap: Callable[[float], float], start: float) -> float:
-    """Zero of a growing function by secants; the first step assumes the slope 1/2 of a shear frequency."""
-    x = start
+    """Zero of a growing function by secants, or the lowest modulus where it is still positive there.
+
+    The first step assumes the slope 1/2 of a shear frequency.
+    """
+    x, floor = start, float(np.log(LOWEST_MODULUS))
     history: list[float] = []
     previous: tuple[float, float] | None = None
     while len(history) < _ITERATIONS:
         y = gap(x)
         history.append(abs(y))
-        if abs(y) < _TOLERANCE:
+        if abs(y) < _TOLERANCE or (x == floor and y > 0):
             return x
         slope = 0.5 if previous is None or x == previous[0] else (y - previous[1]) / (x - previous[0])
         previous = x, y
-        x -= float(np.clip(y / max(slope, 0.05), -3.0, 3.0))
+        x = max(floor, x - float(np.clip(y / max(slope, 0.05), -3.0, 3.0)))
     raise ConvergenceError(
         "the shear modulus at which bending stops being the fundamental mode was not found",
         time_s=None, iterations=len(history), residual_history=history,
