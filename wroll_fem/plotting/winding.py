@@ -148,7 +148,7 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
         if k == 0:
             coarse = [1e-3 * m.data.attrs["pressure_mandrel_wrap_grid_pa"] for m in group]
             bound = [1e-3 * m.data.attrs["hoop_bound_pa"] for m in group]
-            ax.plot(tension, coarse, color=style.BLUE, ls=(0, (4, 2)), lw=1.2, label="the same, source's grid")
+            ax.plot(tension, coarse, "x", color=style.RED, ms=8, mew=1.4, zorder=4, label="the same, source's grid")
             ax.plot(tension, bound, color="black", ls=":", lw=1.4, label="hoop bound: no wrap relaxes")
     ax.set_yscale("log")
     ends = [m.data.attrs["pressure_mandrel_pa"] for m in grid] + [m.data.attrs["hoop_bound_pa"] for m in grid]
