@@ -20,9 +20,10 @@ from .output import Output
 from .preload import Preload
 from .schema import schema_text
 from .solver import Solver
+from .winding import Winding
 
 __all__ = [
     "ANALYSES", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation", "Friction",
     "Geometry", "Harmonic", "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal", "Output",
-    "Preload", "Section", "Solver", "build_case", "example_case", "load_case", "schema_text",
+    "Preload", "Section", "Solver", "Winding", "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip
