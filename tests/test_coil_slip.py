@@ -107,7 +107,9 @@ def test_stress_scales_with_the_level_and_the_history_reaches_it(dataset):
     np.testing.assert_allclose(at_15_g, 15.0 * dataset["shear_resultant"].values, rtol=1e-12)
     last = dataset["shear_resultant_history"].values[-65:].max()
     assert last == pytest.approx(15.0 * float(dataset["shear_resultant"][first]), rel=3e-3)
-    assert dataset.attrs["transmissibility_last_cycle"] == pytest.approx(dataset.attrs["transmissibility"], rel=3e-3)
+    for data in (dataset, computed(frequency_hz=40.0)):  # below resonance the base's own motion is most of it
+        attrs = data.attrs
+        assert attrs["transmissibility_last_cycle"] == pytest.approx(attrs["transmissibility"], rel=3e-3)
 
 
 def test_nothing_slips_where_nothing_may():

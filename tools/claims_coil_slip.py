@@ -28,7 +28,7 @@ from wroll_fem.winding import wound_roll
 
 ROOT = Path(__file__).resolve().parents[1]
 FOURIER = "mesh.discretisation=fourier"
-FINE = (FOURIER, "mesh.axial=24", "mesh.radial=12", "mesh.radial_grading=4")
+FINE = (FOURIER, "mesh.axial=48", "mesh.radial=10")
 UNIFORM = ("mesh.circumferential=16", "mesh.grading=1", "mesh.radial=3", "mesh.radial_grading=1")
 Row = tuple[str, ...]
 MESH_HEAD = (
@@ -168,7 +168,7 @@ def meshes() -> list[Row]:
         ("uniform, 16 x 12 x 3", (*UNIFORM, "mesh.axial=12")),
         ("harmonics, the same divisions", (FOURIER,)),
         ("harmonics, twice as many along the axis", (FOURIER, "mesh.axial=48")),
-        ("harmonics, 12 through the coil, graded", FINE),
+        ("harmonics, twice as many both ways", FINE),
     ):  # fmt: skip
         data = response(study(*overrides))
         shear = data["shear_resultant"].values
