@@ -37,7 +37,7 @@ OTHERS = {
     "tip mass of 0.05 kg": ("mandrel.tip_mass=0.05",),
     "Kapton of 2.5 GPa": SOFT,
     "coil clamped at its base": ("coil.base=clamped",),
-    "loosest coil of 1 kPa everywhere": ("design_map.loosest=1.0e3",),
+    "loosest coil of 10 kPa everywhere": ("design_map.loosest=1.0e4",),
     "loosest coil of 1 MPa everywhere": ("design_map.loosest=1.0e6",),
     "finer (axial 16, radial 3)": ("mesh.axial=16", "mesh.radial=3"),
     "aluminium mandrel": ALUMINIUM,

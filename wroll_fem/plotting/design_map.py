@@ -38,7 +38,7 @@ def plot_design_map(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(label("mandrel_radius", "mm"))
     ax.set_ylabel("Frequency disparity (Hz)")
-    ax.legend(title="Wall of the mandrel", fontsize=8, title_fontsize=8, framealpha=0.9, loc="upper left")
+    ax.legend(title="Wall of the mandrel", fontsize=8, title_fontsize=8, framealpha=0.9, loc="upper left", ncols=2)
     style.title(ax, _sentence(disparity))
     return ax
 
