@@ -201,7 +201,7 @@ class _Run:
             done=self.done,
             seconds=self.seconds,
             records=self.records[: self.done],
-            kept=np.array(self.kept).reshape(-1, n),
+            kept=np.array(self.kept).reshape(len(self.kept), n),
             kept_times=np.array(self.kept_times),
             **{f"state_{name}": value for name, value in self.state.items()},
         )
