@@ -138,8 +138,10 @@ def _place(along: str, position: float, scale: float) -> str:
     return f"{1e3 * (position - scale):.2f} mm from the mandrel"
 
 
-def plot_root_section(dataset: xr.Dataset, component: Literal["rz", "rt"], ax: Axes | None = None) -> Axes:
-    """Plot the amplitude of one shear component on the lowest cross-section at the top level (Fig. 2.15).
+def plot_root_section(
+    dataset: xr.Dataset, component: Literal["rz", "rt"], ax: Axes | None = None, height: float = 0.0
+) -> Axes:
+    """Plot the amplitude of one shear component on a cross-section at the top level (Fig. 2.15).
 
     Parameters
     ----------
@@ -149,6 +151,9 @@ def plot_root_section(dataset: xr.Dataset, component: Literal["rz", "rt"], ax: A
         "rz": along the axis; "rt": along the hoop.
     ax
         Axes to draw in; a new figure without.
+    height
+        Above the base, m; the row of points next to it is drawn. 0 is the lowest row: not the end face itself, a free
+        surface on which the axial shear vanishes.
 
     Returns
     -------
@@ -162,13 +167,13 @@ def plot_root_section(dataset: xr.Dataset, component: Literal["rz", "rt"], ax: A
 
     Notes
     -----
-    Linear between the quadrature points; a dashed line bounds the points of the section that slip. The section is the
-    lowest row of points, not the end face itself.
+    Linear between the quadrature points; a dashed line bounds the points of the section that slip.
     """
     style.require(dataset, (*_POINTS, "shear_rz", "shear_rt"), "root section")
     grid, top = grid_of(dataset), float(dataset["amplitude_g"].values[-1])
     most, r_m = float(dataset.attrs["capacity_mandrel_pa"]), float(dataset.attrs["mandrel_radius_m"])
-    root = grid.numbers[:, 0, :]
+    row = int(np.abs(grid.z - height).argmin())
+    root = grid.numbers[:, row, :]
     shown = {name: top * dataset[f"shear_{name}"].values[root] / most for name in ("rz", "rt")}
     margin = dataset["slip_onset"].values[root]
     if ax is None:
@@ -200,8 +205,8 @@ def plot_root_section(dataset: xr.Dataset, component: Literal["rz", "rt"], ax: A
     name = {"rz": "Axial shear σ_rz", "rt": "Hoop shear σ_rθ"}[component]
     style.title(
         ax,
-        f"{name} at {top:g}\u00a0g: up to {shown[component][peak]:.3g} times the largest capacity, at "
-        f"{abs(np.degrees(grid.theta[peak[1]])):.0f}° from x",
+        f"{name} {1e3 * grid.z[row]:.2g} mm up, {top:g}\u00a0g: largest {shown[component][peak]:.3g} times the "
+        f"capacity, at {abs(np.degrees(grid.theta[peak[1]])):.0f}° from x",
         44,
     )
     return ax
@@ -223,14 +228,21 @@ def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
 
 
 def plot_root_sections(dataset: xr.Dataset) -> Axes:
-    """Figure 2.15 of the source: both shear components on the root section on one scale; returns the first panel."""
-    figure, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.7), dpi=style.DPI, layout="constrained")
-    plot_root_section(dataset, "rz", panels[0])
-    plot_root_section(dataset, "rt", panels[1])
-    bar = figure.colorbar(panels[0].collections[0], ax=list(panels), pad=0.01)
-    height = 1e3 * float(dataset["z_m"].min())
-    bar.set_label(f"Amplitude over the largest capacity, {height:.2g} mm above the base\n(dashed: slips inside)")
-    return panels[0]
+    """Figure 2.15 of the source: both shear components on the root section, and 1 % of the length up.
+
+    Returns
+    -------
+    Axes
+        The first panel: axial shear on the lowest row of points.
+    """
+    figure, panels = plt.subplots(2, 2, figsize=(1.35 * style.WIDTH, 9.2), dpi=style.DPI, layout="constrained")
+    for row, height in zip(panels, (0.0, 0.01 * float(dataset.attrs["length_m"])), strict=True):
+        plot_root_section(dataset, "rz", row[0], height)
+        plot_root_section(dataset, "rt", row[1], height)
+        bar = figure.colorbar(row[0].collections[0], ax=list(row), pad=0.01)
+        bar.set_label("Amplitude over the capacity at the mandrel\n(dashed: slips inside)")
+    first: Axes = panels[0, 0]
+    return first
 
 
 def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
