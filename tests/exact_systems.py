@@ -87,8 +87,8 @@ def with_preload(system, along, values):
 
 
 def interface_ledger(system, states):
-    """(4,) friction, stored, modulation and total work from one committed state to the next, J."""
-    work = np.zeros(4)
+    """(5,) friction, stored, modulation, total and impact work from one committed state to the next, J."""
+    work = np.zeros(5)
     for a, b in pairwise(states):
         kernels.interface_work(
             a.jump, a.elastic_slip, a.traction, b.jump, b.elastic_slip, b.traction,

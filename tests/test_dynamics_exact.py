@@ -81,7 +81,7 @@ def test_jenkins_element_loses_its_loop_area():
     assert trapezoid([peak, *cycle], tip) == pytest.approx(
         exact, rel=1e-7
     )  # of the static residual, 1e-9 of all forces
-    friction, stored, modulation, _ = interface_ledger(system, states)
+    friction, stored, modulation, _, _ = interface_ledger(system, states)
     assert friction == pytest.approx(exact, rel=1e-7)
     assert abs(stored) + abs(modulation) < 1e-7 * exact
 
@@ -124,7 +124,7 @@ def test_two_leaf_cantilever_follows_goodman_and_klumpp():
     np.testing.assert_allclose(np.diff(loads[later]) / np.diff(w[later]), 6.0 * stiffness, rtol=1e-6)
     exact = p_s * (ratio - 1.0) * p_s / (2.0 * stiffness)
     area = trapezoid(loads[steps - 1 :], w[steps - 1 :])
-    friction, stored, modulation, _ = interface_ledger(leaves.system, states[steps - 1 :])
+    friction, stored, modulation, _, _ = interface_ledger(leaves.system, states[steps - 1 :])
     assert area == pytest.approx(exact, rel=1e-4)
     assert friction == pytest.approx(area, rel=1e-7)
     assert abs(stored) + abs(modulation) < 1e-7 * area

@@ -72,6 +72,7 @@ FIELDS: dict[str, Field] = {
     "pressure_modulation_work": Field(_ENERGY, "work exchanged with the pressure-dependent stick stiffness"),
     "interface_work": Field(_ENERGY, "work done on the interfaces"),
     "viscous_energy": Field(_ENERGY, "energy dissipated by viscous damping"),
+    "impact_dissipation": Field(_ENERGY, "energy lost where surfaces land and part"),
     "numerical_dissipation": Field(_ENERGY, "energy dissipated by the time integration scheme"),
     # interfaces
     "cumulative_slip": Field("m", "cumulative slip"),

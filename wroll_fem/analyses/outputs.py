@@ -70,8 +70,9 @@ def energy_balance_error(dataset: xr.Dataset) -> float:
     """
     stored = dataset["kinetic_energy"] + dataset["strain_energy"] + dataset["contact_energy"]
     spent = dataset["friction_energy"] + dataset["pressure_modulation_work"] + dataset["numerical_dissipation"]
-    if "viscous_energy" in dataset:
-        spent = spent + dataset["viscous_energy"]
+    for name in ("viscous_energy", "impact_dissipation"):
+        if name in dataset:
+            spent = spent + dataset[name]
     gap = np.abs((dataset["input_work"] - stored - spent).values)
     scale = float(np.abs(dataset["input_work"].values).max())
     return float(gap.max() / scale) if scale > 0 else 0.0
@@ -101,7 +102,7 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     if "input_work" in dataset:
         last = dataset.isel(time=-1)
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
-        summary |= {f"{name}_j": float(last[name]) for name in names}
+        summary |= {f"{name}_j": float(last[name]) for name in (*names, "impact_dissipation") if name in last}
         summary["energy_balance_error"] = energy_balance_error(dataset)
     if "input_work_per_cycle" in dataset:
         summary |= _work_per_cycle(dataset)

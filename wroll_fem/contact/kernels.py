@@ -14,6 +14,11 @@ With the relative displacement :math:`g` (outer minus inner body), pressure :mat
 
 where the index c marks the committed state. A trial evaluation never changes committed arrays.
 The force on the structure is :math:`-G^T W t`.
+
+A point that opens within a time step (:math:`g_{n,c} < 0 < g_n`) holds on once more,
+:math:`t_n = k_n g_{n,c} g_n / (g_{n,c} - g_n)`, so that the trapezoidal work of the step returns exactly the energy
+stored in the penalty. With :math:`t_n = 0` there it would return more, and rattling layers would feed on it
+(docs/theory.md).
 """
 
 from __future__ import annotations
@@ -34,6 +39,18 @@ drop_stale_cache(__file__)
 STICK, SLIP, OPEN = 0, 1, 2
 
 
+@numba.njit(cache=True, inline="always")
+def _release(kn, gn, gn_c):
+    """Normal traction (Pa, tension) of a point that opens from ``gn_c`` < 0 to ``gn`` > 0 within a time step."""
+    return kn * gn_c * gn / (gn_c - gn)
+
+
+@numba.njit(cache=True, inline="always")
+def _squared(tn, k, laws):
+    """Square of a normal traction that a penalty stores: not that of a release."""
+    return 0.0 if laws.separation[k] and tn > 0.0 else tn * tn
+
+
 @numba.njit(cache=True)
 def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     """Trial traction from the relative displacement; fills ``t`` (Pa), ``e`` (m) and ``status``.
@@ -51,6 +68,8 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
         gn = g[2 * n + k]
         closed = gn <= 0.0 or not laws.separation[k]
         tn = laws.kn[k] * gn if closed else 0.0
+        if not closed and g_c[2 * n + k] < 0.0 and dt < np.inf:
+            tn = _release(laws.kn[k], gn, g_c[2 * n + k])
         p = -tn if tn < 0.0 else 0.0
         dh, dz = g[2 * k] - g_c[2 * k], g[2 * k + 1] - g_c[2 * k + 1]
         eh, ez, sliding = slip_update(k, e_c[2 * k] + dh, e_c[2 * k + 1] + dz, dh, dz, laws, dt)
@@ -75,9 +94,11 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
         for i in range(3):
             for j in range(3):
                 d[k, i, j] = 0.0
-        if not closed:
-            continue
         kn = laws.kn[k]
+        if not closed:
+            if g_c[2 * n + k] < 0.0 and dt < np.inf:
+                d[k, 2, 2] = kn * (g_c[2 * n + k] / (g_c[2 * n + k] - gn)) ** 2
+            continue
         d[k, 2, 2] = kn
         p = -kn * gn
         if p < 0.0:
@@ -98,11 +119,13 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
 
 @numba.njit(cache=True)
 def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
-    """Add the work of one committed step to ``work`` (4,), J.
+    """Add the work of one committed step to ``work`` (5,), J.
 
     ``work[0]`` friction: mean traction times plastic slip; ``work[1]`` change of the stored contact energy
     (normal penalty and elastic slip); ``work[2]`` exchange with the pressure-dependent stick stiffness
-    (zero while the pressure is constant); ``work[3]`` total interface work (trapezoidal rule).
+    (zero while the pressure is constant); ``work[3]`` total interface work (trapezoidal rule); ``work[4]`` what
+    normal contact takes where a point closes or has just opened (it gives some back only where a point turns round
+    in the very step after it opened).
     """
     area, kn, mu, gamma = laws.area, laws.kn, laws.mu, laws.gamma
     n = kn.shape[0]
@@ -112,7 +135,7 @@ def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
         p = -t[2 * n + k] if t[2 * n + k] < 0.0 else 0.0
         stored_normal = 0.0
         if kn[k] > 0.0:
-            stored_normal = 0.5 * (t[2 * n + k] ** 2 - t_c[2 * n + k] ** 2) / kn[k]
+            stored_normal = 0.5 * (_squared(t[2 * n + k], k, laws) - _squared(t_c[2 * n + k], k, laws)) / kn[k]
         old = 0.5 * mu[k] * pc / gamma[k] * (e_c[2 * k] ** 2 + e_c[2 * k + 1] ** 2)
         new = 0.5 * mu[k] * p / gamma[k] * (e[2 * k] ** 2 + e[2 * k + 1] ** 2)
         elastic = 0.0
@@ -128,6 +151,7 @@ def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
         work[2] += w * (elastic - (new - old))
         normal = 0.5 * (t[2 * n + k] + t_c[2 * n + k]) * (g[2 * n + k] - g_c[2 * n + k])
         work[3] += w * (plastic + elastic + normal)
+        work[4] += w * (normal - stored_normal)
 
 
 @numba.njit(cache=True)

@@ -275,6 +275,7 @@ def record_contact(record, totals, iterations, status):
     record[7] = totals[0]
     record[8] = totals[2]
     record[10] = totals[3]
+    record[15] = totals[4]
     record[11] = iterations
     slipping, opened = 0, 0
     for k in range(status.shape[0]):

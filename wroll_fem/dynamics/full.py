@@ -13,6 +13,7 @@ from .static import ContactState, TrialContact
 from .stepper import (
     CONTACT,
     FRICTION,
+    IMPACT,
     INPUT,
     INTERFACE,
     ITERATIONS,
@@ -177,7 +178,7 @@ class FullStepper(Stepper):
         change = self.jump - self.preload.jump
         row[STRAIN] = 0.5 * self.w @ (system.stiffness @ self.w) - (system.weights * self.preload.traction) @ change
         row[INPUT], row[NUMERICAL], row[VISCOUS] = self.flows
-        row[FRICTION], row[CONTACT], row[MODULATION], row[INTERFACE] = self.totals
+        row[FRICTION], row[CONTACT], row[MODULATION], row[INTERFACE], row[IMPACT] = self.totals
         row[ITERATIONS] = iterations
         if system.n_points:
             row[OPEN] = np.mean(self.trial.status == kernels.OPEN)

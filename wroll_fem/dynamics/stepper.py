@@ -29,11 +29,13 @@ RECORDS = (
     "open_fraction",
     "slipping_fraction",
     "viscous_energy",
+    "impact_dissipation",
 )
 """Columns of a step record; energies in J since the start of the run."""
-INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING, VISCOUS = (
-    range(3, 15)
-)
+(
+    INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING, VISCOUS,
+    IMPACT,
+) = range(3, 16)  # fmt: skip
 
 
 @dataclass
@@ -89,7 +91,7 @@ class Stepper(ABC):
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions):
         self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
         self.slip = SlipRecord.zeros(system.n_points)
-        self.totals = np.zeros(4)  # friction, contact, modulation, interface work
+        self.totals = np.zeros(5)  # friction, contact, modulation, interface work, impact
         self.flows = np.zeros(3)  # input work, numerical dissipation, viscous work
         self.cuts = 0
         self.base_acceleration = np.zeros(())  # m/s^2, that the committed acceleration is in balance with

@@ -40,7 +40,7 @@ class System:
     damping
         (n, n) sparse symmetric viscous damping, N s/m; None for none.
     pressures
-        External pressure on each layer in Pa, inner first, behind the load "preload"; empty when that has other reasons.
+        External pressure on each layer in Pa, inner first, behind the load "preload"; empty for other loads.
     """
 
     stiffness: sp.csr_matrix
