@@ -20,7 +20,7 @@ from wroll_fem.fem.shear import quadratic_basis, shear_modes
 from wroll_fem.mesh import VTK_GRID
 from wroll_fem.mesh_file import write_mesh
 from wroll_fem.meshing import build_mesh
-from wroll_fem.modes import classify_mode, main_bending
+from wroll_fem.modes import circumferential_content, classify_mode, main_bending
 from wroll_fem.progress import SilentProgress
 
 STIFF = Path(__file__).parents[1] / "configs" / "coiled_stiff.yaml"
@@ -71,6 +71,9 @@ def test_half_of_the_roll_has_the_modes_of_the_whole_that_bend_along_x():
     both = lowest(whole, 2)
     assert lowest(half)[0] == pytest.approx(both[0], rel=1e-9)
     assert both[1] == pytest.approx(both[0], rel=1e-9)
+    shaken = [part.influence.T @ part.mass @ part.influence for part in (half, whole)]
+    np.testing.assert_allclose(shaken[0][[0, 2], [0, 2]], shaken[1][[0, 2], [0, 2]], rtol=1e-9)
+    assert shaken[0][1, 1] == 0.0  # shaking along y has no part that is symmetric
     restored = half.solid.expand @ solve_modes(half.stiffness, half.mass, 1)[1][:, 0]
     u = restored.reshape(-1, 3)
     mirrored = np.lexsort(np.round(half.solid.nodes * [1, -1, 1], 9).T)
@@ -160,6 +163,19 @@ def test_run_names_the_modes_and_puts_the_coil_into_shapes_and_files():
     outside = np.abs(radius - 0.025).max(axis=1) < 1e-9
     assert outside.sum() == 12 * 6
     assert np.isin(np.round(z[~outside], 9), [0.0, 0.3]).all()
+
+
+def test_content_of_a_motion_is_weighed_by_the_mass_of_wall_and_coil():
+    part = body(*FREE)
+    for axis, wave, component in ((0, 1, (0, 2)), (2, 0, (1,))):
+        content = circumferential_content(part, part.influence[:, axis])
+        assert content[wave, list(component)].sum() == pytest.approx(part.mass_total, rel=1e-9)
+        assert content.sum() == pytest.approx(part.mass_total, rel=1e-9)
+    coil_alone = np.zeros(part.n_dofs)
+    first = part.expand.getnnz(axis=0).nonzero()[0].max() + 1  # the coil's own unknowns come behind the mandrel's
+    coil_alone[first:] = part.influence[first:, 2]
+    assert circumferential_content(part, coil_alone)[0, 1] > 0.9 * part.solid.mass
+    assert classify_mode([part], coil_alone).kind == "axial"
 
 
 def test_mesh_files_hold_the_coil(tmp_path):
