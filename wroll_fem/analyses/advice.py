@@ -15,6 +15,9 @@ SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
 SECONDS_PER_EIGENPROBLEM = 2.2e-10
 """Time to find the modes of one harmonic's block over the cube of its size, on the same core."""
 
+SECONDS_PER_SOLID_DOF = 3.5e-4
+"""Time to assemble a solid coil and find ten modes over its DOFs, on the same core."""
+
 
 def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
@@ -227,15 +230,17 @@ def estimate(case: Case) -> dict[str, Any]:
         return _harmonics(case)
     shells = 1 + (case.coil.layers if case.coil.model in ("layers", "bonded") else 0)
     half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full"
+    half = half and not case.analysis.startswith("modal")  # all modes are wanted
     around, along = case.mesh.circumferential, case.mesh.axial
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
+    solid = case.coil.model == "solid"
     result: dict[str, Any] = {
-        "dofs": 6 * nodes * shells + (6 * nodes * case.mesh.radial if case.coil.model == "solid" else 0),
+        "dofs": 6 * nodes * shells + (6 * nodes * case.mesh.radial if solid else 0),
         "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
     }
     result |= _time_steps(case)
-    seconds = 4.0 + 7e-5 * result["dofs"]
+    seconds = 4.0 + (SECONDS_PER_SOLID_DOF if solid else 7e-5) * result["dofs"]
     if "steps" in result:
         per_harmonic = 2.0 * result["dofs"] / around
         if case.solver.method != "full":
