@@ -29,6 +29,13 @@ def _ends(dataset: xr.Dataset) -> tuple[tuple[float, float], tuple[float, float]
     return (float(attrs["mandrel_radius_m"]), float(attrs["coil_outer_radius_m"])), (0.0, float(attrs["length_m"]))
 
 
+def _finding(onset: float, top: float, dataset: xr.Dataset) -> str:
+    share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
+    if share > 0.0:
+        return f"Slip starts above {onset:.3g} g; at {top:g} g {share:.2g} % of the coil slips"
+    return f"No slip up to {top:g} g" + (f"; it would start above {onset:.3g} g" if np.isfinite(onset) else "")
+
+
 def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """Write the coil as .vtu: one hexahedron around each quadrature point, with the point's values.
 
@@ -119,9 +126,7 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
     names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
     keys = [Patch(facecolor=colour, label=name) for colour, name in zip(colours, names, strict=True)]
     figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
-    share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
-    first = f"slip starts above {onset.min():.3g} g" if np.isfinite(onset.min()) else "nothing shears the coil"
-    figure.suptitle(f"{first[0].upper()}{first[1:]}; at {levels[-1]:g} g {share:.2g} % of the coil slips", fontsize=10)
+    figure.suptitle(_finding(float(onset.min()), float(levels[-1]), dataset), fontsize=10)
     target = style.target(path)
     figure.savefig(target)
     return target
