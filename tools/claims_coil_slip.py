@@ -139,7 +139,7 @@ def claims(data: xr.Dataset, fine: xr.Dataset) -> list[Row]:
     depth = {where: [1e3 * section.half_depth(name, row) for name in ("rz", "rt")] for where, row in rows_of.items()}
     told = "; ".join(f"{where}: {rz:.2f} mm (srz), {rt:.2f} mm (srt)" for where, (rz, rt) in depth.items())
     found.append(("C22", "srt extends over a larger radial distance than srz",
-                  f"above half its largest value up to {told}", all(rt > rz for rz, rt in depth.values())))  # fmt: skip
+                  f"above half its largest value: {told}", all(rt > rz for rz, rt in depth.values())))  # fmt: skip
     angle = {name: section.angle(name) for name in ("rz", "rt")}
     found.append(("C23", "srz peaks on the faces along the excitation, srt at the neutral axis",
                   f"srz {angle['rz']:.1f} deg, srt {angle['rt']:.1f} deg from the axis of excitation",
