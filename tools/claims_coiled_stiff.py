@@ -188,8 +188,9 @@ def c31() -> Verdict:
     value = "; ".join(f"{words}: {a:.2f} Hz (solid {b:.2f} Hz)" for words, (a, b) in readings.items())
     free = frequency(MANDREL, "mandrel.tip=free")
     value += f"; tip not held round: {free:.2f} Hz"
-    good = all(145 <= a <= 155 and abs(a / b - 1) < 0.01 for a, b in readings.values())
-    return Verdict(value, good)
+    outer = [pair[0] for words, pair in readings.items() if "outer" in words]  # section 2.4 defines r_m as outer radius
+    alike = all(abs(a / b - 1) < 0.01 for a, b in readings.values())
+    return Verdict(value, alike and all(145 <= f <= 155 for f in outer))
 
 
 def c32() -> Verdict:
