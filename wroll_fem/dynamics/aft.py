@@ -44,6 +44,7 @@ class Sampling:
     Attributes
     ----------
     harmonics, samples : H and N
+    odd : leaves out the even harmonics: for motions whose second half period mirrors the first
     values : (N, R) motion at phase 2 pi j / N for unit coefficients
     velocities : (N, R) its change per sample, (2 pi / N) d/d(phase)
     project : (R, N) samples to coefficients
@@ -52,6 +53,7 @@ class Sampling:
 
     harmonics: int
     samples: int
+    odd: bool = False
     values: FloatArray = field(init=False)
     velocities: FloatArray = field(init=False)
     project: FloatArray = field(init=False)
@@ -70,10 +72,11 @@ class Sampling:
         count, phase = self.samples, 2.0 * np.pi * np.arange(self.samples) / self.samples
         values, slopes = np.zeros((count, self.size)), np.zeros((count, self.size))
         values[:, 0] = 1.0
-        for k in range(1, self.harmonics + 1):
+        for column in range(1, self.size, 2):
+            k = self.orders[column]
             cos, sin = np.cos(k * phase), np.sin(k * phase)
-            values[:, 2 * k - 1], values[:, 2 * k] = cos, sin
-            slopes[:, 2 * k - 1], slopes[:, 2 * k] = -k * sin, k * cos
+            values[:, column], values[:, column + 1] = cos, sin
+            slopes[:, column], slopes[:, column + 1] = -k * sin, k * cos
         project = 2.0 / count * values.T
         project[0] *= 0.5
         grow = np.arange(count + 1) / count
@@ -88,13 +91,13 @@ class Sampling:
 
     @property
     def size(self) -> int:
-        """Coefficients of a series, R = 2 H + 1."""
-        return 2 * self.harmonics + 1
+        """Coefficients of a series, R = 2 H + 1; odd harmonics and the constant alone are about half as many."""
+        return 2 * ((self.harmonics + 1) // 2 if self.odd else self.harmonics) + 1
 
     @property
     def orders(self) -> FloatArray:
         """(R,) harmonic number of each coefficient."""
-        return np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1), 2)])
+        return np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1, 2 if self.odd else 1), 2)])
 
 
 @dataclass(frozen=True)
