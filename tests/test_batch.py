@@ -21,6 +21,7 @@ from wroll_fem import batch, cli
 from wroll_fem.batch import draw_figures, run_grid, table_dataset, write_tables
 from wroll_fem.errors import InputError
 from wroll_fem.grid import load_grid
+from wroll_fem.pools import Ended, LocalPool
 from wroll_fem.progress import SilentProgress
 from wroll_fem.run_folder import RunFolder
 
@@ -101,6 +102,24 @@ def test_lists_are_values_too_and_equal_last_words_use_the_whole_key(tmp_path: P
     assert grid.members[-1].case.preload.pressure == [100.0, 300.0]
 
 
+def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
+    """Latin hypercube: n equal slices of each range hold one sample each; the seed makes it repeatable."""
+    text = (
+        f"base: {TINY}\nsamples: {{count: 8, seed: 3, ranges: {{contact.friction.mu: [0.1, 0.5],"
+        " preload.pressure: {low: 1.0e+4, high: 3.0e+5, scale: log}}}\ngrid: {mesh.axial: [4, 6]}"
+    )
+    grid = load_grid(grid_file(tmp_path, text))
+    assert [m.name for m in grid.members[:3]] == ["sample_1__axial_4", "sample_1__axial_6", "sample_2__axial_4"]
+    assert len(grid.members) == 16
+    mu, pressure = (np.array([m.values[key] for m in grid.members[::2]]) for key in list(grid.members[0].values)[1:3])
+    np.testing.assert_array_equal(np.sort(np.floor((mu - 0.1) / 0.05)), np.arange(8))
+    np.testing.assert_array_equal(np.sort(np.floor(8 * np.log(pressure / 1e4) / np.log(30.0))), np.arange(8))
+    assert [m.case.preload.pressure for m in grid.members[::2]] == list(pressure)
+    again, other = (load_grid(grid_file(tmp_path, text.replace("seed: 3", f"seed: {n}"))) for n in (3, 4))
+    assert [m.values for m in again.members] == [m.values for m in grid.members]
+    assert [m.values for m in other.members] != [m.values for m in grid.members]
+
+
 @pytest.mark.parametrize(
     ("text", "key", "said"),
     [
@@ -118,6 +137,20 @@ def test_lists_are_values_too_and_equal_last_words_use_the_whole_key(tmp_path: P
         ("base: {tiny}\ncases: [{tiny}]\ngrid: {mesh.axial: [4]}", "base", "is given beside cases"),
         ("base: {tiny}\ngrids: {mesh.axial: [4]}", "grids", "did you mean grid?"),
         ("base: {tiny}\ngrid: {mesh.axial: [4]}\nfigure: slip_extend", "figure", "no such figure"),
+        ("base: {tiny}\nsamples: {count: 3}", "samples.ranges", "missing"),
+        ("base: {tiny}\nsamples: {count: 3, ranges: {}}", "samples.ranges", "there is nothing to sample"),
+        ("base: {tiny}\nsamples: {count: 3, ranges: {preload.pressure: [5, 1]}}", "samples.ranges", "low, high"),
+        (
+            "base: {tiny}\nsamples: {count: 3, ranges: {preload.pressure: {low: 0, high: 1, scale: log}}}",
+            "samples.ranges.preload.pressure",
+            "a logarithmic range starts above 0",
+        ),
+        ("base: {tiny}\nsamples: {count: 3, ranges: {mesh.axail: [4, 6]}}", "samples.ranges.mesh.axail", "axial"),
+        (
+            "base: {tiny}\ngrid: {preload.pressure: [1, 2]}\nsamples: {count: 3, ranges: {preload.pressure: [1, 2]}}",
+            "samples.ranges",
+            "is in grid too",
+        ),
         ("- base", "grid.yaml", "is not a grid: it holds a list"),
         ("", "grid.yaml", "is empty"),
     ],
@@ -192,11 +225,11 @@ def test_a_finished_case_is_not_run_again(finished: tuple[Path, Path, Result], m
     path, out, _ = finished
     started: list[str] = []
 
-    def record(self: object, member: batch.Member, folder: Path) -> batch.Outcome:
-        started.append(member.name)
-        return batch.Outcome(member, "failed", "stand-in", 3)
+    def record(self: object, words: list[str]) -> Ended:
+        started.append(Path(words[2]).name)
+        return Ended(3, "stand-in")
 
-    monkeypatch.setattr(batch._Pool, "run", record)
+    monkeypatch.setattr(LocalPool, "_run", record)
     progress = SilentProgress()
     outcomes = run_grid(load_grid(path), out, progress=progress)
     assert [o.status for o in outcomes] == ["already done", "already done", "failed", "failed"]
@@ -221,6 +254,16 @@ def test_a_folder_of_another_case_is_left_alone_and_reported(
     assert (outcome.status, outcome.exit_code) == ("failed", 2)
     assert "holds results of another case" in outcome.error
     assert (out / first / "summary.json").read_text() == before
+
+
+def test_a_folder_of_another_batch_is_refused(finished: tuple[Path, Path, Result], tmp_path: Path) -> None:
+    _, out, _ = finished
+    before = (out / "batch.csv").read_text()
+    path = grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")
+    done = wroll("batch", path, "--out", out)
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
+    assert "holds another batch" in done.stderr
+    assert (out / "batch.csv").read_text() == before
 
 
 def test_fewer_than_one_worker_is_refused(tmp_path: Path) -> None:

@@ -5,11 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import os
-import subprocess
-import sys
-import threading
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Future, as_completed, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,11 +15,15 @@ import numpy as np
 
 from .errors import InputError
 from .grid import REFERENCE, Grid, Member
+from .pools import ClusterPool, Ended, LocalPool, Pool
 from .progress import Progress, SilentProgress
 from .run_folder import RunFolder, plain
 
 if TYPE_CHECKING:
     import xarray as xr
+
+STOP_SECONDS = 30.0
+"""How long cases may take to save themselves when a batch is interrupted."""
 
 _UNITS = {"hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "m_s2": "m s-2", "rad": "rad"}
 """Last words of a name in summary.json -> unit."""
@@ -48,47 +49,14 @@ class Outcome:
     exit_code: int = 0
 
 
-class _Pool:
-    """`wroll run` processes that can be stopped together."""
-
-    def __init__(self) -> None:
-        self._running: set[subprocess.Popen[str]] = set()
-        self._lock = threading.Lock()
-        self._stopped = False
-
-    def run(self, member: Member, folder: Path) -> Outcome:
-        """Run one case in a process of its own."""
-        command = [sys.executable, "-m", "wroll_fem.cli", "run", str(member.file), "--out", str(folder), "--resume"]
-        command += [word for text in member.overrides for word in ("--set", text)]
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
-        with self._lock:
-            if self._stopped:
-                return Outcome(member, "failed", "not started", 130)
-            process = subprocess.Popen(  # a session of its own: Ctrl-C reaches it through `stop`, once
-                command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                start_new_session=True,
-            )  # fmt: skip
-            self._running.add(process)
-        try:
-            errors = process.communicate()[1]
-        finally:
-            with self._lock:
-                self._running.discard(process)
-        if process.returncode == 0:
-            return Outcome(member, "complete")
-        lines = errors.strip().splitlines()
-        said = lines[-1] if lines else f"the process ended with code {process.returncode}"
-        return Outcome(member, "failed", said, process.returncode if process.returncode > 0 else 1)
-
-    def stop(self) -> None:
-        """End every process; each saves itself."""
-        with self._lock:
-            self._stopped = True
-            for process in self._running:
-                process.terminate()
-
-
-def run_grid(grid: Grid, out: str | Path, *, workers: int = 1, progress: Progress | None = None) -> list[Outcome]:
+def run_grid(
+    grid: Grid,
+    out: str | Path,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+) -> list[Outcome]:
     """Run every case of a grid that is not yet done, each in a process and a run folder of its own.
 
     Parameters
@@ -98,7 +66,9 @@ def run_grid(grid: Grid, out: str | Path, *, workers: int = 1, progress: Progres
     out
         Folder that gets one run folder per case and the tables batch.csv and batch.nc.
     workers
-        Cases at a time, each on one thread.
+        Cases at a time, each on one thread, on this machine.
+    scheduler
+        Address of a Dask scheduler, "tcp://HOST:PORT", whose workers run the cases; they must see the same files.
     progress
         Gets one line per finished case.
 
@@ -110,7 +80,8 @@ def run_grid(grid: Grid, out: str | Path, *, workers: int = 1, progress: Progres
     Raises
     ------
     InputError
-        For fewer than one worker, or a folder that cannot be written.
+        For fewer than one worker, a scheduler that does not answer, a folder that cannot be written or holds another
+        batch.
     KeyboardInterrupt
         After every running case has saved itself; the tables hold what was done.
 
@@ -119,10 +90,17 @@ def run_grid(grid: Grid, out: str | Path, *, workers: int = 1, progress: Progres
     A case counts as done when its folder holds the results of a case with the same hash; an unfinished one goes on from
     its checkpoint.
     """
-    if workers < 1:
-        raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy="give the cases to run at a time")
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
+    _check_own(grid, out)
+    pool: Pool = LocalPool(workers) if scheduler is None else ClusterPool(scheduler)
+    try:
+        return _run_all(grid, out, pool, progress)
+    finally:
+        pool.close()
+
+
+def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress) -> list[Outcome]:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -143,20 +121,47 @@ def run_grid(grid: Grid, out: str | Path, *, workers: int = 1, progress: Progres
             todo.append(member)
         else:
             finished(done)
-    pool = _Pool()
-    with ThreadPoolExecutor(workers) as threads:
-        started: list[Future[Outcome]] = [threads.submit(pool.run, member, out / member.name) for member in todo]
-        try:
-            for future in as_completed(started):
-                finished(future.result())
-        except KeyboardInterrupt:
-            pool.stop()
-            raise
-        finally:
-            write_tables(list(outcomes.values()), out)
+    started = {pool.submit(_words(member, out), out / member.name): member for member in todo}
+    try:
+        for future in as_completed(started):
+            finished(_outcome(started[future], future))
+    except KeyboardInterrupt:
+        pool.stop()
+        wait(started, timeout=STOP_SECONDS)
+        raise
+    finally:
+        write_tables(list(outcomes.values()), out)
     ordered = [outcomes[member.name] for member in grid.members]
     write_tables(ordered, out)
     return ordered
+
+
+def _words(member: Member, out: Path) -> list[str]:
+    """Arguments of `wroll run` for one case."""
+    words = [str(member.file), "--out", str(out / member.name), "--resume"]
+    return words + [word for text in member.overrides for word in ("--set", text)]
+
+
+def _outcome(member: Member, future: Future[Ended]) -> Outcome:
+    try:
+        code, said = future.result()
+    except (CancelledError, Exception) as error:  # a worker lost for good must not stop the other cases
+        return Outcome(member, "failed", f"its worker failed: {type(error).__name__}: {error}".splitlines()[0], 1)
+    return Outcome(member, "complete") if code == 0 else Outcome(member, "failed", said, code)
+
+
+def _check_own(grid: Grid, out: Path) -> None:
+    """Refuse a folder that holds the table of a batch without any case of this one."""
+    table = out / "batch.csv"
+    if not table.is_file():
+        return
+    with table.open(newline="", encoding="utf-8") as stream:
+        names = [row.get("name", "") for row in csv.DictReader(stream)]
+    if names and not {member.name for member in grid.members} & set(names):
+        raise InputError(
+            f"holds another batch ({len(names)} cases, the first is {names[0]})", file=str(out), key="--out",
+            remedy="choose another folder, or delete this one",
+        )  # fmt: skip
 
 
 def _found(member: Member, out: Path) -> Outcome | None:

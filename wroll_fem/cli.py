@@ -124,6 +124,10 @@ def batch(
         Path | None, typer.Option("--out", help="Folder for the cases; default runs/<name of the grid file>.")
     ] = None,
     workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", help="tcp://HOST:PORT of a Dask cluster whose workers run the cases instead."),
+    ] = None,
 ) -> None:
     """Run a grid of cases: only what is not yet done; one table and the study's figures at the end."""
     with _reporting():
@@ -134,7 +138,7 @@ def batch(
         target = out if out is not None else Path("runs") / grid_file.stem
         try:
             with _sigterm_interrupts(), TerminalProgress() as progress:
-                outcomes = run_grid(grid, target, workers=workers, progress=progress)
+                outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, progress=progress)
         except KeyboardInterrupt:
             typer.echo("interrupted; the same command goes on from here", err=True)
             raise typer.Exit(130) from None
@@ -280,9 +284,9 @@ def info() -> None:
 
 
 def _refuse_winding(case: Any, file: Path) -> None:
-    if case.analysis == "winding":
+    if case.analysis in ("winding", "two_dof"):
         remedy = "use a case with geometry, mandrel and coil"
-        raise InputError("analysis winding has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy)
+        raise InputError(f"analysis {case.analysis} has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy)
 
 
 def _print_estimate(case: Any) -> None:

@@ -1,19 +1,19 @@
-"""The grid file of `wroll batch`: several case files and dotted keys with their values, expanded into checked cases."""
+"""The grid file of `wroll batch`: case files, dotted keys with values or ranges to sample, expanded into cases."""
 
 from __future__ import annotations
 
 import itertools
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from .case import Case, load_case
-from .case.base import Section, wrong
+from .case.base import Real, Section, Whole, wrong
 from .case.loader import read_yaml
 from .case.messages import input_error
 from .errors import InputError
@@ -21,6 +21,64 @@ from .run_folder import plain
 
 REFERENCE = "reference"
 """Name of the one case outside the grid."""
+
+
+class Range(Section):
+    """Range of one key to sample."""
+
+    low: Real = Field(description="lower end, in the unit of the key")
+    high: Real = Field(description="upper end, in the unit of the key")
+    scale: Literal["linear", "log"] = Field(default="linear", description="samples are even in the value or in its log")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pair(cls, value: Any) -> Any:
+        if not isinstance(value, list | tuple):
+            return value
+        if len(value) != 2:
+            raise wrong("is not a range", remedy="write [low, high]", value=value)
+        return {"low": value[0], "high": value[1]}
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.low < self.high:
+            raise wrong("the ends are not in order", remedy="write [low, high]", value=[self.low, self.high])
+        if self.scale == "log" and self.low <= 0.0:
+            raise wrong("a logarithmic range starts above 0", remedy="use scale: linear", value=self.low)
+        return self
+
+    def at(self, share: float) -> float:
+        """Value at a share (0 to 1) of the range, to six digits."""
+        if self.scale == "log":
+            value = float(self.low * (self.high / self.low) ** share)
+        else:
+            value = float(self.low + share * (self.high - self.low))
+        return float(f"{value:.6g}")
+
+
+class Samples(Section):
+    """Latin hypercube: each of the ``count`` equal slices of every range holds one sample."""
+
+    count: Whole = Field(ge=1, description="number of samples (count)")
+    seed: Whole = Field(default=1, ge=0, description="of the random numbers; the same seed gives the same samples")
+    ranges: dict[str, Range] = Field(description="dotted key: [low, high], or {low:, high:, scale: log}")
+
+    @field_validator("ranges")
+    @classmethod
+    def _some(cls, value: dict[str, Range]) -> dict[str, Range]:
+        if not value:
+            raise wrong(
+                "there is nothing to sample", remedy="write ranges: {dotted.key: [low, high]}", show_value=False
+            )
+        return value
+
+    def values(self) -> list[dict[str, float]]:
+        """Dotted key -> value of every sample."""
+        from scipy.stats import qmc
+
+        shares = qmc.LatinHypercube(len(self.ranges), seed=self.seed).random(self.count)
+        pairs = list(self.ranges.items())
+        return [{key: r.at(x) for (key, r), x in zip(pairs, row, strict=True)} for row in shares]
 
 
 class GridFile(Section):
@@ -36,6 +94,9 @@ class GridFile(Section):
     )
     grid: dict[str, list[Any]] = Field(
         default_factory=dict, description="dotted key: list of values; every combination is a case"
+    )
+    samples: Samples | None = Field(
+        default=None, description="random samples of keys; with a grid as well, every sample runs through it"
     )
     figure: str | list[str] = Field(default_factory=list, description="figure of the study, or a list of them")
 
@@ -72,7 +133,11 @@ class GridFile(Section):
             raise wrong(
                 problem, key="base", show_value=False, remedy="give one case file as base, or a list of them as cases"
             )
-        if not self.grid and not self.cases:
+        both = set(self.grid) & set(self.samples.ranges if self.samples else ())
+        if both:
+            remedy = "give each key in one of the two"
+            raise wrong(f"{min(both)} is in grid too", key="samples.ranges", show_value=False, remedy=remedy)
+        if not self.grid and not self.cases and self.samples is None:
             remedy = "write grid: {dotted.key: [value, ...]}"
             raise wrong("is empty: there is nothing to vary", key="grid", show_value=False, remedy=remedy)
         return self
@@ -128,11 +193,15 @@ def load_grid(path: str | Path) -> Grid:
     files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
     keys = list(given.grid)
     shown = _short_names([key for key in keys if len(given.grid[key]) > 1])
+    samples = given.samples.values() if given.samples is not None else [{}]
+    numbered = list(enumerate(samples, 1))
     members = []
-    for file, *values in itertools.product(files, *given.grid.values()):
-        case, overrides = _case(file, dict(zip(keys, values, strict=True)), path)
-        read = {key: _value(case, key) for key in keys}
+    for file, (number, sample), *values in itertools.product(files, numbered, *given.grid.values()):
+        case, overrides = _case(file, sample | dict(zip(keys, values, strict=True)), path, sampled=set(sample))
+        read: dict[str, Any] = {"sample": number} if sample else {}
+        read |= {key: _value(case, key) for key in (*sample, *keys)}
         parts = [file.stem] if len(files) > 1 else []
+        parts += [f"sample_{number:0{len(str(len(samples)))}d}"] if sample else []
         parts += [f"{shown[key]}_{_value_name(value)}" for key, value in read.items() if key in shown]
         origin = {"case": file.stem} if given.cases else {}
         members.append(Member("__".join(parts) or file.stem, file, origin | read, overrides, case))
@@ -147,7 +216,9 @@ def load_grid(path: str | Path) -> Grid:
     return Grid(path, members, list(given.figure))
 
 
-def _case(file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base") -> tuple[Case, list[str]]:
+def _case(
+    file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base", sampled: Collection[str] = ()
+) -> tuple[Case, list[str]]:
     """Case of a file with keys changed, and the changes as `--set` takes them."""
     if not file.is_file():
         remedy = "give a case file, its path relative to the grid file"
@@ -161,7 +232,8 @@ def _case(file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "ba
         case = load_case(file, overrides)
     except InputError as error:
         if error.key and error.key.startswith("--set "):
-            error.key, error.file = f"grid.{error.key.removeprefix('--set ')}", str(source)
+            dotted = error.key.removeprefix("--set ")
+            error.key, error.file = f"{'samples.ranges' if dotted in sampled else 'grid'}.{dotted}", str(source)
         raise
     return case, overrides
 

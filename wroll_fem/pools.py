@@ -1,0 +1,192 @@
+"""Where the cases of a batch run: processes on this machine, or the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from .errors import InputError
+
+CONNECT_SECONDS = 10.0
+"""How long a scheduler may take to answer."""
+
+RETRIES = 5
+"""Workers that one case may lose before it counts as failed."""
+
+_PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
+
+
+class Ended(NamedTuple):
+    """How a `wroll run` ended: exit code, and the last line it said on stderr."""
+
+    code: int
+    said: str
+
+
+class Pool(Protocol):
+    """Runs `wroll run` commands, several at a time."""
+
+    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
+        """Start `wroll run` with these words; it writes to ``folder``."""
+
+    def stop(self) -> None:
+        """End what runs; each process saves itself."""
+
+    def close(self) -> None:
+        """Let go of the workers when all is done."""
+
+
+def _environment() -> dict[str, str]:
+    return os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+
+
+def _ended(process: subprocess.Popen[str]) -> Ended:
+    lines = process.communicate()[1].strip().splitlines()
+    said = lines[-1] if lines else f"the process ended with code {process.returncode}"
+    return Ended(process.returncode if process.returncode >= 0 else 1, said)
+
+
+class LocalPool:
+    """Processes on this machine.
+
+    Parameters
+    ----------
+    workers
+        Cases at a time, each on one thread.
+    """
+
+    def __init__(self, workers: int) -> None:
+        if workers < 1:
+            remedy = "give the cases to run at a time"
+            raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy=remedy)
+        self._threads = ThreadPoolExecutor(workers)
+        self._running: set[subprocess.Popen[str]] = set()
+        self._lock = threading.Lock()
+        self._stopped = False
+
+    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
+        """Run one case in a process of its own."""
+        return self._threads.submit(self._run, list(words))
+
+    def _run(self, words: list[str]) -> Ended:
+        with self._lock:
+            if self._stopped:
+                return Ended(130, "not started")
+            process = subprocess.Popen(  # a session of its own: Ctrl-C reaches it through `stop`, once
+                [sys.executable, "-m", "wroll_fem.cli", "run", *words], env=_environment(),
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+            )  # fmt: skip
+            self._running.add(process)
+        try:
+            return _ended(process)
+        finally:
+            with self._lock:
+                self._running.discard(process)
+
+    def stop(self) -> None:
+        """End every process; each saves itself."""
+        with self._lock:
+            self._stopped = True
+            for process in self._running:
+                process.terminate()
+
+    def close(self) -> None:
+        """Wait for the threads."""
+        self._threads.shutdown()
+
+
+class ClusterPool:
+    """Workers of a Dask cluster that see the same files under the same paths; one case per worker thread.
+
+    A case whose worker dies is started again on another one and goes on from its checkpoint.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, "tcp://HOST:PORT".
+
+    Raises
+    ------
+    InputError
+        If dask.distributed is not installed, or the scheduler does not answer.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client
+        except ImportError:
+            remedy = "install it into .venv: pip install distributed"
+            raise InputError("needs dask.distributed", key="--scheduler", remedy=remedy) from None
+        try:
+            self._client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            remedy = "start one with `dask scheduler`, or leave --scheduler out"
+            problem = f"no answer from {address} within {CONNECT_SECONDS:g} s ({type(error).__name__})"
+            raise InputError(problem, key="--scheduler", remedy=remedy) from None
+        self._executor: Executor = self._client.get_executor(pure=False, retries=RETRIES)
+
+    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
+        """Run one case on some worker."""
+        future: Future[Ended] = self._executor.submit(run_on_worker, list(words), str(folder.resolve()), os.getcwd())
+        return future
+
+    def stop(self) -> None:
+        """Forget what has not begun; processes that run save themselves."""
+        self._client.cancel(self._client.futures, force=True, reason="interrupted")
+        self._client.run(end_processes)
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._client.close()
+
+
+_on_this_worker: set[subprocess.Popen[str]] = set()
+
+
+def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
+    """Run `wroll run` on a Dask worker, once ``folder`` is free of a process whose worker has died."""
+    _wait_until_free(Path(folder) / "run.log")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "wroll_fem.cli", "run", *words], env=_environment(), cwd=working_directory,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=_follow_parent,
+    )  # fmt: skip
+    _on_this_worker.add(process)
+    try:
+        return _ended(process)
+    finally:
+        _on_this_worker.discard(process)
+
+
+def end_processes() -> None:
+    """End what this worker runs; each process saves itself."""
+    for process in tuple(_on_this_worker):
+        process.terminate()
+
+
+def _follow_parent() -> None:
+    """A child whose worker is killed gets SIGTERM, saves itself and frees its folder."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def _wait_until_free(log: Path, seconds: float = 60.0, sleep: Callable[[float], None] = time.sleep) -> None:
+    """Wait for a run that is ending to let go of its folder (`RunFolder.open` holds run.log)."""
+    waited = 0.0
+    while waited < seconds and log.exists():
+        with log.open("a", encoding="utf-8") as stream:
+            try:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                sleep(0.2)
+                waited += 0.2
+                continue
+        return
