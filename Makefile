@@ -4,10 +4,10 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 WORKERS ?= 2
 
-.PHONY: help setup run test test-all lint format schema bench clean distclean
+.PHONY: help setup run test test-all test-debian13 lint format schema bench clean distclean
 
 help: ## what can be made
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
+	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
 
 setup: ## install what is missing (quick when nothing is)
 	@tools/setup.sh
@@ -20,6 +20,9 @@ test: setup ## the test suite
 
 test-all: setup ## the test suite with the slow tests
 	$(PYTHON) -m pytest -q -n $(WORKERS)
+
+test-debian13: ## the test suite on Debian 13 (dolfinx 0.9) in a chroot; says so where none can be made
+	@tools/debian13.sh
 
 lint: setup ## ruff and mypy
 	.venv/bin/ruff check .
