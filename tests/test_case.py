@@ -118,7 +118,7 @@ def test_every_number_has_a_unit_in_its_description() -> None:
         ("preload.pressure=[]", "preload.pressure: the list of pressures is empty, got []"),
         ("analysis=dwell", "excitation.kind: analysis dwell needs a dwell, got 'chirp'; use excitation.kind: dwell"),
         ("analysis=flutter", "analysis: this analysis is not available, got 'flutter'; use one of: sweep, dwell"),
-        ("coil.model=solid", "coil.layers: belongs to layers, the solid coil has none, got 1; leave it out (mesh.radial"),
+        ("coil.model=solid", "coil.layers: belongs to layers, the solid coil has none, got 1; leave it out"),
         (
             "solver.method=explicit",
             "solver.method: is not one of the choices, got 'explicit'; use reduced, condensed, full",

@@ -286,7 +286,9 @@ def info() -> None:
 def _refuse_winding(case: Any, file: Path) -> None:
     if case.analysis in ("winding", "two_dof"):
         remedy = "use a case with geometry, mandrel and coil"
-        raise InputError(f"analysis {case.analysis} has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy)
+        raise InputError(
+            f"analysis {case.analysis} has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy
+        )
 
 
 def _print_estimate(case: Any) -> None:

@@ -11,7 +11,6 @@ from pydantic import Field, field_validator, model_validator
 from ..units import GRAVITY
 from .base import Real, Section, _number, wrong
 
-
 Direction = Annotated[
     Literal["x", "y"],
     Field(description="direction of the base motion; y cannot use the symmetry plane and solves the whole roll"),
