@@ -67,12 +67,10 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
 def shear_modes(case: Case) -> ShearModes:
     """Modes with their shear stress from the discretisation that the case asks for."""
     if case.mesh.discretisation == "fourier":
-        from ..fem import fourier_shear
-
-        return fourier_shear.shear_modes(case)
-    from ..fem import shear
-
-    return shear.shear_modes(case)
+        from ..fem.fourier_shear import shear_modes as modes_of
+    else:
+        from ..fem.shear import shear_modes as modes_of
+    return modes_of(case)
 
 
 def transient_dataset(
