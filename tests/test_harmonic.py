@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from exact_systems import coulomb_oscillator, orbiting_mass, oscillator, slipping_pair
+from periodic import LAB, TURN, balance, complete, largest, small_roll, with_friction
 from scipy.optimize import root
 
 from wroll_fem.analyses import run_analysis, summarise
@@ -17,53 +17,24 @@ from wroll_fem.case import load_case
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.backbone import ModalMotion, main_mode, solve_backbone
-from wroll_fem.dynamics.condensation import Condensation, condense
+from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.continuation import StepControl
-from wroll_fem.dynamics.enrichment import trained_backbone, trained_response
+from wroll_fem.dynamics.enrichment import trained_response
 from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction import ReducedModel
-from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.static import ContactState, solve_preload
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results import load_dataset
 from wroll_fem.runner import run_case
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.transmissibility import magnitude
-
-TURN = 2.0 * np.pi
-
-
-def complete(system: System) -> tuple[ReducedModel, ContactState]:
-    """Every mode of a small system, and its preload state."""
-    preload = solve_preload(system)
-    springs = stick_springs(system, preload)
-    return ReducedModel.complete(condense(system, springs, Scheme.hht(0.0), 1e-3)), preload
-
-
-def balance(system: System, acceleration: float, harmonics: int = 3, samples: int = 64) -> HarmonicBalance:
-    model, preload = complete(system)
-    return HarmonicBalance(HarmonicContact(model, preload, system.laws, Sampling(harmonics, samples)), acceleration)
-
-
-def with_friction(system: System, law: object) -> System:
-    parts = [dataclasses.replace(interface, friction=law) for interface in system.interfaces]
-    return dataclasses.replace(system, interfaces=tuple(parts))
-
-
-def largest(coefficients: np.ndarray, row: np.ndarray) -> float:
-    """Largest value of a Fourier series (R, m) read by ``row``."""
-    harmonics = (len(coefficients) - 1) // 2
-    fine = Sampling(harmonics, 4000)
-    return float((fine.values @ coefficients @ row).max())
-
 
 # --- the law and its derivatives --------------------------------------------------------------------------------------
 
@@ -415,74 +386,7 @@ def test_wrong_bands_and_samples_are_refused() -> None:
         Sampling(16, 64)
 
 
-# --- backbone ---------------------------------------------------------------------------------------------------------
-
-
-def test_backbone_of_the_bilinear_oscillator_follows_its_loop_area() -> None:
-    """H = 1 is Caughey's describing function: 2 pi zeta m w^2 X^2 is the loop's area 4 F (X - F/k_t) exactly.
-
-    From the stuck frequency without damping to the frictionless one, again without.
-    """
-    gamma, limit = 2e-4, 3.0
-    system = coulomb_oscillator(gamma=gamma)
-    model, preload = complete(system)
-    curve = solve_backbone(model, preload, system.laws, tip_amplitudes=(1e-5, 1.0), harmonics=1, samples=2048)
-    tip, w = curve.tip, curve.frequencies
-    assert w[0] == pytest.approx(np.sqrt(1e4 + limit / gamma), rel=1e-9)
-    assert curve.damping[0] == pytest.approx(0.0, abs=1e-9)
-    assert w[-1] == pytest.approx(100.0, rel=2e-4)
-    assert curve.damping[-1] < 3e-4
-    slips = tip > 1.05 * gamma
-    area = 4.0 * limit * (tip[slips] - gamma)
-    np.testing.assert_allclose(TURN * curve.damping[slips] * (w * tip)[slips] ** 2, area, rtol=2e-4)
-    # Caughey (1960): stiffness of the describing function at X = 2 delta is half the slider's spring
-    there = int(np.argmin(np.abs(tip - 2.0 * gamma)))
-    angle = np.arccos(1.0 - 2.0 * gamma / tip[there])
-    stiffness = 1e4 + limit / gamma / np.pi * (angle - 0.5 * np.sin(2.0 * angle))
-    assert w[there] == pytest.approx(np.sqrt(stiffness), rel=1e-4)
-
-
-def test_backbone_jacobian_is_that_of_central_differences() -> None:
-    system = dataclasses.replace(slipping_pair(gamma=2e-4), damping=sp.csr_matrix(np.diag([3.0, 1.0, 2.0])))
-    contact = balance(system, 0.0).contact
-    problem = ModalMotion(HarmonicBalance(contact, 0.0), main_mode(contact.model), (1e-4, 1e-3))
-    z = problem.start() + 0.02 * np.random.default_rng(2).standard_normal(len(problem.start()))
-    matrix = problem.jacobian(z)
-    # the phase condition and the norm included; the points' threshold only leaves out points that stick
-    for index in range(len(z)):
-        step = np.zeros(len(z))
-        step[index] = 1e-6
-        difference = (problem.residual(z + step) - problem.residual(z - step)) / 2e-6
-        np.testing.assert_allclose(matrix[:, index], difference, atol=1e-7 * np.abs(matrix).max())
-
-
-def test_forced_resonance_lies_on_the_backbone() -> None:
-    """At 90 degrees the forced motion is the mode at the base level that the backbone gives for it."""
-    system = coulomb_oscillator(gamma=2e-4)
-    model, preload = complete(system)
-    curve = solve_backbone(model, preload, system.laws, tip_amplitudes=(1e-5, 1e-2), samples=512)
-    k = int(np.argmin(np.abs(curve.tip - 5e-4)))
-    forced = HarmonicBalance(HarmonicContact(model, preload, system.laws, Sampling(3, 512)), curve.base_acceleration[k])
-    q = solve_motion(forced, curve.frequencies[k])
-    amplitude = q[1] @ model.tip - 1j * (q[2] @ model.tip)
-    assert abs(amplitude) == pytest.approx(curve.tip[k], rel=0.02)
-    assert abs(np.angle(-amplitude) - np.pi / 2) < 0.05 or abs(np.angle(-amplitude) + np.pi / 2) < 0.05
-    work = curve.balance.cycle_work(curve.coefficients[k], curve.frequencies[k])
-    assert work.interface == pytest.approx(curve.dissipation[k], rel=1e-6)
-
-
 # --- the roll ---------------------------------------------------------------------------------------------------------
-
-LAB = Path(__file__).parents[1] / "configs" / "lab_harmonic.yaml"
-
-
-@cache
-def small_roll(around: int, along: int, *overrides: str) -> tuple[System, ContactState, Condensation]:
-    mesh = f"mesh={{circumferential: {around}, axial: {along}, grading: 3}}"
-    case = load_case(LAB, [mesh, *overrides])
-    system = build_system(case, build_bodies(case))
-    preload = solve_preload(system)
-    return system, preload, condense(system, stick_springs(system, preload), Scheme.hht(0.0), 1e-4)
 
 
 def test_the_basis_made_by_the_curve_gives_the_tip_of_all_modes() -> None:
@@ -523,26 +427,6 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.02)
     assert steady["energy_balance_error"] < 5e-3
     assert steady["slipping_area_fraction"][0] > 0.02
-
-
-def test_backbone_of_the_roll_starts_stuck_and_agrees_with_the_forced_peak() -> None:
-    system, preload, condensation = small_roll(12, 4)
-    trained = trained_backbone(condensation, preload, system.laws, tip_amplitudes=(1e-6, 3e-4))
-    curve = trained.curve
-    main = int(np.argmax(np.abs(condensation.base * condensation.tip) / condensation.eigenvalues))
-    # friction that the preload left behind follows the pressure, which springs do not: 2e-5 of the frequency
-    assert curve.frequencies[0] == pytest.approx(np.sqrt(condensation.eigenvalues[main]), rel=1e-4)
-    assert abs(curve.damping[0]) < 1e-9
-    assert np.all(np.diff(curve.frequencies) < 1e-6 * curve.frequencies[0])
-    assert curve.damping[-1] > 0.02
-    response = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0)).curve
-    size = np.abs(response.fundamental(response.balance.model.tip))
-    top = int(size.argmax())
-    level = np.flatnonzero(curve.damping > 1e-4)
-    expected = np.interp(5.0, curve.base_acceleration[level], curve.tip[level])
-    assert size[top] == pytest.approx(expected, rel=0.02)
-    at = np.interp(size[top], curve.tip[level], curve.frequencies[level])
-    assert response.frequencies[top] == pytest.approx(at, rel=0.01)
 
 
 def test_results_of_both_analyses_are_kept_and_drawn(tmp_path: Path) -> None:
