@@ -269,6 +269,18 @@ def plot(
 
 
 @app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a batch.", show_default=False)],
+    out: Annotated[Path | None, typer.Option("--out", help="File to write; default DIR/report.html.")] = None,
+) -> None:
+    """Write one self-contained HTML file about a run or a batch."""
+    with _reporting():
+        from .report import write_report
+
+        typer.echo(str(write_report(folder, out)))
+
+
+@app.command()
 def info() -> None:
     """Print the version of every library underneath, and whether it works."""
     from .environment import OPTIONAL, check_environment

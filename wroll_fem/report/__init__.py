@@ -1,0 +1,59 @@
+"""One self-contained HTML file about a run folder or a batch folder."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ..errors import InputError
+from ..run_folder import RunFolder
+
+__all__ = ["write_report"]
+
+
+def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
+    """Write the report of a run or of a batch.
+
+    Parameters
+    ----------
+    folder
+        Folder of a `wroll run` (also an unfinished one) or of a `wroll batch`.
+    out
+        File to write; `folder`/report.html by default.
+
+    Returns
+    -------
+    Path
+        The file, which needs no other: pictures and styles are inside, and nothing is fetched.
+
+    Raises
+    ------
+    InputError
+        If the folder is neither, or the file cannot be written.
+    """
+    folder = Path(folder)
+    target = Path(out) if out is not None else folder / "report.html"
+    if RunFolder(folder).case_file.is_file():
+        from .run import run_page
+
+        text = run_page(folder)
+    elif (folder / "batch.csv").is_file():
+        from .batch import batch_page
+
+        text = batch_page(folder)
+    else:
+        problem = "is neither the folder of a run (no case.yaml) nor of a batch (no batch.csv)"
+        if not folder.is_dir():
+            problem = "is no folder"
+        raise InputError(problem, file=str(folder), remedy="give the folder of a `wroll run` or a `wroll batch`")
+    partial = target.with_name(f"{target.name}.partial")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_text(text, encoding="utf-8")
+        os.replace(partial, target)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise InputError(
+            f"cannot be written ({error.strerror})", file=str(target), remedy="choose another --out"
+        ) from None
+    return target

@@ -1,0 +1,170 @@
+"""Report of a batch folder: its table, its figures, what varied and what failed."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ..errors import InputError
+from ..run_folder import RunFolder
+from . import html
+from .run import caption, logged, origin_table
+from .values import label, shown
+from .words import case_words
+
+Row = dict[str, str]
+
+_MAIN = (
+    "f_n_hz", "zeta", "peak_transmissibility", "bending_hz", "friction_energy_j", "energy_balance_error", "max_slip_m",
+    "slip_onset_g", "pressure_mandrel_pa", "capacity_mandrel_pa", "wall_time_s",
+)  # fmt: skip
+_GAP = 1e-3
+
+
+def batch_page(path: Path) -> str:
+    """HTML of a batch folder.
+
+    Raises
+    ------
+    InputError
+        When batch.csv is no table of a batch.
+    """
+    rows = _table(path)
+    columns = list(rows[0]) if rows else []
+    keys = [name for name in columns if "." in name or name in ("case", "analysis")]
+    varied = [key for key in keys if len({row[key] for row in rows}) > 1]
+    constant = [(key, rows[0][key]) for key in keys if key not in varied] if rows else []
+    failed = [row for row in rows if row["status"] == "failed"]
+    done = [row for row in rows if row["status"] != "failed"]
+    folders = [RunFolder(path / row["name"]) for row in rows]
+    origins = [folder.provenance() for folder in folders]
+    figures = "".join(html.picture(p, caption(p.stem)) for p in sorted((path / "figures").glob("*.png")))
+    return html.page(
+        f"Batch {path.resolve().name}",
+        f"{len(rows)} cases · {len(done)} complete · {len(failed)} failed",
+        [
+            ("What was solved", _solved(folders, varied, rows, constant)),
+            ("Warnings", html.notes(_warnings(rows, folders))),
+            ("Cases", _cases(rows, varied)),
+            ("Figures", figures),
+            ("Energy ledger", _ledger(done, varied)),
+            ("All metrics", html.folded(f"{len(columns)} columns of batch.csv", _everything(rows, columns))),
+            ("Versions and origin", _origins(origins)),
+        ],
+    )
+
+
+def _table(path: Path) -> list[Row]:
+    file = path / "batch.csv"
+    with file.open(newline="", encoding="utf-8", errors="replace") as stream:
+        rows = [{str(k): v or "" for k, v in row.items()} for row in csv.DictReader(stream)]
+    if rows and not {"name", "status", "error"} <= set(rows[0]):
+        raise InputError("is no table of a batch", file=str(file), remedy="run `wroll batch` again")
+    return rows
+
+
+def _value(name: str, cell: str) -> str:
+    """Cell of batch.csv with its unit."""
+    if cell == "":
+        return ""
+    try:
+        number = float(cell)
+    except ValueError:
+        return cell
+    if "." in name:  # a key of the case: as written
+        return f"{number:.6g}"
+    return shown(name, int(number) if cell.lstrip("-").isdigit() else number)
+
+
+def _solved(folders: Sequence[RunFolder], varied: list[str], rows: list[Row], constant: list[tuple[str, str]]) -> str:
+    told = []
+    for key in varied:
+        counted = Counter(row[key] for row in rows)
+        values = [_value(key, cell) or "(case file's)" for cell in counted]
+        short = values if len(values) <= 12 else [*values[:5], "...", *values[-2:]]
+        told.append((key, f"{len(values)} values: {', '.join(short)}"))
+    parts = [html.paragraph("What varies:"), html.terms(told)] if told else []
+    if constant:
+        parts.append(html.paragraph(f"Set for every case: {', '.join(f'{k} = {v}' for k, v in constant if v)}."))
+    first = next((folder for folder in folders if folder.case_file.is_file()), None)
+    if first is not None:
+        written = first.case_file.read_text(encoding="utf-8", errors="replace")
+        given = yaml.safe_load(written)
+        parts.append(f"<h3>{html.text(f'Case {first.path.name}')}</h3>\n")
+        parts.append(html.terms(case_words(given if isinstance(given, dict) else {})))
+        parts.append(html.folded("Its case file", html.listing(written)))
+    return "".join(parts)
+
+
+def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, bool]]:
+    found = [(f"{row['name']} failed: {row['error']}", True) for row in rows if row["status"] == "failed"]
+    for row in rows:
+        gap = row.get("energy_balance_error", "")
+        if gap and float(gap) > _GAP:
+            found.append((f"{row['name']}: the energy balance is open by {float(gap):.2%} of the input.", True))
+    said: dict[str, list[str]] = {}
+    for folder in folders:
+        for kind, words in dict.fromkeys(logged(folder)):
+            if kind == "warning":
+                said.setdefault(words, []).append(folder.path.name)
+    for words, names in said.items():
+        where = names[0] if len(names) == 1 else f"{len(names)} cases, {names[0]} the first"
+        found.append((f"{where}: {words}", False))
+    return found
+
+
+def _cases(rows: list[Row], varied: list[str]) -> str:
+    main = [name for name in _MAIN if any(row.get(name) for row in rows)]
+    head = ["case", "status", *varied, *map(label, main)]
+    lines = [
+        [row["name"], row["status"], *(_value(name, row.get(name, "")) for name in (*varied, *main))] for row in rows
+    ]
+    return html.table(head, lines, numbers=range(2 + len(varied), len(head)))
+
+
+def _ledger(rows: list[Row], varied: list[str]) -> str:
+    """Energies of every case as shares of its input."""
+    parts: list[str] = []
+    for kind, given in (("At the end of the histories", "input_work_j"), ("Per cycle", "input_work_per_cycle_j")):
+        names = [
+            name for name in (rows[0] if rows else ())
+            if name.endswith("_j") and name != given and ("per_cycle" in name) == ("per_cycle" in given)
+            and "base_acceleration" not in name
+        ]  # fmt: skip
+        held = [row for row in rows if row.get(given) and float(row[given]) != 0.0]
+        if not held:
+            continue
+        lines = [
+            [row["name"], _value(given, row[given]),
+             *(f"{100 * float(row[name]) / float(row[given]):.3g} %" if row.get(name) else "" for name in names),
+             _value("energy_balance_error", row.get("energy_balance_error", ""))]
+            for row in held
+        ]  # fmt: skip
+        head = ["case", label(given), *map(label, names), label("energy_balance_error")]
+        parts.append(
+            html.paragraph(f"{kind}; shares of the input.") + html.table(head, lines, numbers=range(1, len(head)))
+        )
+    return "".join(parts)
+
+
+def _everything(rows: list[Row], columns: list[str]) -> str:
+    used = [name for name in columns if any(row[name] for row in rows)]
+    return html.table(used, [[row[name] for name in used] for row in rows])
+
+
+def _origins(origins: Sequence[dict[str, Any]]) -> str:
+    held = [origin for origin in origins if origin]
+    if not held:
+        return html.paragraph("No case left a provenance.json.")
+    revisions = Counter(str((origin.get("git") or {}).get("revision")) for origin in held)
+    versions = {str(origin.get("versions")) for origin in held}
+    words = []
+    if len(revisions) > 1 or len(versions) > 1:
+        words.append(html.notes([(f"The cases were not all run by the same code: {len(revisions)} revisions of the "
+                                  f"program, {len(versions)} sets of library versions.", False)]))  # fmt: skip
+    return "".join(words) + html.paragraph("Of the first case:") + origin_table(held[0])

@@ -1,0 +1,56 @@
+"""Where the energy went, from the Dataset of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from ..results import field
+from .html import paragraph, table
+from .values import quantity
+
+_SPENT = (
+    "friction_energy", "viscous_energy", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",
+)  # fmt: skip
+_STORED = ("kinetic_energy", "strain_energy", "contact_energy")
+_CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_per_cycle")
+
+
+def energy_ledger(dataset: xr.Dataset) -> str:
+    """Table of the energies at the end of a time history, or per cycle of a periodic motion; "" without either."""
+    if "input_work" in dataset and "time" in dataset["input_work"].dims:
+        from ..analyses.outputs import energy_balance_error
+
+        last = dataset.isel(time=-1)
+        taken = [name for name in (*_SPENT, *_STORED) if name in last]
+        rows = _rows(float(last["input_work"]), {name: float(last[name]) for name in taken}, "input_work")
+        closed = f"Largest gap at any time: {energy_balance_error(dataset):.2e} of the largest input."
+        return paragraph(f"At the end of the history, {float(last['time']):.4g} s.") + rows + paragraph(closed)
+    if "input_work_per_cycle" in dataset:
+        if "modal_damping" in dataset:
+            at, where = int(dataset["modal_damping"].values.argmax()), "where the damping is largest"
+        else:
+            size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+            at, where = int(size.argmax()), "where the response is largest"
+        taken = [name for name in _CYCLE if name in dataset]
+        values = {name: float(dataset[name].values[at]) for name in taken}
+        rows = _rows(float(dataset["input_work_per_cycle"].values[at]), values, "input_work_per_cycle")
+        return paragraph(f"Per cycle, {where}.") + rows
+    return ""
+
+
+def _rows(given: float, taken: dict[str, float], first: str) -> str:
+    rows = [(_label(first), quantity(given, "J"), "100 %" if given else "")]
+    rows += [(_label(name), quantity(value, "J"), _share(value, given)) for name, value in taken.items()]
+    left = given - sum(taken.values())
+    rows.append(("Not accounted for", quantity(left, "J"), _share(left, given)))
+    return table(("energy", "value", "of the input"), rows, numbers=(1, 2))
+
+
+def _share(value: float, given: float) -> str:
+    return f"{100.0 * value / given:.3g} %" if given else ""
+
+
+def _label(name: str) -> str:
+    words = field(name).long_name
+    return words[0].upper() + words[1:]

@@ -1,0 +1,204 @@
+"""Report of one run folder."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from ..errors import WrollError
+from ..run_folder import RunFolder
+from . import html
+from .ledger import energy_ledger
+from .values import label, shown
+from .words import case_words
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_STATUS = {
+    "complete": "complete",
+    "running": "not finished: still running, or killed",
+    "interrupted": "interrupted; `wroll run ... --resume` goes on",
+    "not_converged": "stopped: a step did not converge",
+    "failed": "stopped by an error of the program",
+}
+_LOGGED = re.compile(r"^\S+ (warning|error): (.*)$")
+_OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "slipping_area_fraction")
+_OF_MODES = ("modes_hz", "mode_kinds", "effective_mass_fraction")
+_LARGE_GAP = 1e-3
+_CAPTIONS = {
+    "transmissibility": "Transmissibility over frequency", "response": "Motion of the tip over time",
+    "energy_ledger": "Energies over time", "slip_on_cylinder": "Slip on the roll", "backbone": "Backbone",
+    "modes": "Natural frequencies", "mode_shapes": "Mode shapes", "winding": "Pressure and stress in the wound roll",
+    "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
+    "steady_response": "Motion of the tip until steady", "shear_distribution": "Shear over height and radius",
+    "slip_in_coil": "Slip in the coil",
+}  # fmt: skip
+
+
+def run_page(path: Path) -> str:
+    """HTML of a run folder, whatever state it is in.
+
+    Raises
+    ------
+    InputError
+        When a file of the folder cannot be read as what it should be (summary.json, provenance.json).
+    """
+    folder = RunFolder(path)
+    written = folder.case_file.read_text(encoding="utf-8", errors="replace")
+    given = _plain_case(written)
+    summary = folder.summary() if folder.summary_file.is_file() else {}
+    origin = folder.provenance()
+    dataset, trouble = _results(folder)
+    status = str(origin.get("status", "complete" if summary else "not finished"))
+    warnings = run_warnings(folder, status, summary, dataset) + [(text, True) for text in trouble]
+    with TemporaryDirectory() as scratch:
+        pictures = _pictures(folder, dataset, Path(scratch))
+    return html.page(
+        f"Run {path.resolve().name}",
+        f"{given.get('analysis', 'analysis unknown')} · {_STATUS.get(status, status)} · {origin.get('time_utc', '')}",
+        [
+            ("What was solved", html.terms(case_words(given)) + html.folded("Case file", html.listing(written))),
+            ("Warnings", html.notes(warnings)),
+            ("Metrics", metrics(summary)),
+            ("Figures", pictures),
+            ("Energy ledger", energy_ledger(dataset) if dataset is not None else ""),
+            ("Versions and origin", origin_table(origin)),
+            ("Files", _files(path)),
+        ],
+    )
+
+
+def _plain_case(written: str) -> Mapping[str, Any]:
+    try:
+        given = yaml.safe_load(written)
+    except yaml.YAMLError:
+        return {}
+    return given if isinstance(given, dict) else {}
+
+
+def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
+    from ..results import load_dataset
+
+    if not folder.results_file.is_file():
+        return None, ["there are no results (results.nc): figures and energy ledger are left out"]
+    try:
+        return load_dataset(folder.results_file), []
+    except WrollError as error:
+        return None, [f"{error}: figures and energy ledger are left out"]
+
+
+def run_warnings(
+    folder: RunFolder, status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
+) -> list[tuple[str, bool]]:
+    """What the run said and what its numbers give reason to say; with each, whether something went wrong."""
+    found: list[tuple[str, bool]] = []
+    if status != "complete":
+        found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
+    for kind, words in logged(folder):
+        if (words, kind == "error") not in found:
+            found.append((words, kind == "error"))
+    gap = summary.get("energy_balance_error")
+    if isinstance(gap, float) and gap > _LARGE_GAP:
+        found.append((f"The energy balance is open by {gap:.2%} of the input (energy_balance_error).", True))
+    cuts = summary.get("step_cuts")
+    if cuts:
+        found.append((f"{cuts} time steps were cut where Newton's method did not converge at once (step_cuts).", False))
+    reason = dataset.attrs.get("half_power_reason") if dataset is not None else None
+    if reason:
+        found.append((f"Half power: {reason}.", False))
+    return found
+
+
+def logged(folder: RunFolder) -> list[tuple[str, str]]:
+    """("warning" or "error", text) of run.log, in order."""
+    if not folder.log_file.is_file():
+        return []
+    lines = folder.log_file.read_text(encoding="utf-8", errors="replace").splitlines()
+    return [(m[1], m[2]) for m in map(_LOGGED.match, lines) if m]
+
+
+def metrics(summary: Mapping[str, Any]) -> str:
+    """Tables of summary.json: single values, interfaces, modes."""
+    if not summary:
+        return html.paragraph("There is no summary.json: the run is not complete.")
+    lists = {key: value for key, value in summary.items() if isinstance(value, list)}
+    single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in lists and k != "analysis"]
+    parts = [html.table(("quantity", "value", "in summary.json"), single, numbers=(1,))]
+    for title, first, names in (("Interface", "interface", _OF_INTERFACES), ("Mode", "mode", _OF_MODES)):
+        columns = {name: lists.pop(name) for name in names if name in lists}
+        if not columns:
+            continue
+        count = max(map(len, columns.values()))
+        rows = [
+            [str(k + 1), *(shown(name, values[k]) if k < len(values) else "" for name, values in columns.items())]
+            for k in range(count)
+        ]
+        shared = f"{title}s, inner first" if title == "Interface" else f"{title}s"
+        parts.append(f"<h3>{html.text(shared)}</h3>\n")
+        parts.append(html.table((first, *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
+    if lists:
+        rows = [[label(key), shown(key, values), key] for key, values in lists.items()]
+        parts.append("<h3>Series</h3>\n" + html.table(("quantity", "values", "in summary.json"), rows))
+    return "".join(parts)
+
+
+def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> str:
+    """The run's own figures; drawn from its results when it made none."""
+    made = sorted(folder.figures.glob("*.png"))
+    if not made and dataset is not None:
+        from .. import analyses
+        from ..case import load_case
+
+        try:
+            made = sorted(analyses.write_figures(dataset, load_case(folder.case_file), scratch))
+        except WrollError as error:
+            return html.paragraph(f"No figures: {error}")
+    order = list(_CAPTIONS)
+    made.sort(key=lambda p: (order.index(p.stem) if p.stem in order else len(order), p.stem))
+    return "".join(html.picture(path, caption(path.stem)) for path in made)
+
+
+def caption(stem: str) -> str:
+    """Caption of a figure from the name of its file."""
+    if stem in _CAPTIONS:
+        return _CAPTIONS[stem]
+    numbered = re.fullmatch(r"(slip_map|peak_slip|pressure)_(\d+)", stem)
+    if numbered:
+        what = {"slip_map": "Slip map", "peak_slip": "Slip at its largest", "pressure": "Pressure"}[numbered[1]]
+        return f"{what}, interface {int(numbered[2])} (inner first)"
+    return stem.replace("_", " ").capitalize()
+
+
+def origin_table(origin: Mapping[str, Any]) -> str:
+    """Versions, revision, machine, command and times of provenance.json."""
+    if not origin:
+        return html.paragraph("There is no provenance.json.")
+    git, machine = origin.get("git") or {}, origin.get("machine") or {}
+    revision = git.get("revision") or "unknown"
+    if git.get("modified"):
+        revision += ", with changes"
+    told = [
+        ("Command", origin.get("command")),
+        ("Case hash", origin.get("case_hash")),
+        ("Revision", revision),
+        ("Finished", origin.get("time_utc")),
+        ("Wall time", shown("wall_time_s", origin.get("wall_time_s"))),
+        ("Resumed", shown("resumed", origin.get("resumed"))),
+        ("Machine", ", ".join(f"{k}: {v}" for k, v in machine.items() if v is not None)),
+        ("Seeds", json.dumps(origin["seeds"]) if origin.get("seeds") else None),
+    ]
+    versions = ", ".join(f"{name} {version}" for name, version in (origin.get("versions") or {}).items() if version)
+    return html.terms([(k, str(v)) for k, v in told if v not in (None, "", "none")] + [("Versions", versions)])
+
+
+def _files(path: Path) -> str:
+    held = sorted(p for p in path.rglob("*") if p.is_file() and p.name != "report.html")
+    rows = [(str(p.relative_to(path)), f"{p.stat().st_size / 1e3:,.1f} kB") for p in held[:200]]
+    return html.folded(f"{len(held)} files", html.table(("file", "size"), rows, numbers=(1,)))
