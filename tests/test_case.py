@@ -72,7 +72,7 @@ def test_committed_schema_equals_the_generated_one(root: Path) -> None:
 
 
 def test_every_number_has_a_unit_in_its_description() -> None:
-    units = ("m", "Pa", "kg", "kg/m^3", "Hz", "s", "m/s", "m/s^2", "Pa/m", "N")
+    units = ("m", "Pa", "kg", "kg/m^3", "Hz", "s", "m/s", "m/s^2", "Pa/m", "N", "N/m", "N s/m", "rad/s")
     units += ("count", "cycles", "octaves", "dimensionless")
     lacking = []
 
@@ -351,6 +351,10 @@ def test_the_resolved_text_writes_every_value_and_loads_to_the_same_case(path: P
     if case.analysis == "winding":
         assert {"winding", "output"} <= written_out
         assert "cells: 2400" in case.resolved_yaml()
+        return
+    if case.analysis == "two_dof":
+        assert written_out == {"analysis", "two_dof", "output"}
+        assert "preload_dependent: true" in case.resolved_yaml()
         return
     assert {"integrator", "solver", "modal", "output", "mesh" if case.structure is None else "structure"} <= written_out
     assert "max_cuts: 6" in case.resolved_yaml()

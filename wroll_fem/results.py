@@ -166,10 +166,37 @@ FIELDS: dict[str, Field] = {
     "frequency_disparity": Field("Hz", "bending frequency, tightest less loosest coil"),
     "loosest_shear_modulus": Field("Pa", "shear modulus between the wraps of the loosest coil"),
     "limit_kind": Field("1", "mode that is lower than bending in a coil looser still"),
+    # two masses
+    "omega": Field("rad s-1", "angular frequency of the base"),
+    "transmissibility": Field("1", "largest displacement of the primary over that of the base"),
+    "zeta": Field("1", "half-power damping ratio"),
+    "omega_peak": Field("rad s-1", "angular frequency of the peak"),
+    "peak_transmissibility": Field("1", "transmissibility of the peak"),
+    "omega_low": Field("rad s-1", "lower half-power frequency"),
+    "omega_high": Field("rad s-1", "upper half-power frequency"),
+    "skewness": Field("1", "upper over lower half of the half-power width, less 1"),
+    "omega_stuck": Field("rad s-1", "resonance of the masses stuck together"),
+    "reading_note": Field("1", "remark on the half-power reading"),
+    "viscous_work_primary": Field(_ENERGY, "energy lost in the primary's dashpot per cycle"),
+    "viscous_work_secondary": Field(_ENERGY, "energy lost in the secondary's dashpot per cycle"),
+    "harmonics": Field("1", "highest harmonic kept"),
+    "m2": Field("kg", "mass of the secondary"),
+    "k2": Field("N m-1", "stiffness of the secondary"),
+    "zeta_over_design": Field("1", "half-power damping ratio over designs"),
+    "omega_peak_over_design": Field("rad s-1", "angular frequency of the peak over designs"),
+    "peak_over_design": Field("1", "transmissibility of the peak over designs"),
+    "zeta_max": Field("1", "largest half-power damping ratio over the friction capacities"),
+    "capacity_at_zeta_max": Field("N", "friction capacity of the largest damping"),
     # statics
     "external_pressure": Field("Pa", "external pressure on the layer outside the interface"),
     "static_displacement": Field("m", "displacement under the preload"),
 }
+
+
+AXES: dict[str, Field] = {
+    "friction_capacity": Field("N", "friction capacity of the two masses"),
+}
+"""Names that mean something else as an axis than as a variable."""
 
 
 def field(name: str) -> Field:
@@ -211,7 +238,8 @@ def annotate(dataset: xr.Dataset) -> xr.Dataset:
     """
     result = dataset.copy()
     for name in result.variables:
-        entry = field(str(name))
+        axis = result[name].dims == (name,) and str(name) in AXES
+        entry = AXES[str(name)] if axis else field(str(name))
         result[name].attrs.update(units=entry.units, long_name=entry.long_name)
     return result
 

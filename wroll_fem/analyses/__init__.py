@@ -69,6 +69,12 @@ def _winding(case: Case, *, progress: Progress, checkpoint: Path | None, resume:
     return run_winding(case, progress=progress)
 
 
+def _two_dof(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
+    from .two_dof import run_two_dof
+
+    return run_two_dof(case, progress=progress)
+
+
 ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "sweep": _time_history,
     "dwell": _time_history,
@@ -79,6 +85,7 @@ ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
     "preload": _preload,
     "design_map": _design_map,
     "winding": _winding,
+    "two_dof": _two_dof,
 }
 """Name in the case file -> function of the case, returning an annotated Dataset."""
 

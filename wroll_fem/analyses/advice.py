@@ -120,7 +120,7 @@ def case_warnings(case: Case) -> list[str]:
     """
     if case.structure is not None:
         return _scheme_warnings(case) + _structure_warnings(case)
-    if case.analysis == "winding":  # what is doubtful there is known after the run, a moment later
+    if case.analysis in ("winding", "two_dof"):  # what is doubtful there is known after the run, a moment later
         return []
     warnings = []
     contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "harmonic", "backbone", "preload")
@@ -218,6 +218,10 @@ def estimate(case: Case) -> dict[str, Any]:
         dofs, interface_points, steps, time_step_s, duration_s, and for a roll estimated_seconds (one core, set-up
         included).
     """
+    if case.two_dof is not None:
+        from .two_dof import estimate_two_dof
+
+        return estimate_two_dof(case.two_dof)
     if case.winding is not None and case.analysis == "winding":
         cells, wraps = case.winding.cells, case.winding.wraps
         return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}

@@ -99,6 +99,10 @@ def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
         from .design_map import summarise_design_map
 
         summary |= summarise_design_map(dataset)
+    if "omega_stuck" in dataset:
+        from .two_dof import summarise_two_dof
+
+        return summary | summarise_two_dof(dataset)
     if "input_work" in dataset:
         last = dataset.isel(time=-1)
         names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work")
@@ -210,6 +214,10 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
         drawn += _of_the_coil(dataset)
     if "mode_frequency" in dataset:
         drawn.append(("modes", plotting.plot_modes, {}))
+    if "omega_stuck" in dataset:
+        drawn += [("two_dof", plotting.plot_two_dof, {}), ("two_dof_readings", plotting.plot_two_dof_readings, {})]
+    if "zeta_max" in dataset:
+        drawn.append(("two_dof_design_space", plotting.plot_two_dof_design_space, {}))
     if "wrap_pressure_pa" in dataset:
         drawn.append(("winding", plotting.plot_winding, {}))
     if "frequency_disparity" in dataset:

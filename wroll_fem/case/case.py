@@ -29,9 +29,12 @@ from .output import Output
 from .preload import Preload
 from .solver import Solver
 from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
+from .two_dof import NOT_IN_TWO_DOF, TwoDof, two_dof_fits
 from .winding import Winding, winding_fits, winding_present
 
-Analysis = Literal["sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map"]
+Analysis = Literal[
+    "sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map", "two_dof"
+]  # fmt: skip
 ANALYSES: tuple[str, ...] = get_args(Analysis)
 
 #: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
@@ -40,7 +43,7 @@ FEWEST_STEPS_PER_CYCLE = 20
 #: Sections that only some analyses use; when neither used nor written they stay out of resolved case and hash.
 _OPTIONAL = (
     "contact", "preload", "excitation", "geometry", "mandrel", "coil", "structure", "harmonic", "backbone",
-    "damping_ratio", "winding", "design_map",
+    "damping_ratio", "winding", "design_map", "two_dof",
 )  # fmt: skip
 
 #: Sections without a part in the wound-roll stress; they stay out of its resolved case unless written.
@@ -48,6 +51,7 @@ _NOT_IN_WINDING = ("integrator", "solver", "mesh", "modal")
 
 #: Sections that describe a roll, and what the matrices of `structure` stand for.
 _ROLL = ("geometry", "mandrel", "coil")
+_IN_PLACE_OF_ROLL = ("structure", "winding", "two_dof")
 _IN_STRUCTURE = (*_ROLL, "mesh", "preload")
 
 #: Solver keys that change when something is saved or accepted, never a number.
@@ -81,7 +85,7 @@ class Case(Section):
 
     model_config = ConfigDict(
         # for editors
-        json_schema_extra={"anyOf": [{"required": [*keys]} for keys in (_ROLL, ("structure",), ("winding",))]}
+        json_schema_extra={"anyOf": [{"required": [*keys]} for keys in (_ROLL, *([key] for key in _IN_PLACE_OF_ROLL))]}
     )
 
     analysis: Analysis = Field(description="what to compute")
@@ -96,7 +100,10 @@ class Case(Section):
     winding: Winding | None = Field(default=None, description="how the roll was wound: tension, wraps, mandrel, web")
     excitation: Excitation = Field(default_factory=_unused_excitation, description="motion of the base")
     damping_ratio: Real | None = Field(
-        default=None, ge=1e-3, lt=1, description="share of critical damping of every mode, dimensionless (modal_transient)"
+        default=None,
+        ge=1e-3,
+        lt=1,
+        description="share of critical damping of every mode, dimensionless (modal_transient)",
     )
     integrator: Integrator = Field(default_factory=Integrator, description="time integration")
     solver: Solver = Field(default_factory=Solver, description="how a step is solved")
@@ -105,6 +112,7 @@ class Case(Section):
     harmonic: Harmonic = Field(default_factory=Harmonic, description="periodic motions by harmonic balance")
     backbone: Backbone = Field(default_factory=Backbone, description="range of the backbone")
     design_map: DesignMap | None = Field(default=None, description="mandrels of the map between loosest and tightest")
+    two_dof: TwoDof | None = Field(default=None, description="two masses that rub, in place of a roll")
     output: Output = Field(default_factory=Output, description="what a run writes; never changes numbers")
 
     _source: Path | None = PrivateAttr(default=None)
@@ -156,6 +164,8 @@ class Case(Section):
             return self.model_dump(
                 mode="json", exclude=unused | {key for key in _NOT_IN_WINDING if key not in self.model_fields_set}
             )
+        if self.analysis == "two_dof":
+            return self.model_dump(mode="json", exclude=unused | set(NOT_IN_TWO_DOF), exclude_none=True)
         data = self.model_dump(mode="json", exclude=unused)
         if self.coil.model != "solid":
             for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
@@ -207,7 +217,9 @@ def _needs(case: Case, section: str, reason: str) -> None:
 
 
 def _roll_or_structure(case: Case) -> None:
-    """Either the sections of a roll, or matrices in their place; the wound-roll stress needs neither."""
+    """Either the sections of a roll, or matrices in their place; wound-roll stress and two masses need neither."""
+    if case.analysis == "two_dof":
+        return
     if case.analysis == "winding":
         if case.structure is not None:
             remedy = "leave it out: section winding describes the roll"
@@ -290,5 +302,5 @@ def _fine_enough(case: Case) -> None:
 _CHECKS: Sequence[Callable[[Case], None]] = (
     _roll_or_structure, _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer,
     _fine_enough, winding_present, winding_fits, damping_ratio_fits, solid_coil, fourier_fits,
-    design_map_fits,
+    design_map_fits, two_dof_fits,
 )  # fmt: skip

@@ -13,6 +13,7 @@ from wroll_fem.plotting.modes import plot_modes
 from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_slip_map
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.plotting.transmissibility import plot_comparison, plot_transmissibility
+from wroll_fem.plotting.two_dof import plot_two_dof, plot_two_dof_design_space, plot_two_dof_readings
 from wroll_fem.plotting.winding import plot_winding
 
 __all__ = [
@@ -28,6 +29,9 @@ __all__ = [
     "plot_slip_map",
     "plot_slip_on_cylinder",
     "plot_transmissibility",
+    "plot_two_dof",
+    "plot_two_dof_design_space",
+    "plot_two_dof_readings",
     "plot_winding",
     "save_figure",
     "write_slip_vtu",

@@ -1,0 +1,172 @@
+"""Response of the two masses of a case: curves over frequency, their readings, and the map of the design space."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ..results import annotate
+from ..two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..case.two_dof import TwoDof
+    from ..progress import Progress
+
+SECONDS_PER_MOTION = {"periodic": 1.5e-3, "time": 1.0}
+"""Time of a motion by either method, and below of a curve of the design space; one 2.5 GHz core."""
+SECONDS_PER_DESIGN = 0.2
+
+_WORK = ("input", "primary", "secondary", "friction")
+
+
+def two_masses(section: TwoDof) -> TwoMasses:
+    """The model that a case describes."""
+    return TwoMasses(
+        m1=section.m1, k1=section.k1, c1=section.c1, m2=section.m2, k2=section.k2, c2=section.c2,
+        base_amplitude=section.Y0, smoothing=section.smoothing, arrangement=section.arrangement,
+        preload_dependent=section.preload_dependent,
+    )  # fmt: skip
+
+
+def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Curves of a case.
+
+    Returns
+    -------
+    xr.Dataset
+        `transmissibility` and work per cycle over (friction_capacity, omega); `zeta`, `omega_peak`,
+        `peak_transmissibility`, `omega_low`, `omega_high`, `skewness`, `omega_stuck`, `reading_note` over
+        friction_capacity, read from curves refined around their peak (method periodic). With `design_space`:
+        `zeta_over_design`, `omega_peak_over_design`, `peak_over_design` over (m2, k2, friction_capacity); `zeta_max`
+        and `capacity_at_zeta_max` over (m2, k2).
+
+    Raises
+    ------
+    ConvergenceError
+        When a motion is not found.
+    """
+    section = case.two_dof
+    assert section is not None
+    model, omegas = two_masses(section), np.array(section.omega.values)
+    capacities = section.friction_capacity
+    started = time.perf_counter()
+    with progress.stage("two masses", len(capacities)) as stage:
+        found = response_map(model, capacities, omegas, method=section.method, on_done=stage.update)
+    for capacity, response in zip(capacities, found, strict=True):
+        if not response.reading.complete:
+            progress.warning(f"friction capacity {capacity:g} N: {response.reading.reason}".replace(" Hz", " rad/s"))
+    dataset = _curves(model, section, omegas, found)
+    if section.design_space is not None:
+        wanted = section.design_space
+        designs = wanted.m2.points * wanted.k2.points * len(capacities)
+        with progress.stage("design space", designs) as stage:
+            space = design_space(
+                model, wanted.m2.values, wanted.k2.values, capacities, points=wanted.points, on_done=stage.update
+            )
+        dataset = dataset.merge(design_dataset(space), combine_attrs="override")
+    return annotate(dataset).assign_attrs(
+        {
+            "method": {"periodic": "harmonic balance", "time": "time integration"}[section.method],
+            "arrangement": section.arrangement,
+            "solver_time_s": time.perf_counter() - started,
+        }
+    )
+
+
+def _curves(model: TwoMasses, section: TwoDof, omegas: np.ndarray, found: list[Response]) -> xr.Dataset:
+    grid, line = ("friction_capacity", "omega"), "friction_capacity"
+    reads = [response.reading for response in found]
+    data: dict[str, Any] = {
+        "transmissibility": (grid, np.array([r.transmissibility for r in found])),
+        "zeta": (line, np.array([r.zeta for r in reads])),
+        "omega_peak": (line, np.array([r.f_n for r in reads])),
+        "peak_transmissibility": (line, np.array([r.peak for r in reads])),
+        "omega_low": (line, np.array([r.f_low for r in reads])),
+        "omega_high": (line, np.array([r.f_high for r in reads])),
+        "skewness": (line, np.array([r.skewness for r in reads])),
+        "omega_stuck": (line, np.array([model.pressed(c).stuck_frequency for c in section.friction_capacity])),
+        "reading_note": (line, np.array([(r.reason or r.note).replace(" Hz", " rad/s") for r in reads])),
+    }
+    attrs: dict[str, Any] = {}
+    if section.method == "periodic":
+        work = {name: np.array([getattr(r, name) for r in found]) for name in _WORK}
+        data |= {
+            "input_work_per_cycle": (grid, work["input"]),
+            "viscous_work_primary": (grid, work["primary"]),
+            "viscous_work_secondary": (grid, work["secondary"]),
+            "friction_work_per_cycle": (grid, work["friction"]),
+            "harmonics": (grid, np.array([r.harmonics for r in found])),
+        }
+        gap = np.abs(work["input"] - work["primary"] - work["secondary"] - work["friction"]) / work["input"]
+        attrs["energy_balance_error"] = float(gap.max())
+    return xr.Dataset(data, {"friction_capacity": section.friction_capacity, "omega": omegas}, attrs)
+
+
+def design_dataset(space: DesignSpace) -> xr.Dataset:
+    """Map of a design space, its largest damping over the capacities and the capacity where it is."""
+    dims, flat = ("m2", "k2", "friction_capacity"), ("m2", "k2")
+    known = np.where(np.isfinite(space.zeta), space.zeta, -np.inf)
+    best = known.argmax(axis=2)
+    largest = np.take_along_axis(known, best[:, :, None], axis=2)[:, :, 0]
+    seen = np.isfinite(largest)
+    return xr.Dataset(
+        {
+            "zeta_over_design": (dims, space.zeta),
+            "omega_peak_over_design": (dims, space.omega_peak),
+            "peak_over_design": (dims, space.transmissibility),
+            "zeta_max": (flat, np.where(seen, largest, np.nan)),
+            "capacity_at_zeta_max": (flat, np.where(seen, space.capacity[best], np.nan)),
+        },
+        {"m2": space.m2, "k2": space.k2, "friction_capacity": space.capacity},
+    )
+
+
+def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
+    """Flat summary; lists run over the friction capacities, null where a curve cannot be read."""
+
+    def listed(name: str) -> list[float | None]:
+        return [float(v) if np.isfinite(v) else None for v in dataset[name].values]
+
+    peaks = dataset["peak_transmissibility"]
+    summary: dict[str, Any] = {
+        "method": dataset.attrs["method"],
+        "friction_capacity_n": dataset["friction_capacity"].values.tolist(),
+        "zeta": listed("zeta"),
+        "omega_peak_rad_s": listed("omega_peak"),
+        "peak_transmissibility": listed("peak_transmissibility"),
+        "skewness": listed("skewness"),
+        "friction_capacity_lowest_peak_n": float(peaks["friction_capacity"][int(peaks.values.argmin())]),
+        "solver_time_s": dataset.attrs["solver_time_s"],
+    }
+    if "energy_balance_error" in dataset.attrs:
+        summary["energy_balance_error"] = dataset.attrs["energy_balance_error"]
+    if dataset["zeta"].notnull().any():
+        at = int(np.nanargmax(dataset["zeta"].values))
+        summary["zeta_max"] = float(dataset["zeta"][at])
+        summary["friction_capacity_at_zeta_max_n"] = float(dataset["friction_capacity"][at])
+    if "zeta_max" in dataset and dataset["zeta_max"].notnull().any():
+        top = dataset["zeta_max"].isel(dataset["zeta_max"].argmax(...))  # type: ignore[arg-type]
+        summary |= {
+            "zeta_max_over_design": float(top),
+            "m2_at_zeta_max_kg": float(top["m2"]),
+            "k2_at_zeta_max_n_m": float(top["k2"]),
+        }
+    return summary
+
+
+def estimate_two_dof(section: TwoDof) -> dict[str, Any]:
+    """Size of the job and a rough time on this machine, for ``--dry-run``."""
+    import os
+
+    motions = section.omega.points * len(section.friction_capacity)
+    seconds = SECONDS_PER_MOTION[section.method] * motions
+    result: dict[str, Any] = {"motions": motions}
+    if section.design_space is not None:
+        curves = section.design_space.m2.points * section.design_space.k2.points * len(section.friction_capacity)
+        seconds += SECONDS_PER_DESIGN * curves
+        result["curves_over_design"] = curves
+    return result | {"estimated_seconds": 2.0 + seconds / len(os.sched_getaffinity(0))}

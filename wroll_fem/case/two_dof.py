@@ -1,0 +1,116 @@
+"""Section `two_dof`: the two masses of chapter 5 of the source, that rub on each other on a shaken base."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from .base import Real, Section, Switch, Whole, _number, wrong
+
+if TYPE_CHECKING:
+    from .case import Case
+
+
+class Span(Section):
+    """Evenly spaced values."""
+
+    start: Real = Field(gt=0, description="first value, rad/s, kg or N/m as the key around it")
+    stop: Real = Field(gt=0, description="last value, rad/s, kg or N/m as the key around it")
+    points: Whole = Field(ge=2, le=20000, description="number of values (count)")
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.stop <= self.start:
+            raise wrong(f"must be above start = {self.start:g}", key="stop", value=self.stop, remedy="let it rise")
+        return self
+
+    @property
+    def values(self) -> list[float]:
+        """All of them."""
+        step = (self.stop - self.start) / (self.points - 1)
+        return [self.start + step * k for k in range(self.points - 1)] + [self.stop]
+
+
+class TwoDofDesignSpace(Section):
+    """Secondary masses and stiffnesses over which the largest damping is mapped (thesis, Fig. 5.7)."""
+
+    m2: Span = Field(description="mass of the secondary, kg")
+    k2: Span = Field(description="stiffness of the secondary, N/m")
+    points: Whole = Field(
+        default=48, ge=24, le=2000, description="frequencies per curve before its peaks are refined (count)"
+    )
+
+
+class TwoDof(Section):
+    """Masses, springs, dashpots, friction and base motion; any consistent units, SI in the names here."""
+
+    m1: Real = Field(default=1.0, gt=0, description="mass of the primary (mandrel), kg")
+    k1: Real = Field(default=1.0, gt=0, description="stiffness of the primary, N/m")
+    c1: Real = Field(default=0.002, gt=0, description="dashpot of the primary, N s/m")
+    m2: Real = Field(default=0.85, gt=0, description="mass of the secondary (roll), kg")
+    k2: Real = Field(default=1.15, gt=0, description="stiffness of the secondary, N/m")
+    c2: Real = Field(default=0.0025, gt=0, description="dashpot of the secondary, N s/m")
+    Y0: Real = Field(default=1.5, gt=0, description="displacement of the base, m, 0-peak")
+    friction_capacity: list[float] = Field(description="friction capacities mu F_N, N, ascending")
+    omega: Span = Field(description="frequencies of the base, rad/s")
+    smoothing: Real = Field(default=1.0, gt=0, description="s of the smoothed sign S(s v), v in m/s")
+    arrangement: Literal["both_on_base", "secondary_isolated", "secondary_on_primary"] = Field(
+        default="both_on_base", description="what holds the secondary's spring: the base, a wall at rest or the primary"
+    )
+    preload_dependent: Switch = Field(
+        default=True, description="masses and stiffness of the secondary follow the capacity (equations 5.6 and 5.7)"
+    )
+    method: Literal["periodic", "time"] = Field(
+        default="periodic", description="harmonic balance, or time integration from rest until the motion repeats"
+    )
+    design_space: TwoDofDesignSpace | None = Field(
+        default=None, description="map of the largest damping over secondary mass and stiffness"
+    )
+
+    @field_validator("friction_capacity", mode="before")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        remedy = "write forces in N, positive and ascending, for example [1, 2, 5, 10, 100]"
+        entries = value if isinstance(value, list | tuple) else [value]
+        forces = [_number(entry) for entry in entries]
+        if not forces or not all(isinstance(force, int | float) for force in forces):
+            raise wrong("must be a list of forces", remedy=remedy, value=value)
+        if forces[0] <= 0 or any(b <= a for a, b in pairwise(forces)):
+            raise wrong("must be positive and ascending", remedy=remedy, value=value)
+        return forces
+
+    @model_validator(mode="after")
+    def _enough(self) -> Self:
+        if self.omega.points < 5:
+            raise wrong("too few frequencies for a curve", key="omega.points", value=self.omega.points, remedy="use 5")
+        return self
+
+
+def two_dof_fits(case: Case) -> None:
+    """Section `two_dof` and its analysis belong together, and describe the whole structure."""
+    if case.analysis != "two_dof":
+        if case.two_dof is not None:
+            raise wrong(
+                f"analysis {case.analysis} has no two masses", key="two_dof", show_value=False,
+                remedy="leave it out, or use analysis: two_dof",
+            )  # fmt: skip
+        return
+    if case.two_dof is None:
+        raise wrong(
+            "required section is missing: the two masses", key="two_dof", show_value=False,
+            remedy="add two_dof: {friction_capacity: [...], omega: {start: 0.4, stop: 2.0, points: 400}}",
+        )  # fmt: skip
+    for section in NOT_IN_TWO_DOF:
+        if section in case.model_fields_set:
+            raise wrong(
+                "analysis two_dof does not use it", key=section, show_value=False, remedy=f"leave {section} out"
+            )
+
+
+NOT_IN_TWO_DOF = (
+    "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation", "damping_ratio",
+    "integrator", "solver", "mesh", "modal", "harmonic", "backbone",
+)  # fmt: skip
+"""Sections that describe or solve a roll."""
