@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,10 +12,11 @@ from typing import Any
 import yaml
 
 from ..errors import InputError
+from ..grid import REFERENCE
 from ..run_folder import RunFolder
 from . import html
 from .run import caption, logged, origin_table
-from .values import label, shown
+from .values import label, open_balance, shown
 from .words import case_words
 
 Row = dict[str, str]
@@ -23,7 +25,7 @@ _MAIN = (
     "f_n_hz", "zeta", "peak_transmissibility", "bending_hz", "friction_energy_j", "energy_balance_error", "max_slip_m",
     "slip_onset_g", "pressure_mandrel_pa", "capacity_mandrel_pa", "wall_time_s",
 )  # fmt: skip
-_GAP = 1e-3
+_NUMBER = re.compile(r"\d[\d.eE+-]*")
 
 
 def batch_page(path: Path) -> str:
@@ -37,8 +39,10 @@ def batch_page(path: Path) -> str:
     rows = _table(path)
     columns = list(rows[0]) if rows else []
     keys = [name for name in columns if "." in name or name in ("case", "analysis")]
-    varied = [key for key in keys if len({row[key] for row in rows}) > 1]
-    constant = [(key, rows[0][key]) for key in keys if key not in varied] if rows else []
+    grid = [row for row in rows if row["name"] != REFERENCE]
+    held = {key: {row[key] for row in grid if row[key] or row["status"] != "failed"} for key in keys}
+    varied = [key for key in keys if len(held[key]) > 1]
+    constant = [(key, grid[0][key]) for key in keys if key not in varied] if grid else []
     failed = [row for row in rows if row["status"] == "failed"]
     done = [row for row in rows if row["status"] != "failed"]
     folders = [RunFolder(path / row["name"]) for row in rows]
@@ -48,7 +52,7 @@ def batch_page(path: Path) -> str:
         f"Batch {path.resolve().name}",
         f"{len(rows)} cases · {len(done)} complete · {len(failed)} failed",
         [
-            ("What was solved", _solved(folders, varied, rows, constant)),
+            ("What was solved", _solved(folders, varied, grid, constant)),
             ("Warnings", html.notes(_warnings(rows, folders))),
             ("Cases", _cases(rows, varied)),
             ("Figures", figures),
@@ -103,17 +107,19 @@ def _solved(folders: Sequence[RunFolder], varied: list[str], rows: list[Row], co
 
 def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, bool]]:
     found = [(f"{row['name']} failed: {row['error']}", True) for row in rows if row["status"] == "failed"]
-    for row in rows:
-        gap = row.get("energy_balance_error", "")
-        if gap and float(gap) > _GAP:
-            found.append((f"{row['name']}: the energy balance is open by {float(gap):.2%} of the input.", True))
-    said: dict[str, list[str]] = {}
+    gaps = {row["name"]: gap for row in rows if (gap := open_balance(row)) is not None}
+    if gaps:
+        worst = max(gaps, key=lambda name: gaps[name])
+        where = f"{len(gaps)} cases, at worst {worst}" if len(gaps) > 1 else worst
+        found.append((f"{where}: the energy balance is open by {gaps[worst]:.2%} of the input.", True))
+    said: dict[str, list[tuple[str, str]]] = {}
     for folder in folders:
         for kind, words in dict.fromkeys(logged(folder)):
             if kind == "warning":
-                said.setdefault(words, []).append(folder.path.name)
-    for words, names in said.items():
-        where = names[0] if len(names) == 1 else f"{len(names)} cases, {names[0]} the first"
+                said.setdefault(_NUMBER.sub("#", words), []).append((folder.path.name, words))
+    for cases in said.values():
+        name, words = cases[0]
+        where = name if len(cases) == 1 else f"{len(cases)} cases, first {name}"
         found.append((f"{where}: {words}", False))
     return found
 
@@ -154,7 +160,15 @@ def _ledger(rows: list[Row], varied: list[str]) -> str:
 
 def _everything(rows: list[Row], columns: list[str]) -> str:
     used = [name for name in columns if any(row[name] for row in rows)]
-    return html.table(used, [[row[name] for name in used] for row in rows])
+    return html.table(used, [[_short(row[name]) for name in used] for row in rows])
+
+
+def _short(cell: str) -> str:
+    """Numbers of the table to eight digits."""
+    try:
+        return cell if cell.lstrip("-").isdigit() else f"{float(cell):.8g}"
+    except ValueError:
+        return cell
 
 
 def _origins(origins: Sequence[dict[str, Any]]) -> str:

@@ -15,7 +15,7 @@ from ..errors import WrollError
 from ..run_folder import RunFolder
 from . import html
 from .ledger import energy_ledger
-from .values import label, shown
+from .values import EFFORT, label, open_balance, shown
 from .words import case_words
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ _STATUS = {
 _LOGGED = re.compile(r"^\S+ (warning|error): (.*)$")
 _OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "slipping_area_fraction")
 _OF_MODES = ("modes_hz", "mode_kinds", "effective_mass_fraction")
-_LARGE_GAP = 1e-3
+_DRIFT = 0.01
 _CAPTIONS = {
     "transmissibility": "Transmissibility over frequency", "response": "Motion of the tip over time",
     "energy_ledger": "Energies over time", "slip_on_cylinder": "Slip on the roll", "backbone": "Backbone",
@@ -104,9 +104,12 @@ def run_warnings(
     for kind, words in logged(folder):
         if (words, kind == "error") not in found:
             found.append((words, kind == "error"))
-    gap = summary.get("energy_balance_error")
-    if isinstance(gap, float) and gap > _LARGE_GAP:
+    gap = open_balance(summary)
+    if gap is not None:
         found.append((f"The energy balance is open by {gap:.2%} of the input (energy_balance_error).", True))
+    drift = summary.get("steady_drift")
+    if isinstance(drift, float) and drift > _DRIFT:
+        found.append((f"The response is not steady: it still changes by {drift:.1%} (steady_drift).", True))
     cuts = summary.get("step_cuts")
     if cuts:
         found.append((f"{cuts} time steps were cut where Newton's method did not converge at once (step_cuts).", False))
@@ -129,8 +132,9 @@ def metrics(summary: Mapping[str, Any]) -> str:
     if not summary:
         return html.paragraph("There is no summary.json: the run is not complete.")
     lists = {key: value for key, value in summary.items() if isinstance(value, list)}
+    head = ("quantity", "value", "in summary.json")
     single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in lists and k != "analysis"]
-    parts = [html.table(("quantity", "value", "in summary.json"), single, numbers=(1,))]
+    parts = [html.table(head, [row for row in single if row[2] not in EFFORT], numbers=(1,))]
     for title, first, names in (("Interface", "interface", _OF_INTERFACES), ("Mode", "mode", _OF_MODES)):
         columns = {name: lists.pop(name) for name in names if name in lists}
         if not columns:
@@ -143,10 +147,11 @@ def metrics(summary: Mapping[str, Any]) -> str:
         shared = f"{title}s, inner first" if title == "Interface" else f"{title}s"
         parts.append(f"<h3>{html.text(shared)}</h3>\n")
         parts.append(html.table((first, *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
+    effort = html.table(head, [row for row in single if row[2] in EFFORT], numbers=(1,))
     if lists:
         rows = [[label(key), shown(key, values), key] for key, values in lists.items()]
         parts.append("<h3>Series</h3>\n" + html.table(("quantity", "values", "in summary.json"), rows))
-    return "".join(parts)
+    return "".join(parts) + ("<h3>Size and effort</h3>\n" + effort if effort else "")
 
 
 def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> str:
@@ -189,7 +194,7 @@ def origin_table(origin: Mapping[str, Any]) -> str:
         ("Case hash", origin.get("case_hash")),
         ("Revision", revision),
         ("Finished", origin.get("time_utc")),
-        ("Wall time", shown("wall_time_s", origin.get("wall_time_s"))),
+        ("Wall time, figures included", shown("wall_time_s", origin.get("wall_time_s"))),
         ("Resumed", shown("resumed", origin.get("resumed"))),
         ("Machine", ", ".join(f"{k}: {v}" for k, v in machine.items() if v is not None)),
         ("Seeds", json.dumps(origin["seeds"]) if origin.get("seeds") else None),

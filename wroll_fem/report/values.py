@@ -14,6 +14,12 @@ _UNITS = {
 _AS_WRITTEN = ("Hz", "rad", "g", "m/s²")  # units that are read without prefix
 _SHARES = ("zeta", "energy_balance_error", "_fraction", "_error_estimate", "steady_drift", "steady_residual")
 
+EFFORT = (
+    "dofs", "interface_points", "reduced_coordinates", "reduction_error_estimate", "reduction_tip_error_estimate",
+    "training_time_s", "steps", "step_cuts", "newton_iterations_mean", "branch_points", "solver_time_s", "wall_time_s",
+)  # fmt: skip
+"""Names of summary.json that tell of the computation, not of the roll."""
+
 _LABELS = {
     "f_n_hz": "resonance frequency f_n",
     "zeta": "damping ratio zeta",
@@ -52,6 +58,13 @@ _LABELS = {
 }
 
 
+def open_balance(summary: Mapping[str, Any]) -> float | None:
+    """Energy balance error when it is larger than it should be: 0.1 % of a history, 1 % of a cycle of few harmonics."""
+    gap = summary.get("energy_balance_error")
+    limit = 1e-2 if summary.get("input_work_per_cycle_j") not in (None, "") else 1e-3
+    return float(gap) if gap not in (None, "") and float(gap) > limit else None
+
+
 def split_unit(name: str) -> tuple[str, str]:
     """Name without its unit, and the unit ("" for none)."""
     words = name.split("_")
@@ -85,7 +98,7 @@ def shown(name: str, value: Any) -> str:
     if not isfinite(value):
         return "none"
     if any(name.endswith(share) for share in _SHARES):
-        return f"{100.0 * value:.4g} %"
+        return f"{100.0 * value:.4g} %" if abs(value) > 1e-12 else "0 %"
     unit = split_unit(name)[1]
     if not unit or unit in _AS_WRITTEN:
         return f"{value:.6g}{_behind(unit)}" if unit == "Hz" else f"{value:.4g}{_behind(unit)}"
