@@ -1,12 +1,13 @@
 """Two masses that rub on each other on a shaken base: the reduced-order model of a wound roll (thesis, chapter 5)."""
 
+from .fit import Fit, Measured, fit_family
 from .maps import DesignSpace, Response, design_space, peak_readings, response_map
 from .model import ARRANGEMENTS, Pressed, TwoMasses, smoothed_sign
 from .periodic import CycleEnergy, PeriodicMotion, PeriodicSolver, two_mass_system
 from .time import SettledMotion, settle
 
 __all__ = [
-    "ARRANGEMENTS", "CycleEnergy", "DesignSpace", "PeriodicMotion", "PeriodicSolver", "Pressed", "Response",
-    "SettledMotion", "TwoMasses", "design_space", "peak_readings", "response_map", "settle", "smoothed_sign",
-    "two_mass_system",
+    "ARRANGEMENTS", "CycleEnergy", "DesignSpace", "Fit", "Measured", "PeriodicMotion", "PeriodicSolver", "Pressed",
+    "Response", "SettledMotion", "TwoMasses", "design_space", "fit_family", "peak_readings", "response_map", "settle",
+    "smoothed_sign", "two_mass_system",
 ]  # fmt: skip
