@@ -208,8 +208,7 @@ def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
             drawn.append((f"peak_slip_{number + 1:02d}", plotting.plot_peak_slip_vectors, {"interface": number}))
     elif "pressure" in dataset:
         for number in filter(partial(has_surface, dataset), range(dataset.sizes["interface"])):
-            options = {"interface": number, "quantity": "pressure"}
-            drawn.append((f"pressure_{number + 1:02d}", plotting.plot_slip_map, options))
+            drawn.append((f"pressure_{number + 1:02d}", plotting.plot_pressure_map, {"interface": number}))
     if "slip_onset" in dataset:
         drawn += _of_the_coil(dataset)
     if "mode_frequency" in dataset:

@@ -10,7 +10,7 @@ from wroll_fem.plotting.design_map import plot_design_map
 from wroll_fem.plotting.history import plot_energy_ledger, plot_response
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes
 from wroll_fem.plotting.modes import plot_modes
-from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_slip_map
+from wroll_fem.plotting.slip import plot_peak_slip_vectors, plot_pressure_map, plot_slip_map
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.plotting.transmissibility import plot_comparison, plot_transmissibility
 from wroll_fem.plotting.two_dof import plot_two_dof, plot_two_dof_design_space, plot_two_dof_readings
@@ -25,6 +25,7 @@ __all__ = [
     "plot_mode_shapes",
     "plot_modes",
     "plot_peak_slip_vectors",
+    "plot_pressure_map",
     "plot_response",
     "plot_slip_map",
     "plot_slip_on_cylinder",

@@ -108,6 +108,38 @@ def plot_slip_map(
     return ax
 
 
+def plot_pressure_map(dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None) -> Axes:
+    """Plot the contact pressure of an interface at the start of the motion, on the unrolled cylinder.
+
+    Parameters
+    ----------
+    dataset
+        Has `theta_rad`, `z_m`, `area` and `pressure` over (`interface`, `point`); half a roll is mirrored.
+    interface
+        0 is the innermost (mandrel and layer 1).
+    ax
+        Axes to draw in; a new figure without.
+
+    Raises
+    ------
+    InputError
+        When the Dataset lacks a field or the interface.
+    """
+    points = surface(dataset, interface, "pressure")
+    theta, z, values = raster(points, "pressure", radius=interface_radius(dataset, interface))
+    ax = style.axes(ax, 4.4)
+    _unrolled(ax, dataset, 1e3 * z)
+    picture = ax.pcolormesh(
+        np.degrees(theta), 1e3 * z, 1e-3 * values, cmap="viridis", vmin=0.0, shading="nearest", rasterized=True
+    )
+    style.figure_of(ax).colorbar(picture, ax=ax, pad=0.02).set_label(label("pressure", "kPa"))
+    own = dataset[["pressure", "area"]].isel(interface=interface)  # areas of half a roll are those of the whole
+    mean = style.engineering(float(own["pressure"].weighted(own["area"].fillna(0.0)).mean()), "Pa")
+    low, high = (style.engineering(float(value), "Pa") for value in (own["pressure"].min(), own["pressure"].max()))
+    style.title(ax, f"Pressure between {interface_name(interface, dataset)}: {mean} in the mean, {low} to {high}")
+    return ax
+
+
 def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float) -> str:
     """Say where and how much: "41 % of the interface ... slipped; most, 12.3 µm, at 0° and 25 mm above the base"."""
     name = interface_name(interface, dataset)
