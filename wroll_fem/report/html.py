@@ -83,14 +83,16 @@ def terms(pairs: Iterable[tuple[str, str]]) -> str:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Iterable[int] = ()) -> str:
-    """Table of plain texts; columns in `numbers` are set flush right."""
+    """Table of plain texts; columns in `numbers` are set flush right, sentences in them are not."""
     if not rows:
         return ""
     right = set(numbers)
 
     def line(cells: Sequence[str], tag: str) -> str:
         return "".join(
-            f'<{tag} class="n">{text(cell)}</{tag}>' if k in right else f"<{tag}>{text(cell)}</{tag}>"
+            f'<{tag} class="n">{text(cell)}</{tag}>'
+            if k in right and len(cell) < 40
+            else f"<{tag}>{text(cell)}</{tag}>"
             for k, cell in enumerate(cells)
         )
 

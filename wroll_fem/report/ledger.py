@@ -26,6 +26,8 @@ def energy_ledger(dataset: xr.Dataset) -> str:
         rows = _rows(float(last["input_work"]), {name: float(last[name]) for name in taken}, "input_work")
         closed = f"Largest gap at any time: {energy_balance_error(dataset):.2e} of the largest input."
         return paragraph(f"At the end of the history, {float(last['time']):.4g} s.") + rows + paragraph(closed)
+    if "input_work_per_cycle" in dataset and dataset["input_work_per_cycle"].ndim == 2:
+        return _by_curve(dataset)
     if "input_work_per_cycle" in dataset:
         if "modal_damping" in dataset:
             at, where = int(dataset["modal_damping"].values.argmax()), "where the damping is largest"
@@ -37,6 +39,27 @@ def energy_ledger(dataset: xr.Dataset) -> str:
         rows = _rows(float(dataset["input_work_per_cycle"].values[at]), values, "input_work_per_cycle")
         return paragraph(f"Per cycle, {where}.") + rows
     return ""
+
+
+def _by_curve(dataset: xr.Dataset) -> str:
+    """Per cycle at the largest response of each curve of a family, (curve, frequency)."""
+    given = dataset["input_work_per_cycle"]
+    curve, along = given.dims
+    taken = [
+        str(name) for name, series in dataset.data_vars.items()
+        if "work" in str(name) and name != given.name and series.dims == given.dims
+    ]  # fmt: skip
+    rows = []
+    for k in range(dataset.sizes[curve]):
+        one = dataset.isel({curve: k})
+        at = one.isel({along: int(np.abs(one["transmissibility"].values).argmax())})
+        work, shares = float(at[given.name]), [float(at[name]) for name in taken]
+        left = _share(work - sum(shares), work)
+        rows.append([f"{float(one[curve]):.6g}", f"{work:.4g}", *(_share(value, work) for value in shares), left])
+    head = [field(str(curve)).long_name, f"{field(str(given.name)).long_name} ({given.attrs.get('units', '')})"]
+    head += [field(name).long_name for name in taken] + ["not accounted for"]
+    said = "Per cycle, where the response of each curve is largest; shares of the work of the base."
+    return paragraph(said) + table(head, rows, numbers=range(len(head)))
 
 
 def _rows(given: float, taken: dict[str, float], first: str) -> str:

@@ -148,9 +148,11 @@ def metrics(summary: Mapping[str, Any]) -> str:
         parts.append(f"<h3>{html.text(shared)}</h3>\n")
         parts.append(html.table((first, *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
     effort = html.table(head, [row for row in single if row[2] in EFFORT], numbers=(1,))
-    if lists:
-        rows = [[label(key), shown(key, values), key] for key, values in lists.items()]
-        parts.append("<h3>Series</h3>\n" + html.table(("quantity", "values", "in summary.json"), rows))
+    for count in dict.fromkeys(map(len, lists.values())):  # lists of one length belong together
+        columns = {key: values for key, values in lists.items() if len(values) == count}
+        rows = [[str(k + 1), *(shown(key, values[k]) for key, values in columns.items())] for k in range(count)]
+        parts.append("<h3>Series</h3>\n")
+        parts.append(html.table(("number", *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
     return "".join(parts) + ("<h3>Size and effort</h3>\n" + effort if effort else "")
 
 

@@ -7,12 +7,21 @@ from math import isfinite
 from typing import Any
 
 _UNITS = {
-    "m_s2": "m/s²", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "n": "N", "rad": "rad", "g": "g",
+    "m_s2": "m/s²", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "n": "N",
+    "rad": "rad", "g": "g",
 }  # fmt: skip
 """Last words of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
 
-_AS_WRITTEN = ("Hz", "rad", "g", "m/s²")  # units that are read without prefix
-_SHARES = ("zeta", "energy_balance_error", "_fraction", "_error_estimate", "steady_drift", "steady_residual")
+_AS_WRITTEN = ("Hz", "rad", "rad/s", "g", "m/s²")  # units that are read without prefix
+_SHARES = (
+    "zeta",
+    "zeta_max",
+    "energy_balance_error",
+    "_fraction",
+    "_error_estimate",
+    "steady_drift",
+    "steady_residual",
+)
 
 EFFORT = (
     "dofs", "interface_points", "reduced_coordinates", "reduction_error_estimate", "reduction_tip_error_estimate",
@@ -54,6 +63,29 @@ _LABELS = {
     "steady_phase_rad": "steady phase",
     "steady_amplitude_m_s2": "steady tip acceleration (0-peak)",
     "steady_residual": "harmonics and transients left, over the fundamental",
+    "bending_hz": "first bending frequency",
+    "f_stuck_hz": "resonance frequency, everything sticking",
+    "f_largest_amplitude_hz": "resonance frequency at the largest amplitude",
+    "zeta_max": "largest damping ratio",
+    "tip_amplitude_at_zeta_max_m": "tip amplitude there (0-peak)",
+    "base_acceleration_at_zeta_max_m_s2": "base acceleration there (0-peak)",
+    "memory_change": "change of the elastic slip per cycle, over its largest",
+    "input_work_per_cycle_j": "work of the base per cycle",
+    "friction_work_per_cycle_j": "energy dissipated by friction per cycle",
+    "modulation_work_per_cycle_j": "work of the pressure-dependent stick stiffness per cycle",
+    "viscous_work_per_cycle_j": "energy dissipated by viscous damping per cycle",
+    "pressure_mandrel_pa": "pressure at the mandrel",
+    "capacity_mandrel_pa": "friction capacity at the mandrel",
+    "pressure_mandrel_wrap_grid_pa": "pressure at the mandrel, source's grid",
+    "capacity_mandrel_wrap_grid_pa": "friction capacity at the mandrel, source's grid",
+    "hoop_stress_min_pa": "lowest stress along the web",
+    "hoop_bound_pa": "pressure at the mandrel if no wrap relaxed",
+    "tension_n": "tension",
+    "slip_statement": "coil",
+    "slip_onset_g": "base acceleration at which slip starts (0-peak)",
+    "amplitude_g": "base acceleration (0-peak)",
+    "friction_capacity_n": "friction capacity",
+    "omega_peak_rad_s": "frequency of the peak",
     "steady_drift": "change of the fundamental within the window",
 }
 

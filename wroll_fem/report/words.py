@@ -28,7 +28,8 @@ _MODELS = {
     "nonstructural_mass": "mass without stiffness",
     "none": "no coil",
 }
-_QUIET = ("output", "modal", "harmonic", "backbone", "solver")  # written out in the YAML
+_QUIET = ("output", "modal", "harmonic", "backbone")  # written out in the YAML
+_WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
 
 
 def case_words(data: Plain) -> list[tuple[str, str]]:
@@ -36,7 +37,9 @@ def case_words(data: Plain) -> list[tuple[str, str]]:
     analysis = str(data.get("analysis", "unknown"))
     said = [("Analysis", f"{analysis}. {_ANALYSES.get(analysis, '')}".strip())]
     for key, value in data.items():
-        if key == "analysis" or value is None or (key in _QUIET and key not in (analysis, "solver")):
+        if key == "analysis" or value is None or (key in _QUIET and key != analysis):
+            continue
+        if key in ("integrator", "solver") and analysis in _WITHOUT_STEPS:
             continue
         if isinstance(value, Mapping):
             words = _tell(_SECTIONS[key], value) if key in _SECTIONS else _as_written(value)
@@ -154,7 +157,22 @@ def _solver(s: Plain) -> str:
     return f"{s['method']}, residual below {s['tolerance']:g}" + ("; half roll by symmetry" if s["symmetry"] else "")
 
 
+def _winding(s: Plain) -> str:
+    words = f"{s['wraps']} wraps of {_mm(s['wrap_thickness'])}"
+    if s.get("tension_stress"):
+        words += f", tension stress {quantity(s['tension_stress'], 'Pa')}"
+    if s.get("tension_newton"):
+        words += f", tension {quantity(s['tension_newton'], 'N')} over {_mm(s['web_width'])} of width"
+    words += f" ({s['tension_profile']['kind']})" if "tension_profile" in s else ""
+    words += f", mu = {s['mu']:g}" if s.get("mu") is not None else ""
+    if s.get("mandrel"):
+        words += f"; on a mandrel of {_mm(s['mandrel']['outer_radius'])} radius"
+    web = s["web"]
+    modulus = _as_written(web["radial_modulus"])
+    return f"{words}; web with E = {quantity(web['E_theta'], 'Pa')} along it, radial modulus {modulus}"
+
+
 _SECTIONS: dict[str, Callable[[Plain], str]] = {
     "geometry": _geometry, "mandrel": _mandrel, "coil": _coil, "contact": _contact, "preload": _preload,
-    "excitation": _excitation, "integrator": _integrator, "mesh": _mesh, "solver": _solver,
+    "excitation": _excitation, "winding": _winding, "integrator": _integrator, "mesh": _mesh, "solver": _solver,
 }  # fmt: skip
