@@ -10,8 +10,10 @@ import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 import synthetic_roll
+import xarray as xr
 import yaml
 from typer.testing import CliRunner
 
@@ -19,6 +21,8 @@ from wroll_fem import analyses, cli, load_case
 from wroll_fem.batch import Outcome, write_tables
 from wroll_fem.grid import Member
 from wroll_fem.report import write_report
+from wroll_fem.report.ledger import energy_ledger
+from wroll_fem.report.run import metrics
 from wroll_fem.report.values import label, quantity, shown, split_unit
 from wroll_fem.report.words import _SECTIONS, case_words
 from wroll_fem.run_folder import RunFolder
@@ -164,6 +168,33 @@ def test_doubtful_numbers_are_warned_of(run: RunFolder, tmp_path: Path) -> None:
     said = words(section(parsed(write_report(copy.path)), "Warnings"))
     for part in ("open by 2.00%", "7 time steps were cut", "not steady: it still changes by 10.0%"):
         assert part in said
+
+
+def test_energies_of_a_family_of_curves_are_taken_at_each_peak() -> None:
+    frequency, capacity = np.linspace(0.5, 1.5, 5), np.array([1.0, 2.0])
+    peaks = np.array([[1.0, 4.0, 2.0, 1.0, 1.0], [1.0, 1.0, 2.0, 9.0, 1.0]])  # at the second and fourth frequency
+    given = np.array([[1.0, 8.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 4.0, 1.0]])
+    dims = ("friction_capacity", "omega")
+    data = xr.Dataset(
+        {
+            "transmissibility": (dims, peaks),
+            "input_work_per_cycle": (dims, given),
+            "friction_work_per_cycle": (dims, np.where(peaks > 2.0, 0.75 * given, np.nan)),
+            "viscous_work_primary": (dims, np.where(peaks > 2.0, 0.25 * given - 0.2, np.nan)),
+        },
+        coords={"friction_capacity": capacity, "omega": frequency},
+    )
+    found = rows(ElementTree.fromstring(f"<div>{energy_ledger(data)}</div>"))
+    assert found == {"1": ["8", "75 %", "22.5 %", "2.5 %"], "2": ["4", "75 %", "20 %", "5 %"]}
+
+
+def test_lists_of_one_length_share_a_table() -> None:
+    shown_tables = metrics({"amplitude_g": [1.0, 5.0], "slip_zone_height_m": [0.0065, 0.022], "other": [1, 2, 3]})
+    tables = list(ElementTree.fromstring(f"<div>{shown_tables}</div>").iter("table"))
+    assert [words(t.find("thead") or t) for t in tables] == [
+        "numberBase acceleration (0-peak)Slip zone height", "numberOther",
+    ]  # fmt: skip
+    assert rows(tables[0]) == {"1": ["1 g", "6.5 mm"], "2": ["5 g", "22 mm"]}
 
 
 # ---- a batch ---------------------------------------------------------------------------------------
