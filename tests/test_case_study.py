@@ -95,6 +95,7 @@ def test_summary_files_and_figures_of_a_run(runs):
         ("coil={model: none}", "coil.model: analysis modal_transient recovers the stress of a solid coil, got 'none'"),
         ("winding.wraps=200", "winding.wraps: 200 wraps of 5e-05 m are 0.01 m thick, the coil is 0.015 m"),
         ("winding=null", "winding: required section is missing"),
+        ("winding.mu=0", "winding.mu: nothing holds the wraps, got 0.0; use a value above 0: without friction every"),
     ],
 )  # fmt: skip
 def test_a_wrong_case_study_gets_one_line(root, override, expected):

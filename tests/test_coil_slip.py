@@ -12,12 +12,16 @@ from coil_modes import MASS, SHAPE, beam, coil_points
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
+from wroll_fem.analyses import modal_transient
 from wroll_fem.analyses.modal_transient import remarks, slip_statement, slip_summary, transient_dataset
+from wroll_fem.case import load_case
 from wroll_fem.coil_grid import coil_cells, coil_grid, largest_along, stations
 from wroll_fem.coil_slip import cycle_maximum, driven_mode, onset_levels, shear_per_g, slip_zone, slips
 from wroll_fem.dynamics.modal_transient import Oscillators
+from wroll_fem.errors import InputError
 from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_shear_along, plot_slip_zone
 from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
+from wroll_fem.progress import SilentProgress
 from wroll_fem.results import load_dataset, save_dataset
 from wroll_fem.units import GRAVITY
 
@@ -142,6 +146,27 @@ def test_few_modes_and_a_base_above_them_are_told(dataset):
     assert "3 modes carry 89 % of the mass" in remarks(dataset)[0]
     assert remarks(computed(modes=replace(beam(), mass_total=0.95 * MASS))) == []
     assert "raise modal.count until the highest lies well above" in remarks(computed(frequency_hz=700.0))[-1]
+
+
+def test_modes_that_the_base_does_not_move_are_refused():
+    rounding = replace(beam(), participation=1e-9 * beam().participation)
+    with pytest.raises(InputError, match="none of 3 modes moves along the excitation"):
+        computed(modes=rounding)
+
+
+def test_a_coil_a_little_thicker_than_the_wound_roll_holds_up_to_its_skin(root, monkeypatch):
+    # what the fit allows, 1 % of the thickness; beyond the wound roll itself there is no pressure
+    modes = beam()
+    points = modes.points.copy()
+    points[:, 2] += np.where(points[:, 2] == points[:, 2].max(), 0.0251 - 1e-5 - points[:, 2].max(), 0.0)
+    monkeypatch.setattr(modal_transient, "shear_modes", lambda case: replace(modes, points=points))
+    exact = load_case(root / "configs" / "case_study.yaml")
+    thick = exact.changed("coil.thickness=0.0151")
+    found = modal_transient.run_modal_transient(thick, progress=SilentProgress())
+    assert points[:, 2].max() > 0.025
+    assert found["friction_capacity"].values.min() > 0.0
+    assert found["capacity_profile"].values[-1] == pytest.approx(0.0, abs=1.0)
+    assert found.attrs["capacity_mandrel_pa"] == pytest.approx(0.48 * 6.288e6, rel=1e-3)
 
 
 def test_results_are_saved_and_read_with_units(dataset, tmp_path):

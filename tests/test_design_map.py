@@ -104,6 +104,7 @@ def test_mandrels_that_never_bend_first_are_said_to():
         (lambda: mapped("design_map.mandrel_thickness=[0.03]"), "fills the smallest mandrel"),
         (lambda: mapped("design_map.loosest=soft"), "fundamental_bending"),
         (lambda: mapped("design_map.loosest=-1"), "positive"),
+        (lambda: mapped("design_map.loosest=1e10"), "not looser than the case's"),
         (lambda: mapped(design_map=None), "required section"),
         (lambda: mapped("mesh.discretisation=three_dimensional"), "harmonics around the axis"),
         (lambda: mapped(coil={"model": "none"}), "solid"),

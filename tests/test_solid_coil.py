@@ -217,6 +217,21 @@ def test_shear_of_the_bending_mode_agrees_with_the_fourier_model():
     np.testing.assert_allclose(bands[0], bands[1], rtol=0.06)
 
 
+@pytest.mark.parametrize("direction", ["x", "y"])
+def test_half_a_pair_at_the_end_of_the_list_is_along_the_excitation(direction):
+    shaken = f"excitation={{kind: sine, frequency: resonance, amplitude_g: 1, direction: {direction}}}"
+    one, two = (shear_modes(stiff(f"modal.count={n}", shaken)) for n in (1, 2))
+    assert len(one.frequencies_hz) == 2
+    np.testing.assert_allclose(np.abs(one.participation), np.abs(two.participation), rtol=1e-6, atol=1e-6)
+    if direction == "x":
+        runs = [run_modal(stiff(f"modal.count={n}"), progress=SilentProgress()) for n in (1, 2)]
+        assert runs[0].sizes["mode"] == 1
+        fractions = [run["effective_mass_fraction"].values[0] for run in runs]
+        np.testing.assert_allclose(fractions[0], fractions[1], atol=1e-6)
+        assert fractions[0][0] > 0.5
+        assert fractions[0][1] < 1e-6
+
+
 def test_shear_stress_needs_a_solid_coil():
     with pytest.raises(InputError, match="that of a solid coil"):
         shear_modes(stiff("coil.model=nonstructural_mass"))

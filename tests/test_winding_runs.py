@@ -136,6 +136,10 @@ def test_warnings_of_a_doubtful_roll(tmp_path: Path) -> None:
     assert coarse is not None
     (text,) = doubts(coarse, wound_roll(coarse))
     assert "still changes by" in text
+    short = load_case(STUDY, ["winding.tension_profile={kind: table, radius: [10, 25], factor: [1, 2]}"]).winding
+    assert short is not None
+    (text,) = doubts(short, wound_roll(short))
+    assert "covers 10 to 25 m, the roll 0.01 to 0.025 m; beyond its rows the end values are kept" in text
     for command in ("mesh", "export"):
         said = runner.invoke(cli.app, [command, str(STUDY), "--out", str(tmp_path / "b.npz")])
         assert said.exit_code == 2

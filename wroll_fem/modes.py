@@ -140,19 +140,29 @@ def effective_mass_fractions(
     return (vectors.T @ (mass @ influence)) ** 2 / mass_total
 
 
+_TWINS = 1e-5
+"""Frequencies closer than this share are those of a pair."""
+
+
+def are_twins(frequencies_hz: FloatArray, k: int) -> bool:
+    """Whether modes k and k + 1 are a pair of equal frequencies."""
+    low, high = frequencies_hz[k : k + 2]
+    return bool(abs(high - low) <= _TWINS * max(high, 1e-6))
+
+
 def align_pairs(
-    frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray, tolerance: float = 1e-5
+    frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray
 ) -> FloatArray:
     """Turn each pair of equal frequencies so that its first mode takes all of the motion along x.
 
     A round roll has its bending modes in pairs whose direction is arbitrary; this makes it x, then y. Pairs without
-    effective mass stay as they are.
+    effective mass stay as they are. Half a pair at the end of the list keeps its arbitrary direction: solve for one
+    mode more than is wanted.
     """
     aligned, k = vectors.copy(), 0
     along_x = mass @ influence[:, 0]
     while k + 1 < len(frequencies_hz):
-        gap = abs(frequencies_hz[k + 1] - frequencies_hz[k])
-        if gap > tolerance * max(frequencies_hz[k + 1], 1e-6):
+        if not are_twins(frequencies_hz, k):
             k += 1
             continue
         a, b = aligned[:, k : k + 2].T @ along_x

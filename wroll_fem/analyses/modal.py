@@ -67,11 +67,14 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         if system.interfaces:
             stiffness = sp.csr_matrix(system.with_interface_springs(interface_springs(case, system)))
         stage.update(1, "matrices ready")
-        pairs = solve_pairs(stiffness, system.mass, case.modal.count, sigma=-((2 * np.pi * 10.0) ** 2))
+        # one more than wanted: half a pair at the end would have an arbitrary direction
+        more = min(case.modal.count + 1, system.n_dofs)
+        pairs = solve_pairs(stiffness, system.mass, more, sigma=-((2 * np.pi * 10.0) ** 2))
         stage.update(2)
     hertz = np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi)
     influence = np.vstack([body.influence for body in bodies])
-    vectors = align_pairs(hertz, pairs.vectors, system.mass, influence)
+    vectors = align_pairs(hertz, pairs.vectors, system.mass, influence)[:, : case.modal.count]
+    hertz, residuals = hertz[: case.modal.count], pairs.residuals[: case.modal.count]
     kinds = [classify_mode(bodies, vector) for vector in vectors.T]
     total = sum(body.mass_total for body in bodies)
     dataset = xr.Dataset(
@@ -79,7 +82,7 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
             "mode_frequency": ("mode", hertz),
             "mode_kind": ("mode", np.array([k.kind for k in kinds])),
             "mode_harmonic": ("mode", np.array([k.wave_number for k in kinds])),
-            "mode_residual": ("mode", pairs.residuals),
+            "mode_residual": ("mode", residuals),
             "effective_mass_fraction": (
                 ("mode", "component"),
                 effective_mass_fractions(system.mass, influence, vectors, total),

@@ -15,6 +15,7 @@ from ..dynamics.modal_transient import (
     run_to_steady_state,
     steady_transmissibility,
 )
+from ..errors import InputError
 from ..results import annotate
 from ..shear import ShearModes
 from ..units import GRAVITY
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
 
 FEWEST_MASS = 0.9
 """Modes that carry less than this share of the mass along the excitation are told to be too few."""
+
+
+LEAST_MASS = 1e-6
+"""Share of the mass that the driven mode must move; less is rounding."""
 
 
 class CoilShape(NamedTuple):
@@ -54,7 +59,7 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
     with progress.stage("response and slip", 1) as stage:
         frequency = None if excitation.frequency == "resonance" else float(excitation.frequency)
         dataset = transient_dataset(
-            modes, roll.capacity_at, shape,
+            modes, lambda r: roll.capacity_at(_in_wound_roll(r, shape, roll.radius)), shape,
             damping_ratio=case.damping_ratio, frequency_hz=frequency, levels_g=excitation.amplitude_g,
         )  # fmt: skip
         stage.update(1)
@@ -62,6 +67,15 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
     for text in remarks(dataset):
         progress.warning(text)
     return dataset
+
+
+def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
+    """Radii of the wound roll at the same share of the thickness: coil and wound roll may differ a little in size.
+
+    Without it a coil that is thicker by less than is refused would have an outer skin without capacity.
+    """
+    share = (radius - shape.mandrel_radius) / (shape.outer_radius - shape.mandrel_radius)
+    return np.asarray(wound[0] + share * (wound[-1] - wound[0]))
 
 
 def shear_modes(case: Case) -> ShearModes:
@@ -105,8 +119,18 @@ def transient_dataset(
         Over `mode`: frequency, effective mass. Over `time`, from rest to the first steady cycle at the top level:
         base, tip and shear where slip starts. Over `point`: shear at 1 g, capacity, onset. Over `amplitude_g`: slip
         zone.
+
+    Raises
+    ------
+    InputError
+        When no mode moves along the excitation.
     """
     driven = driven_mode(modes)
+    if modes.participation[driven] ** 2 < LEAST_MASS * modes.mass_total:
+        raise InputError(
+            f"none of {len(modes.frequencies_hz)} modes moves along the excitation", key="modal.count",
+            remedy="take more modes",
+        )  # fmt: skip
     frequency = float(modes.frequencies_hz[driven]) if frequency_hz is None else frequency_hz
     oscillators = Oscillators(modes.frequencies_hz, modes.participation, damping_ratio)
     shear = shear_per_g(modes, oscillators, frequency)
@@ -233,4 +257,4 @@ def slip_statement(dataset: xr.Dataset) -> str:
     if not slips(top * dataset["shear_resultant"].values, dataset["friction_capacity"].values).any():
         return f"no slip up to {top:g} g; slip would start above {onset[first]:.3g} g, {place}"
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
-    return f"slip starts above {onset[first]:.3g} g, {place}; at {top:g} g {share:.2g} % of the coil's volume slips"
+    return f"slip starts above {onset[first]:.3g} g, {place}; at {top:g} g {share:.3g} % of the coil's volume slips"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..case.winding import completed
+from ..case.winding import FIT, completed
 from ..results import annotate
 from ..winding import WoundRoll, wound_roll
 
@@ -89,6 +89,14 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
         found.append(
             f"under the pressure at the mandrel the stack is stiffer through its thickness ({stiffest:.3g} Pa) than "
             "the web along itself; check winding.web.radial_modulus"
+        )
+    profile = section.tension_profile
+    if profile.kind == "table" and not (
+        profile.radius[0] <= roll.radius[0] * (1.0 + FIT) and profile.radius[-1] >= roll.radius[-1] * (1.0 - FIT)
+    ):
+        found.append(
+            f"winding.tension_profile covers {profile.radius[0]:.4g} to {profile.radius[-1]:.4g} m, the roll "
+            f"{roll.radius[0]:.4g} to {roll.radius[-1]:.4g} m; beyond its rows the end values are kept"
         )
     law = section.web.radial_modulus
     if law.law == "table" and roll.pressure[0] > law.pressure[-1]:

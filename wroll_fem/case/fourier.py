@@ -66,6 +66,12 @@ def design_map_fits(case: Case) -> None:
             "analysis design_map works in harmonics around the axis", key="mesh.discretisation",
             value=case.mesh.discretisation, remedy="use mesh.discretisation: fourier",
         )  # fmt: skip
+    tightest = min(case.coil.material.G_r_theta, case.coil.material.G_r_z)
+    if not isinstance(case.design_map.loosest, str) and case.design_map.loosest >= tightest:
+        raise wrong(
+            "the loosest coil is not looser than the case's", key="design_map.loosest", value=case.design_map.loosest,
+            remedy=f"use less than its shear moduli between wraps, {tightest:g} Pa",
+        )  # fmt: skip
     wall, radius = max(case.design_map.mandrel_thickness), min(case.design_map.mandrel_radius)
     if wall >= radius:
         raise wrong(

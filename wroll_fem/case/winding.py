@@ -292,6 +292,9 @@ def winding_present(case: Case) -> None:
     if case.winding.mu is None and case.analysis in ("winding", "modal_transient"):
         remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
         raise wrong("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
+    if case.winding.mu == 0.0 and case.analysis == "modal_transient":
+        remedy = "use a value above 0: without friction every point slips at any level"
+        raise wrong("nothing holds the wraps", key="winding.mu", value=0.0, remedy=remedy)
     if case.winding.mandrel is None and not {"geometry", "mandrel"} <= case.model_fields_set:
         remedy = "add it (outer_radius with wall and E, or with stiffness)"
         raise wrong("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)

@@ -182,7 +182,8 @@ def run_to_steady_state(
         if change.size >= MOST_CYCLES:
             raise ConvergenceError(
                 "no steady state", time_s=change.size / frequency_hz, iterations=change.size,
-                residual_history=[float(c) for c in change[-5:]], advice="raise damping_ratio",
+                residual_history=[float(c) for c in change[-5:]],
+                advice="raise damping_ratio, or lower excitation.frequency",
             )  # fmt: skip
         cycles = np.arange(change.size + 1, change.size + 257)
         more = np.abs(tip) @ oscillators.change_per_cycle(cycles, frequency_hz, amplitude) / largest

@@ -37,12 +37,17 @@ def shear_modes(case: Case) -> ShearModes:
     Raises
     ------
     InputError
-        If the case has no solid coil.
+        If the case has no solid coil, or none of the modes moves sideways.
     """
     if case.coil.model != "solid":
         raise InputError("the shear stress is that of a solid coil", key="coil.model", remedy="use coil.model: solid")
     roll = FourierRoll(case)
     modes = [mode for mode in lowest_modes(roll, case.modal.count) if mode.family.harmonic == 1]
+    if not modes:
+        raise InputError(
+            f"none of the lowest {case.modal.count} modes moves along the excitation", key="modal.count",
+            remedy="take more modes",
+        )  # fmt: skip
     turn = 0.5 * np.pi if case.excitation.direction == "y" else 0.0
     r, z, area = _quadrature(plain_section(case))
     stations = 4 * -(-case.mesh.circumferential // 2)

@@ -21,7 +21,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh import VTK_GRID
 from wroll_fem.model import DIRECTIONS, build_bodies
-from wroll_fem.modes import align_pairs, classify_mode
+from wroll_fem.modes import align_pairs, are_twins, classify_mode
 from wroll_fem.shear import ShearModes
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ _CELLS_AT_ONCE = 512  # bounds the memory of the gradients
 def shear_modes(case: Case) -> ShearModes:
     """Lowest `modal.count` modes of the roll and the shear stress that each makes in its coil.
 
+    The twin of the last one is taken too: the direction of half a pair would be arbitrary.
+
     Raises
     ------
     InputError
@@ -50,9 +52,12 @@ def shear_modes(case: Case) -> ShearModes:
     bodies = build_bodies(case, symmetric=False)
     body = bodies[0]
     assert body.solid is not None  # the coil model above
-    pairs = solve_pairs(body.stiffness, body.mass, case.modal.count, sigma=DEFAULT_SHIFT)
+    count = case.modal.count
+    pairs = solve_pairs(body.stiffness, body.mass, min(count + 1, body.n_dofs), sigma=DEFAULT_SHIFT)
     frequencies = np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi)
     vectors = align_pairs(frequencies, pairs.vectors, body.mass, body.influence)
+    kept = count + 1 if len(frequencies) > count and are_twins(frequencies, count - 1) else count
+    frequencies, vectors = frequencies[:kept], vectors[:, :kept]
     direction = DIRECTIONS[case.excitation.direction]
     material = case.coil.material.solid()
     points, volumes, rz, rt = coil_shear_strain(body.solid, body.solid.expand @ vectors)

@@ -295,7 +295,7 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
     found = (
         f"At {levels[-1]:g}\u00a0g slip reaches {reach[0]:.3g} mm up and {reach[1]:.3g} mm out from the mandrel, "
-        f"{share:.2g} % of the coil's volume; it starts above {onset.min():.3g}\u00a0g"
+        f"{share:.3g} % of the coil's volume; it starts above {onset.min():.3g}\u00a0g"
     )
     if share == 0.0:
         found = f"No slip up to {levels[-1]:g}\u00a0g"
