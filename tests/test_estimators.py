@@ -241,7 +241,7 @@ def test_method_follows_the_shape_and_says_so():
             choose(WIDE, flat, **wrong)
 
 
-@pytest.mark.parametrize("lean", [-0.1, 0.1])
+@pytest.mark.parametrize("lean", [-0.1, -0.05, 0.05, 0.1])
 def test_a_leaning_curve_is_not_taken_for_a_linear_one(lean):
     T = leaning_transmissibility(NEAR, 150.0, 0.02, lean)
     assert np.sign(half_power(NEAR, np.abs(T)).skewness) == -np.sign(lean)  # long tail on the side it leans from

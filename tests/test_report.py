@@ -34,10 +34,14 @@ SWEEP = ROOT / "configs" / "lab_sweep.yaml"
 NASTY = "<script>alert('1')</script> & \"quoted\" \x07"
 
 
+def with_modulation(data: xr.Dataset) -> xr.Dataset:
+    """The synthetic roll's stick stiffness does not depend on the pressure."""
+    return data.assign(pressure_modulation_work=0.0 * data["friction_energy"])
+
+
 def synthetic_run(out: Path, *overrides: str) -> RunFolder:
     """Run folder as `wroll run` leaves it, with a synthetic roll's results in place of finite elements."""
-    data = synthetic_roll.sweep()
-    data["pressure_modulation_work"] = 0.0 * data["friction_energy"]
+    data = with_modulation(synthetic_roll.sweep())
     data.attrs |= {"f_n_hz": 148.25, "zeta": 0.0123, "zeta_method": "half power", "half_power_reason": "just a remark"}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(analyses, "run_analysis", lambda case, **_: data)
@@ -63,6 +67,9 @@ def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
             continue
         shutil.copytree(run.path, out / name)
         (out / name / "case.yaml").write_text(case.resolved_yaml())
+        folder = RunFolder(out / name)
+        folder.log_file.write_text(f"now warning: the root element is {pressure / 1e3:g} mm high\n")
+        folder.write_json(folder.summary_file, {**run.summary(), "energy_balance_error": pressure * 1e-6})
         outcomes.append(Outcome(member, "complete"))
     write_tables(outcomes, out)
     (out / "figures").mkdir()
@@ -133,6 +140,10 @@ def test_energy_ledger_adds_up(run: RunFolder, tmp_path: Path) -> None:
     assert shares.pop("Work put in by the base motion") == 100.0
     assert shares["Energy dissipated by friction"] > 1.0
     assert sum(shares.values()) == pytest.approx(100.0, abs=0.5)  # each has three digits
+    data = synthetic_roll.history()
+    lost = data.assign(friction_energy=0.5 * data["friction_energy"])  # half of it is nowhere
+    found = rows(ElementTree.fromstring(f"<div>{energy_ledger(with_modulation(lost))}</div>"))
+    assert found["Not accounted for"] == found["Energy dissipated by friction"]
 
 
 def test_figures_are_drawn_when_the_run_made_none(run: RunFolder, tmp_path: Path) -> None:
@@ -206,7 +217,10 @@ def test_report_of_a_batch_tells_what_varies_and_what_failed(batch: Path, tmp_pa
     assert "preload.pressure3 values: 10000, 30000, 100000" in solved
     assert "analysis2" not in solved  # the failed case has none in the table
     assert "mesh.axial = 12" in solved
-    assert "pressure_100000 failed: no convergence <script>" in words(section(root, "Warnings"))
+    warned = words(section(root, "Warnings"))
+    assert "pressure_100000 failed: no convergence <script>" in warned
+    assert "2 cases, at worst pressure_30000: the energy balance is open by 3.00%" in warned
+    assert "2 cases, first pressure_10000: the root element is 10 mm high" in warned
     cases = rows(section(root, "Cases"))
     assert cases["pressure_10000"][:3] == ["complete", "10000", "148.25 Hz"]
     assert cases["pressure_100000"][:3] == ["failed", "100000", ""]
