@@ -70,6 +70,16 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
             "winding.web.radial_modulus={law: table, pressure: [0, 1], modulus: [1]}",
             "radial_modulus.modulus: 1 values for 2 of pressure, got [1.0]; give one value per pressure",
         ),
+        (
+            STUDY,
+            "winding.web.radial_modulus={law: table, pressure: [0, .nan], modulus: [1, 2]}",
+            "radial_modulus.pressure.1: must be a finite number, got nan; give the pressure between the wraps, Pa, ri",
+        ),
+        (
+            STUDY,
+            "winding.tension_profile={kind: table, radius: [], factor: [1]}",
+            "tension_profile.radius: must have 1 or more entries, got []; give the radius at which a wrap is laid, m, ",
+        ),
         (STUDY, "winding.wrap_thickness=0.02", "wrap_thickness: the web is thicker than the roll it is wound on, got"),
         (STUDY, "winding.mandrel.wall=0.02", "winding.mandrel.wall: the wall is thicker than the radius, got 0.02; us"),
         (STUDY, "winding.mandrel.stiffness=1e9", "winding.mandrel.wall: stands beside stiffness, which replaces it"),

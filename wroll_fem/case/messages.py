@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..errors import InputError
@@ -17,6 +18,7 @@ _BOUNDS = {
     "greater_than_equal": ("must be {ge:g} or more"),
     "less_than": ("must be less than {lt:g}"),
     "less_than_equal": ("must be {le:g} or less"),
+    "too_short": ("must have {min_length} or more entries"),
 }
 _KINDS = {
     "float_type": "must be a number",
@@ -72,6 +74,8 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
         problem, remedy, meant = _unknown_key(keys, parent, model)
         return key, f"{problem}{got}", remedy, meant
     field = parent.model_fields.get(keys[-1]) if keys and parent else None
+    if field is None and len(keys) > 1 and keys[-1].isdigit():  # an entry of a list has the list's description
+        field = _field_at(keys[:-1], model)
     what = field.description if field is not None and field.description else "see `wroll schema`"
     if kind == "missing":
         section = field is not None and _section_of(field.annotation) is not None
@@ -108,6 +112,17 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
         field = parent.model_fields.get(str(part)) if parent else None
         here = field.annotation if field is not None else None
     return keys, parent
+
+
+def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
+    """Field at a dotted path, None when there is none; of sections of several kinds the first that has it."""
+    models, field = [model], None
+    for key in keys:
+        field = next((m.model_fields[key] for m in models if key in m.model_fields), None)
+        if field is None:
+            return None
+        models = _sections(field.annotation)
+    return field
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
