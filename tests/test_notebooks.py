@@ -31,7 +31,7 @@ def test_notebook_runs_headless(root, name, monkeypatch):
     monkeypatch.delenv("MPLBACKEND", raising=False)  # the kernel draws in the notebook
     monkeypatch.delenv("DISPLAY", raising=False)
     notebook = nbformat.read(root / "notebooks" / f"{name}.ipynb", as_version=4)
-    # sliders wait for a browser, now and then until the cell's time is up: the static way is taken, as without ipywidgets
+    # sliders wait for a browser, now and then until the cell's time is up: take the way without ipywidgets
     notebook.cells.insert(0, nbformat.v4.new_code_cell("import sys; sys.modules['ipywidgets'] = None"))
     resources = {"metadata": {"path": str(root / "notebooks")}}
     nbclient.NotebookClient(notebook, timeout=110, kernel_name="python3", resources=resources).execute()
