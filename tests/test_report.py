@@ -21,12 +21,14 @@ from wroll_fem import analyses, cli, load_case
 from wroll_fem.batch import Outcome, write_tables
 from wroll_fem.grid import Member
 from wroll_fem.report import write_report
+from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.run import metrics
 from wroll_fem.report.values import label, quantity, shown, split_unit
 from wroll_fem.report.words import _SECTIONS, case_words
 from wroll_fem.run_folder import RunFolder
 from wroll_fem.runner import run_case
+from wroll_fem.signals.estimators import single_dof_transmissibility
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
@@ -103,7 +105,8 @@ def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> Non
     root = parsed(write_report(run.path, tmp_path / "new" / "run.html"))
     headings = [h.text for h in root.iter("h2")]
     assert headings == [
-        "What was solved", "Warnings", "Metrics", "Figures", "Energy ledger", "Versions and origin", "Files",
+        "What was solved", "Warnings", "Metrics", "Figures", "Damping by several methods", "Energy ledger",
+        "Versions and origin", "Files",
     ]  # fmt: skip
     solved = words(section(root, "What was solved"))
     assert "tube of 300 mm length, 80 mm outer diameter, 1.5 mm wall" in solved
@@ -144,6 +147,21 @@ def test_energy_ledger_adds_up(run: RunFolder, tmp_path: Path) -> None:
     lost = data.assign(friction_energy=0.5 * data["friction_energy"])  # half of it is nowhere
     found = rows(ElementTree.fromstring(f"<div>{energy_ledger(with_modulation(lost))}</div>"))
     assert found["Not accounted for"] == found["Energy dissipated by friction"]
+
+
+def test_damping_is_read_by_every_method() -> None:
+    f = np.linspace(130.0, 170.0, 801)
+    T = single_dof_transmissibility(f, 150.0, 0.02)
+    parts = {"transmissibility_real": ("frequency", T.real), "transmissibility_imag": ("frequency", T.imag)}
+    data = xr.Dataset(parts, coords={"frequency": f})
+    told = damping_table(data)
+    found = rows(ElementTree.fromstring(f"<div>{told}</div>"))
+    assert found["half power"][1] == "2.002 %"
+    assert found["rational fraction (linear structure)"][:2] == ["150 Hz", "2 %"]
+    assert len(found) == 3
+    assert "prominence 0.8" in told
+    assert damping_table(data.isel(frequency=slice(None, None, -1))) == ""
+    assert "no half-power point" in damping_table(data.isel(frequency=slice(0, 405)))
 
 
 def test_figures_are_drawn_when_the_run_made_none(run: RunFolder, tmp_path: Path) -> None:

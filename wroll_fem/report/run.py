@@ -14,6 +14,7 @@ import yaml
 from ..errors import WrollError
 from ..run_folder import RunFolder
 from . import html
+from .damping import damping_table
 from .ledger import energy_ledger
 from .values import EFFORT, label, open_balance, shown
 from .words import case_words
@@ -68,6 +69,7 @@ def run_page(path: Path) -> str:
             ("Warnings", html.notes(warnings)),
             ("Metrics", metrics(summary)),
             ("Figures", pictures),
+            ("Damping by several methods", damping_table(dataset) if dataset is not None else ""),
             ("Energy ledger", energy_ledger(dataset) if dataset is not None else ""),
             ("Versions and origin", origin_table(origin)),
             ("Files", _files(path)),

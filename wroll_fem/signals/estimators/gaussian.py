@@ -183,6 +183,8 @@ def _search(
         return bell_at(d).rmse / d
 
     widths = np.geomspace(narrowest, widest, _WINDOWS)
+    if window == "narrowest":  # nothing beyond the first is asked for
+        widths = widths[: next((k for k, d in enumerate(widths) if excess(d) <= 0.0), _WINDOWS) + 1]
     allowed = np.array([excess(d) <= 0.0 for d in widths])
     if not allowed.any():
         return f"no fit up to {widest:.4g} Hz on each side of the peak at {f_pk:.5g} Hz falls to half power"
@@ -193,7 +195,12 @@ def _search(
         edge = brentq(excess, widths[best - 1], widths[best], xtol=1e-10 * widths[best])
         if window == "narrowest" or cost(edge) <= cost(widths[best]):
             bell, at_constraint = bell_at(edge), True
-    if window == "objective" and not at_constraint and 0 < best < _WINDOWS - 1 and allowed[best - 1 : best + 2].all():
+    if (
+        window == "objective"
+        and not at_constraint
+        and 0 < best < widths.size - 1
+        and allowed[best - 1 : best + 2].all()
+    ):
         inside = minimize_scalar(cost, bounds=(widths[best - 1], widths[best + 1]), method="bounded").x
         if excess(inside) <= 0.0 and cost(inside) < costs[best]:
             bell = bell_at(inside)

@@ -1,0 +1,58 @@
+"""Damping of a run's transmissibility by every estimator, side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from ..signals.estimators import (
+    DampingEstimate,
+    choose,
+    gaussian_fit,
+    half_power_estimate,
+    lower_bound,
+    rational_fraction,
+)
+from .html import paragraph, table
+
+_HEAD = ("method", "f_n", "zeta", "standard error", "at least", "misfit")
+_DRAWS = 10
+
+
+def damping_table(dataset: xr.Dataset) -> str:
+    """Readings of half power, Gaussian fit and rational fraction; "" without a curve over rising frequency."""
+    if "transmissibility_real" not in dataset or dataset["transmissibility_real"].dims != ("frequency",):
+        return ""
+    frequency = dataset["frequency"].values
+    if frequency.size < 8 or np.any(np.diff(frequency) <= 0.0):
+        return ""
+    T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
+    found = {
+        "half power": half_power_estimate(frequency, T),
+        "Gaussian fit (narrowest window, centre free)": gaussian_fit(
+            frequency, T, centre="free", window="narrowest", draws=_DRAWS
+        ),
+        "rational fraction (linear structure)": rational_fraction(frequency, T),
+    }
+    chosen = choose(frequency, T)
+    said = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
+    limits = (
+        "Standard errors come from the scatter of the curve alone. A misfit is the distance of fit and curve over the "
+        "peak: where it is large, or the methods differ, the curve is not that of one linear mode, and zeta depends on "
+        "the definition. summary.json holds half power."
+    )
+    rows = [(name, *_cells(estimate)) for name, estimate in found.items()]
+    return table(_HEAD, rows, numbers=range(1, len(_HEAD))) + (paragraph(said) if said else "") + paragraph(limits)
+
+
+def _cells(estimate: DampingEstimate) -> tuple[str, ...]:
+    if not estimate.found:
+        return "", estimate.reason, "", "", ""
+    low = lower_bound(estimate)
+    return (
+        f"{estimate.f_n:.6g} Hz",
+        f"{100.0 * estimate.zeta:.4g} %",
+        f"{100.0 * estimate.zeta_error:.2g} %" if np.isfinite(estimate.zeta_error) else "",
+        f"{100.0 * low:.4g} %" if np.isfinite(low) else "",
+        f"{100.0 * estimate.misfit:.2g} %" if np.isfinite(estimate.misfit) else "",
+    )
