@@ -31,6 +31,8 @@ ACROSS = 12
 """Points across the half-power width of a peak that is read."""
 BRACKET = 1e-4
 """Relative change of the peak below which it counts as found."""
+SMALL = 0.01
+"""Local maxima of the grid below this share of its largest value are not followed."""
 MAP_ACCURACY = 1e-3
 """Relative accuracy of the amplitudes of a design map."""
 BAND = (0.6, 1.6)
@@ -107,7 +109,7 @@ def peak_readings(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[Pe
     grid, values = curve.line
     inner = (values[1:-1] >= values[:-2]) & (values[1:-1] > values[2:])
     for k in np.flatnonzero(inner) + 1:
-        if values[k] > 0.1 * values.max():
+        if values[k] > SMALL * values.max():
             _climb(curve, float(grid[k - 1]), float(grid[k]), float(grid[k + 1]))
     for _ in range(40):
         line = curve.line
