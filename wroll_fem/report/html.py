@@ -22,6 +22,7 @@ h3 { font-size: 1rem; margin: 1.2rem 0 .4rem; }
 nav { margin: .8rem 0 0; } nav a { margin-right: 1rem; color: var(--accent); }
 dl { display: grid; grid-template-columns: 9rem 1fr; gap: .3rem 1rem; margin: .6rem 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
+p, li, figcaption, summary { overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .25rem .9rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
