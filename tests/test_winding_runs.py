@@ -198,6 +198,14 @@ def test_the_mean_pressure_of_every_interface_is_the_wound_roll_s(layers: int) -
     assert other.pressures == pytest.approx(system.pressures)
 
 
+def test_a_pull_that_only_the_whole_roll_shows_is_refused_too() -> None:
+    rising = "winding.tension_profile={kind: table, radius: [0.0400, 0.0405, 0.0411], factor: [0.2, 0.2, 0.34]}"
+    case = small("coil.layers=5", "winding.tension_newton=5", rising, "mesh.circumferential=8", "mesh.axial=2")
+    assert min(external_pressures(case)) > 0.0  # thin rings alone would do
+    with pytest.raises(InputError, match="a layer would have to be pulled off"):
+        prepare(case, SilentProgress())
+
+
 def test_layer_pull_of_the_preload_is_near_the_pull_of_the_wraps() -> None:
     """A layer under pretension N presses with N/R: what has to be applied is the web's own pull, to some per cent."""
     case = small()

@@ -87,10 +87,12 @@ def build_system(case: Case, bodies: Sequence[Body]) -> System:
 def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
     """System whose mean interface pressures are those of the wound roll."""
     from .dynamics.pressing import press_to
-    from .winding.interface import ring_split, target_pressures
+    from .winding.interface import refuse_pull, ring_split, target_pressures
 
     unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs
     for load, body in zip(unit_loads, bodies[1:], strict=True):
         load[end : end + body.n_dofs] = body.pressure_force
         end += body.n_dofs
-    return press_to(system, unit_loads, target_pressures(case), ring_split(case), steps=case.preload.steps)
+    pressed = press_to(system, unit_loads, target_pressures(case), ring_split(case), steps=case.preload.steps)
+    refuse_pull(pressed.pressures)
+    return pressed

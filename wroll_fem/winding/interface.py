@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,10 +41,15 @@ def external_pressures(case: Case) -> list[float]:
     """External pressure on each layer, inner first, Pa; for winding_tension the thin-ring estimate of it."""
     if case.preload.kind != "winding_tension":
         return case.preload.per_layer(case.coil.layers)
-    pressures = np.linalg.solve(ring_split(case), target_pressures(case))
-    if pressures.min() < 0.0:
+    pressures = np.linalg.solve(ring_split(case), target_pressures(case)).tolist()
+    refuse_pull(pressures)
+    return pressures
+
+
+def refuse_pull(pressures: Sequence[float]) -> None:
+    """Refuse external pressures on the layers of which one is a pull."""
+    if min(pressures) < 0.0:
         raise InputError(
             "the wound roll's pressure rises outwards so steeply that a layer would have to be pulled off",
             key="winding.tension_profile", remedy="let the tension fall outwards, or use fewer coil.layers",
         )  # fmt: skip
-    return pressures.tolist()
