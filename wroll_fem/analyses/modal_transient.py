@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..coil_slip import driven_mode, onset_levels, shear_per_g, slip_zone, slips
+from ..coil_slip import ShearPerG, SlipZone, driven_mode, onset_levels, shear_per_g, slip_zone, slips
 from ..dynamics.modal_transient import (
     FloatArray,
     Oscillators,
@@ -155,20 +155,10 @@ def transient_dataset(
         "tip_acceleration_absolute": ("time", absolute),
         "shear_resultant_history": ("time", history),
         "change_per_cycle": ("cycle", run.change),
-        "theta_rad": ("point", modes.points[:, 0]),
-        "z_m": ("point", modes.points[:, 1]),
-        "r_m": ("point", modes.points[:, 2]),
-        "volume": ("point", modes.volumes),
-        "shear_rz": ("point", np.abs(shear.srz)),
-        "shear_rt": ("point", np.abs(shear.srt)),
-        "shear_resultant": ("point", shear.resultant),
-        "friction_capacity": ("point", capacity),
-        "slip_onset": ("point", onset),
+        **_point_fields(modes, shear, capacity, onset),
+        **_zone_fields(zones),
         "capacity_radius": ("capacity_point", radius),
         "capacity_profile": ("capacity_point", np.asarray(capacity_at(radius))),
-        "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
-        "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
-        "slip_zone_depth": ("amplitude_g", [zone.depth for zone in zones]),
     }
     if modes.kinds:
         data["mode_kind"] = ("mode", np.array(modes.kinds))
@@ -195,6 +185,30 @@ def transient_dataset(
         "capacity_mandrel_pa": float(np.asarray(capacity_at(radius[:1]))[0]),
     }
     return annotate(dataset)
+
+
+def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, onset: FloatArray) -> dict[str, Any]:
+    """Place, shear at 1 g, capacity and onset of every quadrature point."""
+    return {
+        "theta_rad": ("point", modes.points[:, 0]),
+        "z_m": ("point", modes.points[:, 1]),
+        "r_m": ("point", modes.points[:, 2]),
+        "volume": ("point", modes.volumes),
+        "shear_rz": ("point", np.abs(shear.srz)),
+        "shear_rt": ("point", np.abs(shear.srt)),
+        "shear_resultant": ("point", shear.resultant),
+        "friction_capacity": ("point", capacity),
+        "slip_onset": ("point", onset),
+    }
+
+
+def _zone_fields(zones: list[SlipZone]) -> dict[str, Any]:
+    """Extent of slip at every level."""
+    return {
+        "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
+        "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
+        "slip_zone_depth": ("amplitude_g", [zone.depth for zone in zones]),
+    }
 
 
 def remarks(dataset: xr.Dataset) -> list[str]:
