@@ -141,6 +141,8 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     time = dataset["time"].values
     given, friction = dataset["input_work"].values, dataset["friction_energy"].values
     numerical = dataset["numerical_dissipation"].values
+    if "impact_dissipation" in dataset:  # what the time steps take where surfaces land and part
+        numerical = numerical + dataset["impact_dissipation"].values
     stored = sum((dataset[name].values for name in _STORED), np.zeros_like(given))
     if "pressure_modulation_work" in dataset:  # part of the identity; far too small for a line of its own
         stored = stored + dataset["pressure_modulation_work"].values
@@ -151,7 +153,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ("put in by the base", given, style.BLUE, "-"),
         ("friction", friction, style.RED, "-"),
         ("stored: kinetic + strain + contact", stored, style.GREEN, "-"),
-        ("numerical: the scheme's own dissipation", numerical, style.GREY, "--"),
+        ("numerical: the scheme's own dissipation, impacts", numerical, style.GREY, "--"),
     ]
     for name, values, colour, dash in series:
         x, low, high = style.line_envelope(time, scale * values)
