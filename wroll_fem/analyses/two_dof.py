@@ -72,6 +72,9 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
         {
             "method": {"periodic": "harmonic balance", "time": "time integration"}[section.method],
             "arrangement": section.arrangement,
+            "primary_mass_kg": section.m1,
+            "primary_stiffness_n_m": section.k1,
+            "preload_dependent": section.preload_dependent,
             "solver_time_s": time.perf_counter() - started,
         }
     )

@@ -120,12 +120,14 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
     first: Axes = panels[0, 0]
     if np.isfinite(zeta).any():
         k = int(np.nanargmax(zeta))
-        style.title(first, f"Damping is largest, {zeta[k]:.1f} %, at a capacity of {capacity[k]:g} N", 46)
+        style.title(first, f"Damping is largest, {zeta[k]:.1f} %, at a capacity of {capacity[k]:.3g} N", 46)
     return first
 
 
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Plot contours of the largest damping over mass and stiffness of the secondary (Fig. 5.7).
+
+    The dashed line is where both masses have the same resonance on their own, at the capacity that is most often best.
 
     Raises
     ------
@@ -142,6 +144,7 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
     ax.clabel(lines, fmt="%.3g", fontsize=7)
     bar = style.figure_of(ax).colorbar(filled, ax=ax)
     bar.set_label("Largest half-power damping over the capacities (%)")
+    _tuned(dataset, ax)
     ax.grid(False)
     ax.set_xlabel(label("m2", "kg"))
     ax.set_ylabel(label("k2", "N/m"))
@@ -157,6 +160,22 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
         ax, f"Largest damping of {count} capacities: {np.nanmin(zeta):.1f} to {np.nanmax(zeta):.1f} %; it {trend}", 76
     )
     return ax
+
+
+def _tuned(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw k2' / m2' = k1 / m1' (equations 5.6 and 5.7)."""
+    attrs, best = dataset.attrs, dataset["capacity_at_zeta_max"].values
+    known, count = np.unique(best[np.isfinite(best)], return_counts=True)
+    if attrs.get("arrangement") != "both_on_base" or known.size == 0:
+        return
+    capacity = float(known[count.argmax()])
+    share = np.tanh(0.5 * capacity) if attrs["preload_dependent"] else 1.0
+    m2 = dataset["m2"].values
+    k2 = m2 * attrs["primary_stiffness_n_m"] / (attrs["primary_mass_kg"] + m2 * (1.0 - share))
+    shown = (k2 >= float(dataset["k2"].min())) & (k2 <= float(dataset["k2"].max()))
+    text = f"same resonance on their own (at {capacity:g} N)"
+    ax.plot(m2[shown], k2[shown], color="white", ls="--", lw=1.6, label=text)
+    ax.legend(fontsize=8, facecolor="#777777", labelcolor="white", loc="upper right")
 
 
 def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
@@ -184,8 +203,9 @@ def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
         for k, colour in enumerate(_colours(len(capacities))):
             one = dataset.isel(friction_capacity=k)
             skew = float(one["skewness"])
-            read = f"skewness {skew:+.2f}" if np.isfinite(skew) else "skewness not readable"
-            ax.plot(*_line(dataset, k), color=colour, lw=1.6, label=f"{capacities[k]:g} N, {read}".replace("-", "−"))
+            read = f"skewness {round(skew, 2) + 0.0:+.2f}" if np.isfinite(skew) else "skewness not readable"
+            text = f"{capacities[k]:g} N, {read}".replace("-", "−")
+            ax.plot(*_line(dataset, k), color=colour, lw=1.6, label=text, zorder=3.0 - 0.01 * k)
         ax.axvline(1.0, color="black", lw=1.0, ls=":")
         ax.set_yscale("log")
         ax.yaxis.set_major_formatter(FuncFormatter(_plain))
