@@ -61,10 +61,15 @@ def quiet_compiler() -> Iterator[None]:
         root.handlers[:] = handlers
 
 
+JIT_SECONDS = 120
+"""How long to wait for a form that another process is compiling; ffcx's own 10 s are short on a busy machine."""
+
+
 def compile_form(form: Any) -> Any:
     """Compile a UFL form (or take it from the cache of earlier runs)."""
+    options = {"timeout": JIT_SECONDS}
     with quiet_compiler():
-        return fem.form(form)
+        return fem.form(form, jit_options=options) if _BASIX_UFL else fem.form(form, jit_params=options)
 
 
 def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) -> Any:
