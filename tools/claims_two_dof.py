@@ -283,7 +283,7 @@ def c88(study: Study) -> Verdict:
     said += f"{listed(np.array(list(found))[~above], 'g')}: {listed(100 * values[~above])} % (see below); map of "
     said += f"{len(m2)} x {len(k2)} (m_2 {m2[0]:g} to {m2[-1]:g}, k_2 {k2[0]:g} to {k2[-1]:g}), next to m_2 = 0.85: "
     said += f"{100 * near[0]:.1f} to {100 * near[-1]:.1f} %, lowest {100 * near.min():.1f} %"
-    return Verdict(said, bool(np.all(np.diff(values[above]) > 0.0)))
+    return Verdict(said, bool(np.all(np.diff(values) > 0.0)))
 
 
 def c89(study: Study) -> Verdict:
