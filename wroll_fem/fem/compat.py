@@ -67,9 +67,9 @@ JIT_SECONDS = 120
 
 def compile_form(form: Any) -> Any:
     """Compile a UFL form (or take it from the cache of earlier runs)."""
-    options = {"timeout": JIT_SECONDS}
+    options: dict[str, Any] = {"jit_options" if _BASIX_UFL else "jit_params": {"timeout": JIT_SECONDS}}
     with quiet_compiler():
-        return fem.form(form, jit_options=options) if _BASIX_UFL else fem.form(form, jit_params=options)
+        return fem.form(form, **options)
 
 
 def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) -> Any:
