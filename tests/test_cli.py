@@ -324,6 +324,15 @@ def test_interrupted_before_a_checkpoint_says_so(wroll: Callable[..., Result], a
     assert "before the first checkpoint" in stopped.stderr
 
 
+def test_interrupted_analysis_without_checkpoints_promises_none(
+    wroll: Callable[..., Result], analyses: StandIn
+) -> None:
+    analyses.fails = KeyboardInterrupt()
+    stopped = wroll("run", TINY.parent / "lab_modal.yaml")
+    assert stopped.exit_code == 130, stopped.stderr
+    assert stopped.stderr == "interrupted; this analysis has no checkpoints: run the same command again\n"
+
+
 def test_resume_without_a_checkpoint_starts_from_the_beginning(wroll: Callable[..., Result], analyses: StandIn) -> None:
     done = wroll("run", TINY, "--out", "here", "--resume")
     assert done.exit_code == 0

@@ -22,7 +22,7 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 import typer
 
 from . import __version__
-from .case import load_case, schema_text
+from .case import RESUMABLE, load_case, schema_text
 from .errors import InputError, WrollError
 from .progress import TerminalProgress
 
@@ -107,7 +107,7 @@ def run(
             with _sigterm_interrupts(), TerminalProgress() as progress:
                 done = run_case(case, target, progress=progress, resume=resume, command=shlex.join(command))
         except KeyboardInterrupt:
-            _explain_interrupt(target, command)
+            _explain_interrupt(target, command, resumable=case.analysis in RESUMABLE)
             raise typer.Exit(130) from None
         if done.already_done:
             typer.echo(f"{target}: this case is already done; delete the folder to run it again")
@@ -325,15 +325,17 @@ def _print_summary(summary: Mapping[str, Any]) -> None:
         typer.echo(f"{f'mode {number}':<24} {frequency:.2f} Hz  {kind}".rstrip())
 
 
-def _explain_interrupt(target: Path, command: list[str]) -> None:
+def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> None:
     from .run_folder import RunFolder
 
     if RunFolder(target).checkpoint_file.is_file():
         typer.echo(f"interrupted; go on with: {shlex.join([*command, '--resume'])}", err=True)
-    else:
+    elif resumable:
         typer.echo(
             "interrupted before the first checkpoint; run the same command again (--resume goes on later)", err=True
         )
+    else:
+        typer.echo("interrupted; this analysis has no checkpoints: run the same command again", err=True)
 
 
 @contextmanager

@@ -10,10 +10,10 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from .errors import InputError
 
@@ -22,6 +22,9 @@ CONNECT_SECONDS = 10.0
 
 RETRIES = 5
 """Workers that one case may lose before it counts as failed."""
+
+FREE_SECONDS = 60.0
+"""How long a run whose worker died may take to save itself."""
 
 _PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
 
@@ -46,8 +49,13 @@ class Pool(Protocol):
         """Let go of the workers when all is done."""
 
 
-def _environment() -> dict[str, str]:
-    return os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
+    """`wroll run` in a session of its own: Ctrl-C reaches it through `Pool.stop`, once."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "wroll_fem.cli", "run", *words],
+        env=os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"},
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True, **options,
+    )  # fmt: skip
 
 
 def _ended(process: subprocess.Popen[str]) -> Ended:
@@ -82,10 +90,7 @@ class LocalPool:
         with self._lock:
             if self._stopped:
                 return Ended(130, "not started")
-            process = subprocess.Popen(  # a session of its own: Ctrl-C reaches it through `stop`, once
-                [sys.executable, "-m", "wroll_fem.cli", "run", *words], env=_environment(),
-                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
-            )  # fmt: skip
+            process = _started(words)
             self._running.add(process)
         try:
             return _ended(process)
@@ -156,10 +161,7 @@ _on_this_worker: set[subprocess.Popen[str]] = set()
 def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
     """Run `wroll run` on a Dask worker, once ``folder`` is free of a process whose worker has died."""
     _wait_until_free(Path(folder) / "run.log")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "wroll_fem.cli", "run", *words], env=_environment(), cwd=working_directory,
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=_follow_parent,
-    )  # fmt: skip
+    process = _started(words, cwd=working_directory, preexec_fn=_follow_parent)
     _on_this_worker.add(process)
     try:
         return _ended(process)
@@ -178,15 +180,14 @@ def _follow_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def _wait_until_free(log: Path, seconds: float = 60.0, sleep: Callable[[float], None] = time.sleep) -> None:
+def _wait_until_free(log: Path) -> None:
     """Wait for a run that is ending to let go of its folder (`RunFolder.open` holds run.log)."""
-    waited = 0.0
-    while waited < seconds and log.exists():
+    end = time.monotonic() + FREE_SECONDS
+    while time.monotonic() < end and log.exists():
         with log.open("a", encoding="utf-8") as stream:
             try:
                 fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                sleep(0.2)
-                waited += 0.2
+                time.sleep(0.2)
                 continue
         return

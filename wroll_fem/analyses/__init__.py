@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..case import RESUMABLE
 from .advice import case_warnings, estimate
 
 if TYPE_CHECKING:
@@ -17,75 +19,37 @@ if TYPE_CHECKING:
 __all__ = ["ANALYSES", "case_warnings", "estimate", "run_analysis", "summarise", "write_fields", "write_figures"]
 
 
-def _time_history(case: Case, **keywords: Any) -> xr.Dataset:
-    from .history import run_history
+def _imported(module: str, function: str) -> Callable[..., xr.Dataset]:
+    """Analysis in a module of this package, imported when it runs."""
 
-    return run_history(case, **keywords)
+    def run(case: Case, **keywords: Any) -> xr.Dataset:
+        dataset: xr.Dataset = getattr(import_module(f".{module}", __name__), function)(case, **keywords)
+        return dataset
 
-
-def _modal(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    if case.mesh.discretisation == "fourier":
-        from .fourier import run_fourier_modal
-
-        return run_fourier_modal(case, progress=progress)
-    from .modal import run_modal
-
-    return run_modal(case, progress=progress)
+    return run
 
 
-def _design_map(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .design_map import run_design_map
-
-    return run_design_map(case, progress=progress)
-
-
-def _harmonic(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .harmonic import run_harmonic
-
-    return run_harmonic(case, progress=progress)
+_MODAL = {
+    "three_dimensional": _imported("modal", "run_modal"),
+    "fourier": _imported("fourier", "run_fourier_modal"),
+}
 
 
-def _backbone(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .backbone import run_backbone
-
-    return run_backbone(case, progress=progress)
-
-
-def _preload(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .history import run_preload
-
-    return run_preload(case, progress=progress)
-
-
-def _modal_transient(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .modal_transient import run_modal_transient
-
-    return run_modal_transient(case, progress=progress)
-
-
-def _winding(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .winding import run_winding
-
-    return run_winding(case, progress=progress)
-
-
-def _two_dof(case: Case, *, progress: Progress, checkpoint: Path | None, resume: bool) -> xr.Dataset:
-    from .two_dof import run_two_dof
-
-    return run_two_dof(case, progress=progress)
+def _modal(case: Case, **keywords: Any) -> xr.Dataset:
+    return _MODAL[case.mesh.discretisation](case, **keywords)
 
 
 ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
-    "sweep": _time_history,
-    "dwell": _time_history,
-    "harmonic": _harmonic,
-    "backbone": _backbone,
+    "sweep": _imported("history", "run_history"),
+    "dwell": _imported("history", "run_history"),
+    "harmonic": _imported("harmonic", "run_harmonic"),
+    "backbone": _imported("backbone", "run_backbone"),
     "modal": _modal,
-    "modal_transient": _modal_transient,
-    "preload": _preload,
-    "design_map": _design_map,
-    "winding": _winding,
-    "two_dof": _two_dof,
+    "modal_transient": _imported("modal_transient", "run_modal_transient"),
+    "preload": _imported("history", "run_preload"),
+    "design_map": _imported("design_map", "run_design_map"),
+    "winding": _imported("winding", "run_winding"),
+    "two_dof": _imported("two_dof", "run_two_dof"),
 }
 """Name in the case file -> function of the case, returning an annotated Dataset."""
 
@@ -96,7 +60,7 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     Parameters
     ----------
     checkpoint
-        File for checkpoints of long runs; None writes none.
+        File for checkpoints of the analyses that write them (`case.RESUMABLE`); None writes none.
     resume
         Go on from it.
 
@@ -105,7 +69,8 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     ConvergenceError
         With the results until then in ``partial`` (or no such attribute when there are none).
     """
-    return ANALYSES[case.analysis](case, progress=progress, checkpoint=checkpoint, resume=resume)
+    saved = {"checkpoint": checkpoint, "resume": resume} if case.analysis in RESUMABLE else {}
+    return ANALYSES[case.analysis](case, progress=progress, **saved)
 
 
 def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .base import Section
-from .case import ANALYSES, Case
+from .case import ANALYSES, RESUMABLE, Case
 from .coil import Coil
 from .contact import Contact, Friction, Normal
 from .example import example_case
@@ -23,7 +23,7 @@ from .solver import Solver
 from .winding import Winding
 
 __all__ = [
-    "ANALYSES", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation", "Friction",
-    "Geometry", "Harmonic", "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal", "Output",
-    "Preload", "Section", "Solver", "Winding", "build_case", "example_case", "load_case", "schema_text",
+    "ANALYSES", "RESUMABLE", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation",
+    "Friction", "Geometry", "Harmonic", "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal",
+    "Output", "Preload", "Section", "Solver", "Winding", "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
+
+if TYPE_CHECKING:
+    from .case import Case
 
 
 class Section(BaseModel):
@@ -58,3 +61,28 @@ def _switch(value: Any) -> Any:
 Real = Annotated[float, BeforeValidator(_number)]
 Whole = Annotated[int, BeforeValidator(_number)]
 Switch = Annotated[bool, BeforeValidator(_switch)]
+
+
+def owns_section(case: Case, analysis: str, *, lacks: str, missing: str, add: str) -> bool:
+    """Whether the case runs ``analysis``, whose section of the same name no other analysis has.
+
+    Parameters
+    ----------
+    lacks, missing
+        What the others have none of, and what the section holds, for the messages.
+    add
+        The section in short, as one would write it.
+
+    Raises
+    ------
+    PydanticCustomError
+        The section is missing, or stands in the case of another analysis.
+    """
+    given = getattr(case, analysis) is not None
+    if case.analysis == analysis and not given:
+        problem = f"required section is missing: {missing}"
+        raise wrong(problem, key=analysis, show_value=False, remedy=f"add {analysis}: {add}")
+    if case.analysis != analysis and given:
+        problem, remedy = f"analysis {case.analysis} has no {lacks}", f"leave it out, or use analysis: {analysis}"
+        raise wrong(problem, key=analysis, show_value=False, remedy=remedy)
+    return case.analysis == analysis

@@ -37,6 +37,9 @@ Analysis = Literal[
 ]  # fmt: skip
 ANALYSES: tuple[str, ...] = get_args(Analysis)
 
+#: Analyses that write checkpoints, from which `--resume` goes on.
+RESUMABLE = frozenset({"sweep", "dwell"})
+
 #: Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed.
 FEWEST_STEPS_PER_CYCLE = 20
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .base import wrong
+from .base import owns_section, wrong
 
 if TYPE_CHECKING:
     from .case import Case
@@ -40,18 +40,10 @@ def fourier_fits(case: Case) -> None:
 
 def design_map_fits(case: Case) -> None:
     """Section `design_map` and what its analysis needs."""
-    if case.analysis != "design_map":
-        if case.design_map is not None:
-            raise wrong(
-                f"analysis {case.analysis} has no map", key="design_map", show_value=False,
-                remedy="leave it out, or use analysis: design_map",
-            )  # fmt: skip
+    add = "{mandrel_radius: [...], mandrel_thickness: [...]}"
+    if not owns_section(case, "design_map", lacks="map", missing="the mandrels to map", add=add):
         return
-    if case.design_map is None:
-        raise wrong(
-            "required section is missing: the mandrels to map", key="design_map", show_value=False,
-            remedy="add design_map: {mandrel_radius: [...], mandrel_thickness: [...]}",
-        )  # fmt: skip
+    assert case.design_map is not None
     if case.coil.model != "solid":
         raise wrong(
             "analysis design_map loosens a solid coil", key="coil.model", value=case.coil.model, remedy="use solid"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from .base import Real, Section, Switch, Whole, _number, wrong
+from .base import Real, Section, Switch, Whole, _number, owns_section, wrong
 
 if TYPE_CHECKING:
     from .case import Case
@@ -90,18 +90,9 @@ class TwoDof(Section):
 
 def two_dof_fits(case: Case) -> None:
     """Section `two_dof` and its analysis belong together, and describe the whole structure."""
-    if case.analysis != "two_dof":
-        if case.two_dof is not None:
-            raise wrong(
-                f"analysis {case.analysis} has no two masses", key="two_dof", show_value=False,
-                remedy="leave it out, or use analysis: two_dof",
-            )  # fmt: skip
+    add = "{friction_capacity: [...], omega: {start: 0.4, stop: 2.0, points: 400}}"
+    if not owns_section(case, "two_dof", lacks="two masses", missing="the two masses", add=add):
         return
-    if case.two_dof is None:
-        raise wrong(
-            "required section is missing: the two masses", key="two_dof", show_value=False,
-            remedy="add two_dof: {friction_capacity: [...], omega: {start: 0.4, stop: 2.0, points: 400}}",
-        )  # fmt: skip
     for section in NOT_IN_TWO_DOF:
         if section in case.model_fields_set:
             raise wrong(
