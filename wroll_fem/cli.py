@@ -23,7 +23,7 @@ import typer
 
 from . import __version__
 from .case import RESUMABLE, load_case, schema_text
-from .errors import InputError, WrollError
+from .errors import ConvergenceError, InputError, WrollError
 from .progress import TerminalProgress
 
 app = typer.Typer(
@@ -278,6 +278,46 @@ def report(
         from .report import write_report
 
         typer.echo(str(write_report(folder, out)))
+
+
+@app.command()
+def reproduce(
+    chapters: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[CHAPTER]...", help="ch2 ch3 ch4 ch5 ch6 appendices; all by default.", show_default=False
+        ),
+    ] = None,
+    fast: Annotated[bool, typer.Option("--fast", help="Coarse meshes, fewer values: a quarter of an hour.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for runs, table and page; default runs/reproduce.")
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 2,
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Where to write the page (Markdown); default OUT/claims.md.")
+    ] = None,
+) -> None:
+    """Judge the claims of the source, one line each, from stored or fresh runs."""
+    with _reporting():
+        from .claims.reproduce import reproduce as judge_all
+
+        folder = out if out is not None else Path("runs") / ("reproduce_fast" if fast else "reproduce")
+        command = ["wroll", "reproduce", *(chapters or ()), *(["--fast"] if fast else [])]
+        try:
+            with _sigterm_interrupts(), TerminalProgress() as progress:
+                done = judge_all(
+                    chapters or (), folder, fast=fast, workers=workers, progress=progress, page=page,
+                    command=shlex.join(command),
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            typer.echo("interrupted; the same command goes on from here", err=True)
+            raise typer.Exit(130) from None
+        typer.echo(done.count)
+        for path in done.written:
+            typer.echo(f"written     {path}")
+        if done.unfinished:
+            typer.echo(f"not computed, because a run failed: {', '.join(done.unfinished)}", err=True)
+            raise typer.Exit(ConvergenceError.exit_code)
 
 
 @app.command()

@@ -1,36 +1,23 @@
-"""Compute the claims of the source on winding and on the cantilever (C1 to C11, C13, C61), and the figures.
-
-`.venv/bin/python tools/claims_winding.py` prints one line per claim, writes the table into docs/winding.md and
-the figures into docs/figures. Seconds on one core.
-"""
+"""Claims on winding and on the cantilever: C1 to C11, C13, C61."""
 
 from __future__ import annotations
 
-import os
-import re
-from collections.abc import Callable
-from pathlib import Path
-
-os.environ.setdefault("MPLBACKEND", "Agg")
+from functools import partial
 
 import numpy as np
-from chapter4_runs import ROOT, Verdict
+from matplotlib.axes import Axes
 
-from wroll_fem.analyses import run_analysis
 from wroll_fem.cantilever import Cantilever
-from wroll_fem.case import load_case
 from wroll_fem.case.winding import ConstantModulus, Winding
-from wroll_fem.grid import load_grid
-from wroll_fem.plotting import plot_winding, save_figure
+from wroll_fem.plotting import plot_winding
 from wroll_fem.plotting.cantilever import plot_cantilever
 from wroll_fem.plotting.series import FIGURES
-from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.winding import middle_slope
-from wroll_fem.progress import SilentProgress
 from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tube_stiffness, wound_roll
 
-CONFIGS, DOCS = ROOT / "configs", ROOT / "docs"
-ERROR = "thesis error: explained"
+from .evidence import Evidence
+from .family import Family
+from .verdict import THESIS_ERROR, Verdict
 
 
 def exactly(error: float) -> str:
@@ -38,14 +25,16 @@ def exactly(error: float) -> str:
     return f"{error:.0e}" if error > 0 else "rounding"
 
 
-def case_study() -> Winding:
-    winding = load_case(CONFIGS / "winding_case_study.yaml").winding
+def case_study(evidence: Evidence) -> Winding:
+    """Winding of the source's case study."""
+    winding = evidence.case("winding_case_study").winding
     assert winding is not None
     return winding
 
 
-def lab(tension: float) -> Winding:
-    winding = load_case(CONFIGS / "winding_lab.yaml", [f"winding.tension_newton={tension}"]).winding
+def lab(evidence: Evidence, tension: float) -> Winding:
+    """Winding of the experiment at a tension in N."""
+    winding = evidence.case("winding_lab", f"winding.tension_newton={tension}").winding
     assert winding is not None
     return winding
 
@@ -70,8 +59,8 @@ def at_the_mandrel(winding: Winding, modulus: RadialModulus, core: float) -> flo
     return float(laid[0])
 
 
-def c1() -> Verdict:
-    winding, ratio, q = case_study(), 100.0, 10.0
+def c1(evidence: Evidence) -> Verdict:
+    winding, ratio, q = case_study(evidence), 100.0, 10.0
     core, ends = core_of(winding), (0.010, 0.025)
     r = np.linspace(*ends, 50)
     exact = closed_form.increment(r, *ends, ratio=ratio, core=core)
@@ -102,15 +91,15 @@ def c1() -> Verdict:
     return Verdict(value, bool(residual < 1e-8 and np.all(np.abs(orders - 2.0) < 0.05)))
 
 
-def c2() -> Verdict:
-    winding = case_study()
+def c2(evidence: Evidence) -> Verdict:
+    winding = case_study(evidence)
     E, nu, K_m = winding.web.E_theta, winding.web.nu_theta, wound_roll(winding).mandrel_stiffness
     s, E_r = 1.0e5, 2.0e8
     slope = (core_of(winding) - 1.0) * s  # r_m s'
     strain = -(s + slope) / E + nu * E_r / E * s / E_r
     off = abs(strain / (-s / K_m) - 1.0)
     parts = []
-    for name, roll in (("case study", winding), ("lab at 60 N", lab(60.0))):
+    for name, roll in (("case study", winding), ("lab at 60 N", lab(evidence, 60.0))):
         right, law = wound_roll(roll), RadialModulus.of(roll.web.radial_modulus)
         core = float(law(right.pressure[0])) / right.mandrel_stiffness + roll.web.nu_theta
         printed = at_the_mandrel(roll, law, core)
@@ -119,10 +108,10 @@ def c2() -> Verdict:
         f"E_theta/K_m used; strains of roll and mandrel agree to {exactly(off)}; pressure at the mandrel "
         + " and ".join(parts)
     )
-    return Verdict(value, off < 1e-10, ERROR if off < 1e-10 else "")
+    return Verdict(value, off < 1e-10, THESIS_ERROR if off < 1e-10 else "")
 
 
-def c3() -> Verdict:
+def c3(evidence: Evidence) -> Verdict:
     E, nu, outer = 70.0e9, 0.33, 0.010
     inner = outer - 1.0e-3
     hoop, radial = -(outer**2 + inner**2) / (outer**2 - inner**2), -1.0  # Lame, unit external pressure
@@ -136,8 +125,8 @@ def c3() -> Verdict:
     return Verdict(value, off < 1e-10)
 
 
-def c4() -> Verdict:
-    winding = case_study()
+def c4(evidence: Evidence) -> Verdict:
+    winding = case_study(evidence)
     one = wound_roll(winding.model_copy(update={"wraps": 1})).wraps
     whole = wound_roll(winding).wraps
     wanted = winding.stress * winding.wrap_thickness / np.array([one.radius[0], whole.radius[-2]])
@@ -145,8 +134,8 @@ def c4() -> Verdict:
     return Verdict(f"first and last wrap press with T_w h/r to {exactly(off)}", off < 1e-12)
 
 
-def c5() -> Verdict:
-    winding = case_study()
+def c5(evidence: Evidence) -> Verdict:
+    winding = case_study(evidence)
     law = RadialModulus.of(winding.web.radial_modulus)
     P = np.array([0.0, 1.0e3, 1.0e6])
     off = float(np.abs(law(P) / (40.0 * (1.0e3 + P)) - 1.0).max())
@@ -156,10 +145,10 @@ def c5() -> Verdict:
         "mandrel; "
         f"K2 = 40 GPa as printed would make the stack rigid and the pressure {1e-6 * literal:.1f} MPa: refused"
     )
-    return Verdict(value, off < 1e-12, ERROR if off < 1e-12 else "")
+    return Verdict(value, off < 1e-12, THESIS_ERROR if off < 1e-12 else "")
 
 
-def c6() -> Verdict:
+def c6(evidence: Evidence) -> Verdict:
     worst = 0.0
     for r, h, ratio in ((0.010, 5e-5, 250.0), (0.02, 2e-4, 1.0), (0.041, 5e-5, 900.0)):
         first, second = np.array([1, 0, -1]) / (2 * h), np.array([1, -2, 1]) / h**2
@@ -169,8 +158,8 @@ def c6() -> Verdict:
     return Verdict(value, worst < 1e-12)
 
 
-def c7() -> Verdict:
-    winding = case_study()
+def c7(evidence: Evidence) -> Verdict:
+    winding = case_study(evidence)
     roll, coarse = wound_roll(winding), wound_roll(winding.model_copy(update={"cells": winding.cells // 2}))
     change = abs(coarse.pressure[0] / roll.pressure[0] - 1.0)
     thesis = roll.wraps.pressure[0]
@@ -199,8 +188,8 @@ def inputs(winding: Winding) -> str:
     return "; ".join(said)
 
 
-def c8() -> Verdict:
-    roll = wound_roll(case_study())
+def c8(evidence: Evidence) -> Verdict:
+    roll = wound_roll(case_study(evidence))
     last = roll.wraps.radius[-2]
     limit, under = 40.0e6 * 5.0e-5 / last, float(roll.pressure_at(last))
     falls = bool(np.all(np.diff(roll.pressure) < 0) and np.all(np.diff(roll.wraps.pressure) < 0))
@@ -212,8 +201,8 @@ def c8() -> Verdict:
     return Verdict(value, falls and bool(ends) and under <= limit and roll.wraps.pressure[-2] <= limit * (1 + 1e-12))
 
 
-def c9() -> Verdict:
-    members = study("winding_hardness")
+def c9(evidence: Evidence) -> Verdict:
+    members = evidence.study("winding_hardness")
     hard, soft = sorted(members, key=lambda m: -float(m.data["radial_modulus_pa"].mean()))
     slopes = [middle_slope(m.data) for m in (soft, hard)]
     core = [m.data.attrs["pressure_mandrel_pa"] for m in (soft, hard)]
@@ -224,23 +213,23 @@ def c9() -> Verdict:
     return Verdict(value, slopes[0] < slopes[1] and core[0] < core[1])
 
 
-def c10() -> Verdict:
-    winding = case_study()
+def c10(evidence: Evidence) -> Verdict:
+    winding = case_study(evidence)
     assert winding.mandrel is not None
     diameter = 2 * (winding.mandrel.outer_radius + winding.build_up)
     return Verdict(f"{1e3 * diameter:.10g} mm", abs(diameter / 0.050 - 1.0) < 1e-12)
 
 
-def c11() -> Verdict:
-    winding, roll = case_study(), wound_roll(case_study())
+def c11(evidence: Evidence) -> Verdict:
+    winding, roll = case_study(evidence), wound_roll(case_study(evidence))
     off = float(np.abs(roll.capacity[:-1] / roll.pressure[:-1] / 0.48 - 1.0).max())
     value = f"T_w = {1e-6 * winding.stress:g} MPa, mu = {winding.mu:g}; sigma_c/sigma_r = mu to {exactly(off)}"
     return Verdict(value, winding.stress == 40.0e6 and winding.mu == 0.48 and off < 1e-12)
 
 
-def mandrel_beam() -> Cantilever:
+def mandrel_beam(evidence: Evidence) -> Cantilever:
     """Lab mandrel in its first mode at 5 g of the tip: inertia of tube and coil along it, 0.05 kg at the tip."""
-    case = load_case(CONFIGS / "lab_sweep.yaml")
+    case = evidence.case("lab_sweep")
     g, coil, metal = case.geometry, case.coil, case.mandrel.material
     radius, wall, t = 0.5 * g.mandrel_outer_diameter, g.mandrel_thickness, coil.total_thickness
     tube = np.pi * (radius**2 - (radius - wall) ** 2) * metal.rho
@@ -249,8 +238,8 @@ def mandrel_beam() -> Cantilever:
     return Cantilever(g.length, radius, wall, distributed=level * (tube + web), tip=level * case.mandrel.tip_mass)
 
 
-def c13() -> Verdict:
-    beam = mandrel_beam()
+def c13(evidence: Evidence) -> Verdict:
+    beam = mandrel_beam(evidence)
     z, theta = np.linspace(0.0, beam.length, 301), np.linspace(-np.pi, np.pi, 721)
     bending, shear = np.abs(beam.bending_stress(theta, 0.0)), np.abs(beam.shear_stress(theta, 0.0))
     at = [abs(np.degrees(theta[values.argmax()])) for values in (bending, shear)]
@@ -262,13 +251,13 @@ def c13() -> Verdict:
         f"{at[1]:.0f} deg (neutral axis), tau_max = {factor:.3f} V/A in the lab tube"
     )
     holds = bool(roots) and at[0] < 1.0 and abs(at[1] - 90.0) < 1.0 and abs(factor / 2.0 - 1.0) < 0.05
-    return Verdict(value, holds, ERROR if holds else "")
+    return Verdict(value, holds, THESIS_ERROR if holds else "")
 
 
-def c61() -> Verdict:
+def c61(evidence: Evidence) -> Verdict:
     parts, holds = [], True
     for tension in (20.0, 60.0):
-        winding = lab(tension)
+        winding = lab(evidence, tension)
         roll: WoundRoll = wound_roll(winding)
         sums = winding.stress * winding.wrap_thickness * float(np.sum(1.0 / roll.wraps.radius[:-1]))
         found = [roll.pressure[0], roll.wraps.pressure[0]]
@@ -280,50 +269,30 @@ def c61() -> Verdict:
     return Verdict("; ".join(parts) + "; 10 kPa lies below, 300 kPa far above even the bound", bool(holds))
 
 
-CLAIMS: dict[str, tuple[str, Callable[[], Verdict]]] = {
-    "C1": ("increments obey r^2 s'' + 3 r s' + (1 - E_theta/E_r) s = 0", c1),
-    "C2": ("core: r_m s' = (E/K_m - 1 + nu_theta) s", c2),
-    "C3": ("mandrel stiffness of eq. 2.8", c3),
-    "C4": ("increment T_w h/r at the outer radius", c4),
-    "C5": ("E_r = K1 K2 + K2 sigma_r, Table 2.3", c5),
-    "C6": ("tridiagonal system with A, B, C", c6),
-    "C7": ("case study: pressure and capacity at the mandrel (no number in the source)", c7),
-    "C8": ("largest at the mandrel, falls outwards, zero outside", c8),
-    "C9": ("a soft roll is flatter, with less pressure at the core, than a hard one", c9),
-    "C10": ("300 layers of 0.05 mm on 20 mm: about 5 cm", c10),
-    "C11": ("40 MPa, mu = 0.48, sigma_c = mu sigma_r", c11),
-    "C13": ("cantilever: where bending and shear stress are largest", c13),
-    "C61": ("preloads of 10 to 300 kPa encompass the experiment's", c61),
-}
+def case_study_figure(evidence: Evidence) -> Axes:
+    """Fig 2.12."""
+    return plot_winding(evidence.result("winding_case_study"))
 
 
-def study(name: str) -> list[SeriesMember]:
-    members = load_grid(CONFIGS / "studies" / f"{name}.yaml").members
-    return [SeriesMember(m.name, m.values, run_analysis(m.case, progress=SilentProgress())) for m in members]
+def beam_figure(evidence: Evidence) -> Axes:
+    """Figs 2.8 and 2.9."""
+    return plot_cantilever(mandrel_beam(evidence))
 
 
-def draw(folder: Path) -> None:
-    data = run_analysis(load_case(CONFIGS / "winding_case_study.yaml"), progress=SilentProgress())
-    save_figure(plot_winding(data), folder / "winding_case_study.png")
-    for name in ("winding_hardness", "winding_tension"):
-        save_figure(FIGURES[name](study(name)), folder / f"{name}.png")
-    save_figure(plot_cantilever(mandrel_beam()), folder / "cantilever.png")
+def study_figure(name: str, evidence: Evidence) -> Axes:
+    """Figure of a study of the same name."""
+    return FIGURES[name](evidence.study(name))
 
 
-def main() -> None:
-    rows = ["| id | the source says | computed here | verdict |", "|---|---|---|---|"]
-    for name, (said, claim) in CLAIMS.items():
-        verdict = claim()
-        print(f"{name:<5} {verdict.text():<24} {verdict.value}")
-        rows.append(f"| {name} | {said} | {verdict.value.replace('|', chr(92) + '|')} | **{verdict.text()}** |")
-    draw(DOCS / "figures")
-    page = DOCS / "winding.md"
-    if page.is_file():
-        table = "<!-- claims -->\n" + "\n".join(rows) + "\n<!-- end of claims -->"
-        text = re.sub(r"<!-- claims -->.*<!-- end of claims -->", lambda _: table, page.read_text(), flags=re.DOTALL)
-        page.write_text(text)
-        print(f"written: {page}")
-
-
-if __name__ == "__main__":
-    main()
+FAMILY = Family(
+    {
+        "C1": c1, "C2": c2, "C3": c3, "C4": c4, "C5": c5, "C6": c6, "C7": c7, "C8": c8, "C9": c9, "C10": c10,
+        "C11": c11, "C13": c13,
+    },
+    figures={
+        "winding_hardness": ("Fig 2.4: pressure in a soft and a hard roll", partial(study_figure, "winding_hardness")),
+        "cantilever": ("Figs 2.8 and 2.9: moment, shear and stress of the mandrel", beam_figure),
+        "winding_case_study": ("Fig 2.12: pressure and friction capacity of the case study", case_study_figure),
+        "winding_tension": ("Pressure at the mandrel over winding tension", partial(study_figure, "winding_tension")),
+    },
+)  # fmt: skip

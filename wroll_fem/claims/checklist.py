@@ -1,0 +1,88 @@
+"""The checklist: every claim of the source, where it stands, and when it counts as met."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import yaml
+
+from wroll_fem.errors import InputError
+
+CHAPTERS = {
+    "ch2": "Chapter 2: winding stress and slip prediction",
+    "ch3": "Chapter 3: vibration experiments",
+    "ch4": "Chapter 4: finite-element model at lab scale",
+    "ch5": "Chapter 5: two-degree-of-freedom model",
+    "ch6": "Chapter 6: realistic scale",
+    "appendices": "Appendices",
+}
+"""Name on the command line -> title."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim of the source.
+
+    Attributes
+    ----------
+    id
+        C1 to C126.
+    chapter
+        Key of `CHAPTERS`.
+    claim, where
+        What the source says, and where.
+    kind
+        value, ordering, definition or experiment.
+    accept
+        When it counts as met.
+    caution
+        What is wrong or open in the source; may be empty.
+    """
+
+    id: str
+    chapter: str
+    claim: str
+    where: str
+    kind: str
+    accept: str
+    caution: str = ""
+
+    @property
+    def number(self) -> int:
+        """Number in the id."""
+        return int(self.id[1:])
+
+
+@cache
+def checklist() -> dict[str, Claim]:
+    """Return all claims by id, in the order of the list."""
+    text = (files(__package__) / "checklist.yaml").read_text(encoding="utf-8")
+    return {name: Claim(name, **entry) for name, entry in yaml.safe_load(text).items()}
+
+
+def of_chapters(names: Sequence[str]) -> list[Claim]:
+    """Claims of some chapters, of all without a name, in the order of the list.
+
+    Raises
+    ------
+    InputError
+        For a chapter that the list does not have.
+    """
+    for name in names:
+        if name not in CHAPTERS:
+            raise InputError(f"no such chapter: {name}", remedy=f"use one or more of: {', '.join(CHAPTERS)}")
+    return [claim for claim in checklist().values() if not names or claim.chapter in names]
+
+
+@cache
+def explanations() -> dict[str, str]:
+    """Id -> Markdown text about a claim that is not met, or that names an error of the source."""
+    found: dict[str, str] = {}
+    for file in sorted((files(__package__) / "explanations").iterdir(), key=lambda f: f.name):
+        for part in file.read_text(encoding="utf-8").split("\n### ")[1:]:
+            name, _, text = part.partition("\n")
+            found[name.strip()] = text.strip()
+    return found

@@ -1,0 +1,218 @@
+"""What claims are judged on: results of cases and studies, computed once and kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import xarray as xr
+import yaml
+
+from wroll_fem.analyses import run_analysis
+from wroll_fem.batch import run_grid
+from wroll_fem.case import Case, load_case
+from wroll_fem.errors import InputError
+from wroll_fem.grid import REFERENCE, Grid, Member, load_grid
+from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.results import load_dataset, save_dataset
+from wroll_fem.run_folder import RunFolder
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Evidence:
+    """Results of the case files and studies in configs/, from a folder or computed now.
+
+    Parameters
+    ----------
+    folder
+        Where results are kept: studies/NAME as `wroll batch` leaves them, cases/, and kept/ for computations that no
+        case file describes. Results of the same case are not computed again.
+    fast
+        Coarse meshes and fewer values, as fast.yaml says.
+    workers
+        Processes at a time.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        *,
+        fast: bool = False,
+        workers: int = 2,
+        progress: Progress | None = None,
+        configs: str | Path = CONFIGS,
+    ) -> None:
+        self.folder, self.configs = Path(folder), Path(configs)
+        self.fast, self.workers = fast, workers
+        self.progress: Progress = progress if progress is not None else SilentProgress()
+        if not (self.configs / "studies").is_dir():
+            raise InputError(
+                "there are no case files of the source's studies here", file=str(self.configs),
+                remedy="run from a clone of the project, whose folder configs/ has them",
+            )  # fmt: skip
+        self._studies: dict[str, list[SeriesMember]] = {}
+        self._results: dict[str, xr.Dataset] = {}
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=error is None, cancel_futures=True)
+
+    # ---- cases -----------------------------------------------------------------------------------
+
+    def case(self, config: str, *overrides: str) -> Case:
+        """Case file of configs/ by name, coarse when fast; `overrides` as `--set` takes them, these last."""
+        coarse = self._coarse["cases"].get(config, []) if self.fast else []
+        return load_case(self.configs / f"{config}.yaml", [*coarse, *overrides])
+
+    def result(self, config: str, *overrides: str) -> xr.Dataset:
+        """Results of a case file."""
+        return self.results([(config, *overrides)])[0]
+
+    def results(self, cases: Iterable[Sequence[str]]) -> list[xr.Dataset]:
+        """Results of many cases, each (config, override, ...), computed side by side."""
+        wanted = [(words[0], self.case(*words)) for words in cases]
+        keys = [f"{config}-{case.hash()[:16]}" for config, case in wanted]
+        todo = {
+            key: case
+            for key, (_, case) in zip(keys, wanted, strict=True)
+            if key not in self._results and not self._file("cases", key).is_file()
+        }
+        self.map(_compute, [(case, self._file("cases", key)) for key, case in todo.items()], what="cases")
+        for key in keys:
+            if key not in self._results:
+                self._results[key] = load_dataset(self._file("cases", key))
+        return [self._results[key] for key in keys]
+
+    def kept(self, name: str, compute: Callable[[], xr.Dataset], **inputs: Any) -> xr.Dataset:
+        """Result of a computation that no case file describes, kept under its name and inputs.
+
+        Parameters
+        ----------
+        compute
+            Called when nothing is kept; its Dataset holds real numbers and text.
+        inputs
+            Whatever changes the result, as JSON can hold it.
+        """
+        text = json.dumps(inputs, sort_keys=True)
+        file = self._file("kept", f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}")
+        if not file.is_file():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            partial = file.with_suffix(".partial")
+            compute().to_netcdf(partial, engine="h5netcdf")
+            partial.replace(file)
+        with xr.open_dataset(file, engine="h5netcdf") as data:
+            return data.load()
+
+    def map(self, work: Callable[[T], R], tasks: Sequence[T], what: str = "tasks") -> list[R]:
+        """Results of a module-level function over tasks, in worker processes when there is more than one of both."""
+        if self.workers == 1 or len(tasks) < 2:
+            return [work(task) for task in tasks]
+        if self._pool is None:  # spawned: a forked child would share MPI and PETSc with its parent
+            self._pool = ProcessPoolExecutor(self.workers, mp_context=multiprocessing.get_context("spawn"))
+        found = []
+        with self.progress.stage(what, len(tasks)) as stage:
+            for result in self._pool.map(work, tasks):
+                found.append(result)
+                stage.update(len(found))
+        return found
+
+    # ---- studies ---------------------------------------------------------------------------------
+
+    def study(self, name: str) -> list[SeriesMember]:
+        """Finished cases of configs/studies/NAME.yaml in the order of the grid, run now where they are missing.
+
+        Raises
+        ------
+        InputError
+            When no case of the study could be finished.
+        """
+        if name not in self._studies:
+            grid = self.grid(name)
+            out = self.folder / "studies" / name
+            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress)
+            self._studies[name] = [
+                SeriesMember(
+                    o.member.name, o.member.values, load_dataset(RunFolder(out / o.member.name).results_file),
+                    reference=o.member.name == REFERENCE,
+                )
+                for o in outcomes
+                if o.status != "failed"
+            ]  # fmt: skip
+            failed = [o for o in outcomes if o.status == "failed"]
+            if failed:
+                self.progress.warning(f"study {name}: {len(failed)} cases failed, the first with: {failed[0].error}")
+        if not self._studies[name]:
+            raise InputError(f"study {name} has no finished case", remedy=f"see {self.folder / 'studies' / name}")
+        return self._studies[name]
+
+    def one(self, study: str, **wanted: Any) -> SeriesMember:
+        """Return the case of a study with these values, keys written with __ for dots; raises InputError without."""
+        values = {key.replace("__", "."): value for key, value in wanted.items()}
+        for member in self.study(study):
+            if not member.reference and all(member.values.get(key) == value for key, value in values.items()):
+                return member
+        raise InputError(f"study {study} has no finished case with {values}", remedy="see its run folders")
+
+    def reference(self, study: str) -> SeriesMember:
+        """Return the case that stands beside the grid of a study; raises InputError without."""
+        for member in self.study(study):
+            if member.reference:
+                return member
+        raise InputError(f"the reference of study {study} is not finished", remedy="see its run folder")
+
+    def summary(self, study: str, member: SeriesMember) -> dict[str, Any]:
+        """Content of summary.json of a case of a study."""
+        return RunFolder(self.folder / "studies" / study / member.name).summary()
+
+    def grid(self, name: str) -> Grid:
+        """Cases of a study; coarse and fewer when fast."""
+        grid = load_grid(self.configs / "studies" / f"{name}.yaml")
+        change = self._coarse["studies"].get(name) if self.fast else None
+        if change is None:
+            return grid
+        keep: dict[str, list[Any]] = change.get("keep", {})
+        members = [
+            self._coarser(member, change)
+            for member in grid.members
+            if all(member.values.get(key, values[0]) in values for key, values in keep.items())
+        ]
+        return replace(grid, members=members)
+
+    def _coarser(self, member: Member, change: dict[str, Any]) -> Member:
+        overrides = [*member.overrides, *change.get("overrides", [])]
+        if member.name == REFERENCE:
+            overrides = [*member.overrides, *change.get("reference", [])]
+        return replace(member, overrides=overrides, case=load_case(member.file, overrides))
+
+    @cached_property
+    def _coarse(self) -> dict[str, dict[str, Any]]:
+        text = (files(__package__) / "fast.yaml").read_text(encoding="utf-8")
+        return {"cases": {}, "studies": {}} | {key: part or {} for key, part in yaml.safe_load(text).items()}
+
+    def _file(self, kind: str, name: str) -> Path:
+        return self.folder / kind / f"{name}.nc"
+
+
+def _compute(task: tuple[Case, Path]) -> None:
+    case, file = task
+    save_dataset(run_analysis(case, progress=SilentProgress()), file)

@@ -1,0 +1,35 @@
+"""A family of claims: those that look at the same runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from .evidence import Evidence
+from .verdict import Verdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Judge = Callable[[Evidence], Verdict]
+Drawing = Callable[[Evidence], "Axes"]
+
+
+@dataclass(frozen=True)
+class Family:
+    """Claims judged from the same runs, and the figures of these.
+
+    Attributes
+    ----------
+    judges
+        Id of a claim -> function that computes our value and the verdict.
+    figures
+        Name of a figure (without suffix) -> (caption, function that draws it).
+    tables
+        Name of a table -> function that writes it as Markdown; they follow the figures on the page.
+    """
+
+    judges: Mapping[str, Judge]
+    figures: Mapping[str, tuple[str, Drawing]] = field(default_factory=dict)
+    tables: Mapping[str, Callable[[Evidence], str]] = field(default_factory=dict)

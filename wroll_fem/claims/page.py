@@ -1,0 +1,98 @@
+"""The page about all claims: tables, figures, explanations, as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from wroll_fem.errors import WrollError
+from wroll_fem.plotting import save_figure
+
+from .checklist import CHAPTERS, explanations
+from .evidence import Evidence
+from .reproduce import Judged, count, families
+from .verdict import NOT_MET, THESIS_ERROR
+
+
+def unexplained(judged: Sequence[Judged]) -> list[str]:
+    """Ids of claims that are not met, or name an error of the source, and have no explanation."""
+    return [
+        one.claim.id
+        for one in judged
+        if one.verdict.word in (NOT_MET, THESIS_ERROR) and one.claim.id not in explanations()
+    ]
+
+
+def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command: str) -> list[Path]:
+    """Write the page, with its figures in the folder figures/ beside it.
+
+    Parameters
+    ----------
+    command
+        What made it; stands at the top.
+
+    Returns
+    -------
+    list of Path
+        The page and the figures.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    coarse = " with coarse meshes (`--fast`)" if evidence.fast else ""
+    lines = ["# The claims of the source", ""]
+    lines += [f"Written by `{command}`{coarse}: {count(judged)}.", ""]
+    lines += [
+        "Each row restates a claim of the source (\"Vibration Damping of Coiled Structures Through Frictional Slip\", "
+        "Caltech, 2024) as a check on computed results, with the condition for its being met. Nothing is tuned; an "
+        "input that the source leaves open is named with its value.",
+        "",
+    ]  # fmt: skip
+    written = [path]
+    for chapter in dict.fromkeys(one.claim.chapter for one in judged):
+        own = [one for one in judged if one.claim.chapter == chapter]
+        lines += [f"## {CHAPTERS[chapter]}", "", f"{count(own)}.", "", *table(own), ""]
+        drawn, text = draw(chapter, evidence, path.parent / "figures")
+        written += drawn
+        lines += text
+        lines += explained(own)
+    path.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    return written
+
+
+def table(judged: Sequence[Judged]) -> list[str]:
+    """Markdown table of some claims."""
+    rows = ["| id | the source says | met when | computed here | verdict |", "|---|---|---|---|---|"]
+    for one in judged:
+        cells = (one.claim.id, f"{one.claim.claim} ({one.claim.where})", one.claim.accept, one.verdict.value)
+        rows.append("| " + " | ".join(_cell(text) for text in cells) + f" | **{one.verdict.word}** |")
+    return rows
+
+
+def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], list[str]]:
+    """Draw the figures of a chapter; returns the files and the Markdown lines that show them with its tables."""
+    paths: list[Path] = []
+    lines: list[str] = []
+    for family in families(chapter):
+        for name, (caption, drawing) in family.figures.items():
+            try:
+                paths.append(save_figure(drawing(evidence), folder / f"{name}.png"))
+            except WrollError as error:
+                lines += [f"*{caption}: not drawn ({error}).*", ""]
+                continue
+            lines += [f"![{caption}](figures/{name}.png)", "", f"*{caption}*", ""]
+        for name, text in family.tables.items():
+            lines += [f"**{name}**", "", text(evidence).strip(), ""]
+    return paths, lines
+
+
+def explained(judged: Sequence[Judged]) -> list[str]:
+    """Explanations of the claims that have one, as Markdown sections."""
+    lines = []
+    for one in judged:
+        text = explanations().get(one.claim.id)
+        if text:
+            lines += [f"### {one.claim.id}: {one.verdict.word}", "", text, ""]
+    return lines
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")

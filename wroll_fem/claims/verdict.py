@@ -1,0 +1,41 @@
+"""Verdict on one claim of the source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+MET, NOT_MET = "met", "not met"
+THESIS_ERROR = "thesis error: explained"
+EXPERIMENT = "out of scope: experiment"
+NOT_YET = "not yet"
+NOT_COMPUTED = "not computed"
+VERDICTS = (MET, NOT_MET, THESIS_ERROR, EXPERIMENT, NOT_YET, NOT_COMPUTED)
+"""Every verdict there is, in the order of the count; the last one: a run that the claim needs has failed."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was computed for a claim, and whether its criterion holds.
+
+    Attributes
+    ----------
+    value
+        Our value in words, with units.
+    holds
+        Whether the criterion of the checklist holds.
+    instead
+        Verdict that takes the place of met and not met, one of `VERDICTS`.
+    """
+
+    value: str
+    holds: bool
+    instead: str = ""
+
+    def __post_init__(self) -> None:
+        if self.instead and self.instead not in VERDICTS:
+            raise ValueError(f"no such verdict: {self.instead}")
+
+    @property
+    def word(self) -> str:
+        """Verdict as the checklist spells it."""
+        return self.instead or (MET if self.holds else NOT_MET)
