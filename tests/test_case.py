@@ -334,7 +334,7 @@ def test_cases_are_frozen_and_copies_are_checked() -> None:
         case.geometry.length = 1.0  # type: ignore[misc]
     assert case.changed("geometry.length=0.5").geometry.length == 0.5
     assert case.geometry.length == 0.3
-    with pytest.raises(InputError, match=r"--set geometry\.length"):
+    with pytest.raises(InputError, match=r"^geometry\.length: must be greater"):
         case.changed("geometry.length=-1")
 
 

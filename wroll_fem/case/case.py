@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, Self, get_args
 
 import yaml
 from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_validator, model_validator
 
+from ..errors import InputError
 from .base import Real, Section, wrong
 from .coil import Coil
 from .contact import Contact, PenaltyFriction
@@ -133,6 +134,16 @@ class Case(Section):
             check(self)
         return self
 
+    def __init__(self, **sections: Any) -> None:
+        """Build a case from its sections, given as models or dicts; raises `InputError` as `model_validate` does."""
+        try:
+            super().__init__(**sections)
+        except ValidationError as error:
+            raise input_error(error, type(self)) from None
+
+    # else model_validate would come here too, and the loader lose the plain error to which it adds file and --set
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
     @classmethod
     def model_validate(cls, obj: Any, **keywords: Any) -> Self:
         """Build a case from a mapping; raises `InputError` (one line, all checks) when it is wrong."""
@@ -205,12 +216,29 @@ class Case(Section):
             data["structure"]["file"] = hashlib.sha256(self.structure.file.read_bytes()).hexdigest()
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
-    def changed(self, *overrides: str) -> Case:
-        """Copy with dotted keys changed and checked again: `case.changed("contact.friction.mu=0.5")`."""
-        from .loader import build_case
+    def changed(self, *overrides: str | Mapping[str, Any]) -> Case:
+        """Copy with dotted keys changed and checked again.
+
+        Parameters
+        ----------
+        overrides
+            "dotted.key=value" texts, the value in YAML, or mappings of dotted keys to values:
+            `case.changed("contact.friction.mu=0.5")`, `case.changed({"preload.pressure": 3e4})`.
+
+        Raises
+        ------
+        InputError
+            One line that names key, value and remedy.
+        """
+        from .loader import build_case, override_texts
 
         given = self.model_dump(mode="json", exclude_unset=True)
-        return build_case(given, overrides, source=self.source)
+        try:
+            return build_case(given, override_texts(*overrides), source=self.source)
+        except InputError as error:  # speaks of the command line
+            error.key = (error.key or "").removeprefix("--set ") or None
+            error.remedy = (error.remedy or "").replace("--set ", "") or None
+            raise
 
 
 def _needs(case: Case, section: str, reason: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,22 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
         raise input_error(error, Case, file=file, overrides=keys) from None
     case._source = source
     return case
+
+
+def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
+    """Overrides as `load_case` takes them; a mapping of dotted keys to values becomes one text per key."""
+    from ..run_folder import plain  # which needs the case
+
+    texts: list[str] = []
+    for given in overrides:
+        if isinstance(given, str):
+            texts.append(given)
+        elif not isinstance(given, Mapping):
+            remedy = 'give "dotted.key=value", or a dict of dotted keys and values'
+            raise InputError(f"cannot change a case by {given!r}", remedy=remedy)
+        else:
+            texts += [f"{key}={json.dumps(plain(value))}" for key, value in given.items()]
+    return texts
 
 
 def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
