@@ -4,7 +4,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 WORKERS ?= 2
 
-.PHONY: help setup run test test-all test-debian13 lint format schema bench clean distclean
+.PHONY: help setup run test test-all test-debian13 lint format schema docs bench clean distclean
 
 help: ## what can be made
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -35,6 +35,9 @@ format: setup ## let ruff put the code in order
 
 schema: setup ## write the JSON schema of the case file again
 	.venv/bin/wroll schema --out docs/wroll-case.schema.json
+
+docs: setup ## the pages as one site, without warnings: build/docs/index.html
+	$(PYTHON) -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 bench: setup ## time full, condensed, reduced and harmonic on the lab chirp (about 10 minutes): docs/tables/benchmark.md
 	$(PYTHON) benchmarks/run.py

@@ -9,7 +9,7 @@ from .values import quantity
 
 Plain = Mapping[str, Any]
 
-_ANALYSES = {
+ANALYSES = {
     "sweep": "Time history of a sine sweep of the base: transmissibility, damping, slip and energies.",
     "dwell": "Time history of a sine of the base at one frequency.",
     "harmonic": "Periodic response to a sine of the base over frequency, by harmonic balance.",
@@ -21,6 +21,7 @@ _ANALYSES = {
     "design_map": "Frequencies of the loosest and tightest coil over mandrel radius and wall.",
     "two_dof": "Two masses with friction between them on a shaken base.",
 }
+"""Analysis -> what it computes, in a sentence."""
 _MODELS = {
     "layers": "concentric layers that touch and slip",
     "bonded": "concentric layers bonded to the mandrel",
@@ -35,7 +36,7 @@ _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof"
 def case_words(data: Plain) -> list[tuple[str, str]]:
     """Headings and sentences, one for each section that matters; unknown sections as they are written."""
     analysis = str(data.get("analysis", "unknown"))
-    said = [("Analysis", f"{analysis}. {_ANALYSES.get(analysis, '')}".strip())]
+    said = [("Analysis", f"{analysis}. {ANALYSES.get(analysis, '')}".strip())]
     for key, value in data.items():
         if key == "analysis" or value is None or (key in _QUIET and key != analysis):
             continue

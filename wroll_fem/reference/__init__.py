@@ -1,0 +1,25 @@
+"""Reference pages made from the code: case file from its models, commands from typer, results from the field table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .case import case_page
+from .commands import commands_page
+from .results import results_page
+
+__all__ = ["PAGES", "case_page", "commands_page", "results_page", "write_pages"]
+
+PAGES = {"case.md": case_page, "commands.md": commands_page, "results.md": results_page}
+"""File in docs/reference -> function that returns its Markdown."""
+
+
+def write_pages(folder: Path) -> list[Path]:
+    """Write all reference pages to a folder; what they held is replaced."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, page in PAGES.items():
+        path = folder / name
+        path.write_text(page(), encoding="utf-8")
+        written.append(path)
+    return written

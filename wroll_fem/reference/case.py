@@ -1,0 +1,205 @@
+"""Reference of the case file, from the pydantic models: every section and key."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from annotated_types import Ge, Gt, Le, Lt, MinLen
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from ..case import Case
+from ..report.words import ANALYSES as ANALYSIS_WORDS
+from .markdown import GENERATED, code, prose, table
+
+UNITS = (
+    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
+    "Pa/m", "m/s^2", "m/s", "rad/s", "Pa", "Hz", "kg", "m", "s", "N",
+)  # fmt: skip
+"""Units as descriptions spell them."""
+
+_UNIT = re.compile(rf"(?:, |\()({'|'.join(re.escape(unit) for unit in UNITS)})(?=[,;:)]|$| \(|, )")
+_SHOWN = {"dimensionless": "1", "multiples of 9.80665 m/s^2": "g", "octaves per minute": "oct/min"}
+
+_CONDITIONAL = {("Coil", "total_thickness"), ("Coil", "material")}
+"""Keys with a placeholder in place of a default: checks of the whole section ask for them."""
+
+_INTRO = """# Case file
+
+Every section and key of a case file (YAML). A case is one file; nothing else changes a number. Units are SI; numbers may be written as `1e-3`. Unknown keys are refused, with
+the nearest known one. Any key can be changed from the command line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll batch](../batch.md).
+
+"required" keys have no default. Keys that are left out have the default shown; where it depends on other keys the description says so. Editors complete and check the file by
+[wroll-case.schema.json](../wroll-case.schema.json), to which the first line of each file in `configs/` points. Ready-made files to start from: `configs/`.
+"""
+
+
+def unit_of(description: str) -> str:
+    """Unit that a description names, as written there; "" when it names none."""
+    found = _UNIT.search(description)
+    return found[1] if found else ""
+
+
+NEEDS: dict[str, tuple[str, ...]] = {
+    "sweep": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
+    "dwell": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
+    "harmonic": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
+    "backbone": ("geometry", "mandrel", "coil", "contact", "preload"),
+    "modal": ("geometry", "mandrel", "coil"),
+    "modal_transient": ("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
+    "preload": ("geometry", "mandrel", "coil", "contact", "preload"),
+    "winding": ("winding",),
+    "design_map": ("geometry", "mandrel", "coil", "design_map"),
+    "two_dof": ("two_dof",),
+}
+"""Sections without which an analysis of a roll with layers (or of a solid coil) is refused."""
+
+_ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` (and by `modal` with `modal.interface: stuck`); `structure` replaces geometry, mandrel, coil and preload, and
+contact may then be left out; `preload.kind: winding_tension` asks for `winding`. Sections that an analysis does not use may stand in the file, but for `winding`'s companions `design_map`, `two_dof` and
+`damping_ratio`, which belong to one analysis each."""
+
+
+def case_page() -> str:
+    """Markdown of the whole reference."""
+    parts = [GENERATED, _INTRO, "## Analyses", _analyses(), _ANALYSES, "## Sections", _overview()]
+    told: dict[type[BaseModel], str] = {}
+    for name, field in Case.model_fields.items():
+        models = sections(field.annotation)
+        if len(models) > 1:
+            parts += [f"## {code(name)}", prose(_sentence(field.description)) + "."]
+        for model in models:
+            parts += _section(name, model, told, tagged=len(models) > 1, level=3 if len(models) > 1 else 2)
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _overview() -> str:
+    rows = []
+    for name, field in Case.model_fields.items():
+        models = sections(field.annotation)
+        shown = f"[{code(name)}](#{name})" if models else code(name)
+        kind = "section" if models else type_name(field.annotation)
+        rows.append((shown, kind, prose(field.description or "")))
+    return table(("key", "type", "meaning"), rows)
+
+
+def _analyses() -> str:
+    rows = (
+        (code(name), ANALYSIS_WORDS.get(name, ""), ", ".join(code(key) for key in keys)) for name, keys in NEEDS.items()
+    )
+    return table(("analysis", "computes", "needs"), rows)
+
+
+def _section(
+    path: str, model: type[BaseModel], told: dict[type[BaseModel], str], *, tagged: bool, level: int
+) -> list[str]:
+    """Heading, words and table of a section, then those inside it; what was told before is referred to."""
+    name = path
+    if tagged:
+        (value,) = get_args(model.model_fields[_tag(model)].annotation)
+        name = f"{path}.{_tag(model)}: {value}"
+    parts = [f"{'#' * level} {code(name)}"]
+    if model in told:
+        return [*parts, f"As {code(told[model])}."]
+    told[model] = name
+    parts.append(prose(_first_paragraph(model)))
+    parts.append(table(("key", "type", "unit", "default", "bounds", "meaning"), _rows(model)))
+    for key, field in model.model_fields.items():
+        inner = sections(field.annotation)
+        for one in inner:
+            parts += _section(f"{path}.{key}", one, told, tagged=len(inner) > 1, level=3)
+    return parts
+
+
+def _tag(model: type[BaseModel]) -> str:
+    """Key that picks one of several kinds of a section; "" where there is none."""
+    return next((key for key in ("kind", "law") if key in model.model_fields), "")
+
+
+def _rows(model: type[BaseModel]) -> Iterator[tuple[str, ...]]:
+    fields = model.model_fields
+    for name in sorted(fields, key=lambda key: key != _tag(model)):
+        field = fields[name]
+        words = field.description or ""
+        unit = "as the key around it" if "as the key around it" in words else unit_of(words)
+        yield (
+            code(name), type_name(field.annotation), _SHOWN.get(unit, unit), default_of(model, name, field),
+            bounds(field), prose(words),
+        )  # fmt: skip
+
+
+def sections(annotation: Any) -> list[type[BaseModel]]:
+    """Models that an annotation allows, in order."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in sections(argument)]
+
+
+_NAMES: dict[Any, str] = {float: "number", int: "whole number", bool: "true, false", str: "text", Path: "path"}
+
+
+def type_name(annotation: Any) -> str:
+    """Type of a key in words."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return type_name(arguments[0])
+    if origin is Literal:
+        return ", ".join(code(str(value)) for value in arguments)
+    if origin is list:
+        return f"list of {type_name(arguments[0])}s"
+    if origin in (Union, UnionType):
+        models = sections(annotation)
+        if models:
+            return "section"
+        return " or ".join(dict.fromkeys(type_name(option) for option in arguments if option is not NoneType))
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return "section"
+    return _NAMES[annotation]
+
+
+def default_of(model: type[BaseModel], name: str, field: FieldInfo) -> str:
+    """Default of a key in words."""
+    if (model.__name__, name) in _CONDITIONAL:
+        return "required but for `model: none`"
+    if field.is_required():
+        return "required"
+    value = field.get_default(call_default_factory=True, validated_data={})
+    if isinstance(value, BaseModel):
+        return "its own defaults"
+    if value is None:
+        return "left out"
+    if isinstance(value, float) and math.isnan(value):
+        return "from others"
+    if isinstance(value, bool):
+        return code(str(value).lower())
+    return code(f"{value:g}".replace("e-0", "e-") if isinstance(value, float) else str(value))
+
+
+def bounds(field: FieldInfo) -> str:
+    """Bounds of a number or of a list's length."""
+    found = []
+    for item in field.metadata:
+        if isinstance(item, Gt):
+            found.append(f"> {item.gt:g}")
+        elif isinstance(item, Ge):
+            found.append(f"≥ {item.ge:g}")
+        elif isinstance(item, Lt):
+            found.append(f"< {item.lt:g}")
+        elif isinstance(item, Le):
+            found.append(f"≤ {item.le:g}")
+        elif isinstance(item, MinLen):
+            found.append(f"{item.min_length} or more entries")
+    return ", ".join(found)
+
+
+def _first_paragraph(model: type[BaseModel]) -> str:
+    return " ".join((model.__doc__ or "").split("\n\n")[0].split())
+
+
+def _sentence(text: str | None) -> str:
+    words = (text or "").strip()
+    return words[:1].upper() + words[1:]

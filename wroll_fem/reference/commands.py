@@ -1,0 +1,78 @@
+"""Reference of the `wroll` command, from its typer application."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+import typer
+
+from .markdown import GENERATED, code, prose, table
+
+_INTRO = """# Commands
+
+`wroll` is installed in `.venv/bin`; the pages write `.venv/bin/wroll`, or `wroll` for short (`source .venv/bin/activate`). `wroll COMMAND --help` prints what stands here.
+"""
+
+_CODES = """## Exit codes
+
+| code | meaning |
+|---|---|
+| 0 | done |
+| 1 | `wroll info`: something that is needed does not work |
+| 2 | the input is wrong: one line on standard error with file, key, what is wrong and what would be right; nothing was computed |
+| 3 | the solver did not converge: time, iterations, residuals and what to try; everything computed until then is saved |
+| 130 | interrupted; a sweep or dwell goes on with `--resume`, a batch with the same command |
+"""
+
+
+def commands_page() -> str:
+    """Markdown of all commands with their arguments and options."""
+    from ..cli import app
+
+    root: Any = typer.main.get_command(app)
+    hints = {c.name or c.callback.__name__: get_type_hints(c.callback) for c in app.registered_commands if c.callback}
+    parts = [GENERATED, _INTRO, table(("command", "does"), _overview(root))]
+    for name, command in root.commands.items():
+        words = " ".join((command.help or "").split())
+        usage = " ".join([f"wroll {name}", *(_metavar(p) for p in command.params if p.param_type_name == "argument")])
+        options = any(p.param_type_name == "option" and p.name != "help" for p in command.params)
+        parts += [f"## wroll {name}", prose(words), code(usage + (" [OPTIONS]" if options else ""))]
+        rows = list(_rows(command, hints[name]))
+        if rows:
+            parts.append(table(("argument or option", "meaning", "default"), rows))
+    parts.append(_CODES)
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _overview(root: Any) -> Iterator[tuple[str, str]]:
+    for name, command in root.commands.items():
+        yield f"[{code(f'wroll {name}')}](#wroll-{name})", prose(" ".join((command.help or "").split()))
+
+
+def _rows(command: Any, hints: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    for parameter in command.params:
+        if parameter.name == "help":
+            continue
+        argument = parameter.param_type_name == "argument"
+        name = _metavar(parameter) if argument else _option(parameter, hints[parameter.name])
+        default = "required" if parameter.required else _default(parameter.default)
+        yield code(name), prose(" ".join((parameter.help or "").split())), default
+
+
+def _metavar(parameter: Any) -> str:
+    return str(parameter.metavar or parameter.name.upper())
+
+
+def _option(parameter: Any, hint: Any) -> str:
+    """Option with the kind of value that it takes."""
+    if parameter.is_flag:
+        return str(parameter.opts[0])
+    kinds = {hint, *get_args(hint)}
+    value = parameter.metavar or ("N" if int in kinds else "PATH" if Path in kinds else "TEXT")
+    return f"{parameter.opts[0]} {value}"
+
+
+def _default(value: Any) -> str:
+    return "" if value in (None, False) or callable(value) else code(str(value))
