@@ -33,8 +33,9 @@ format: setup ## let ruff put the code in order
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
 
-schema: setup ## write the JSON schema of the case file again
+schema: setup ## write the JSON schema of the case file and the reference pages again
 	.venv/bin/wroll schema --out docs/wroll-case.schema.json
+	$(PYTHON) -m wroll_fem.reference docs/reference
 
 docs: setup ## the pages as one site, without warnings: build/docs/index.html
 	$(PYTHON) -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs

@@ -31,11 +31,13 @@ _CONDITIONAL = {("Coil", "total_thickness"), ("Coil", "material")}
 
 _INTRO = """# Case file
 
-Every section and key of a case file (YAML). A case is one file; nothing else changes a number. Units are SI; numbers may be written as `1e-3`. Unknown keys are refused, with
-the nearest known one. Any key can be changed from the command line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll batch](../batch.md).
+Every section and key of a case file (YAML). A case is one file; nothing else changes a number. Units are SI; numbers
+may be written as `1e-3`. Unknown keys are refused, with the nearest known one. Any key can be changed from the command
+line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll batch](../batch.md).
 
-"required" keys have no default. Keys that are left out have the default shown; where it depends on other keys the description says so. Editors complete and check the file by
-[wroll-case.schema.json](../wroll-case.schema.json), to which the first line of each file in `configs/` points. Ready-made files to start from: `configs/`.
+"required" keys have no default; where a default depends on other keys the description says so. Editors complete and
+check the file by [wroll-case.schema.json](../wroll-case.schema.json), to which the first line of each file in `configs/`
+points. Start from one of those.
 """
 
 
@@ -59,9 +61,10 @@ NEEDS: dict[str, tuple[str, ...]] = {
 }
 """Sections without which an analysis of a roll with layers (or of a solid coil) is refused."""
 
-_ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` (and by `modal` with `modal.interface: stuck`); `structure` replaces geometry, mandrel, coil and preload, and
-contact may then be left out; `preload.kind: winding_tension` asks for `winding`. Sections that an analysis does not use may stand in the file, but for `winding`'s companions `design_map`, `two_dof` and
-`damping_ratio`, which belong to one analysis each."""
+_ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` alone (by `modal` with `modal.interface:
+stuck`). `structure` replaces geometry, mandrel, coil, mesh and preload; contact may then be left out.
+`preload.kind: winding_tension` asks for `winding`. `design_map`, `two_dof` and `damping_ratio` belong to one analysis
+each; other sections may stand in the file unused."""
 
 
 def case_page() -> str:

@@ -12,7 +12,8 @@ from .markdown import GENERATED, code, prose, table
 
 _INTRO = """# Commands
 
-`wroll` is installed in `.venv/bin`; the pages write `.venv/bin/wroll`, or `wroll` for short (`source .venv/bin/activate`). `wroll COMMAND --help` prints what stands here.
+`wroll` is installed in `.venv/bin`; the pages write `.venv/bin/wroll`, or `wroll` for short (after `source
+.venv/bin/activate`). `wroll COMMAND --help` prints what stands here.
 """
 
 _CODES = """## Exit codes
@@ -21,8 +22,8 @@ _CODES = """## Exit codes
 |---|---|
 | 0 | done |
 | 1 | `wroll info`: something that is needed does not work |
-| 2 | the input is wrong: one line on standard error with file, key, what is wrong and what would be right; nothing was computed |
-| 3 | the solver did not converge: time, iterations, residuals and what to try; everything computed until then is saved |
+| 2 | the input is wrong: one line with file, key, what is wrong and what would be right; nothing was computed |
+| 3 | the solver did not converge: time, iterations, residuals, what to try; what was computed until then is saved |
 | 130 | interrupted; a sweep or dwell goes on with `--resume`, a batch with the same command |
 """
 

@@ -14,15 +14,15 @@ A run folder holds
 |---|---|
 | `case.yaml` | the case with all defaults filled in |
 | `summary.json` | the numbers of the table below: flat, SI, the unit in the name |
-| `results.nc` | NetCDF of all curves and fields, `units` and `long_name` on each (xarray with `engine="h5netcdf"`, or `wroll_fem.results.load_dataset`) |
+| `results.nc` | NetCDF of all curves and fields, `units` and `long_name` on each; `wroll_fem.results.load_dataset` |
 | `fields/*.vtu` | slip maps, mode shapes, stress points, for ParaView or pyvista |
 | `figures/*.png` | figures of the analysis |
 | `run.log` | progress and warnings |
 | `provenance.json` | versions, machine, command, wall time |
 | `checkpoint*` | while a sweep or dwell runs: what `--resume` goes on from |
 
-A batch adds `batch.csv` and `batch.nc`, one row per case. Amplitudes are 0-peak, lists run over interfaces or layers (inner first), over modes, or over the levels of the case; `null` stands
-where there is nothing to read.
+A batch adds `batch.csv` and `batch.nc`, one row per case. Amplitudes are 0-peak. Lists run over interfaces or layers
+(inner first), over modes, or over the levels of the case; `null` stands where there is nothing to read.
 """
 
 #: Groups of summary.json: heading, names, and what the label alone does not tell.
@@ -178,10 +178,11 @@ def results_page() -> str:
         parts += [f"### {heading}", table(("name", "unit", "meaning"), rows)]
     parts += [
         "## results.nc",
-        "One Dataset per run; each analysis stores those of these variables that it has. Complex curves are stored as real and imaginary parts.",
+        "One Dataset per run, with those of these variables that its analysis has; complex curves as real and "
+        "imaginary parts.",
     ]
-    for heading, names in _grouped():
-        rows = ((code(name), _unit(FIELDS[name].units), prose(FIELDS[name].long_name)) for name in names)
+    for heading, fields in _grouped():
+        rows = ((code(name), _unit(FIELDS[name].units), prose(FIELDS[name].long_name)) for name in fields)
         parts += [f"### {heading}", table(("variable", "unit", "meaning"), rows)]
     rows = ((code(name), entry.units, prose(entry.long_name)) for name, entry in AXES.items())
     parts += ["### Axes with a meaning of their own", table(("axis", "unit", "meaning"), rows)]

@@ -7,8 +7,8 @@ from math import isfinite
 from typing import Any
 
 _UNITS = {
-    "m_s2": "m/s²", "rad_s": "rad/s", "n_m": "N/m", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "n": "N",
-    "rad": "rad", "g": "g",
+    "m_s2": "m/s²", "rad_s": "rad/s", "n_m": "N/m", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
+    "n": "N", "rad": "rad", "g": "g",
 }  # fmt: skip
 """Last words of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
 
