@@ -16,8 +16,8 @@ import pytest
 import synthetic_roll
 from matplotlib.image import imread
 
-from wroll_fem import plotting
-from wroll_fem.analyses.outputs import write_figures
+from wroll_fem import load_case, plotting
+from wroll_fem.analyses import write_figures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.cylinder import line_of_sight, sample, slip_surface
@@ -369,10 +369,11 @@ def test_missing_pyvista_names_the_extra_to_install(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("half", [False, True])
-def test_pressure_of_a_preload_run_is_drawn(half, tmp_path):  # its results hold no slip
+def test_pressure_of_a_preload_run_is_drawn(half, root, tmp_path):  # its results hold no slip
     points = synthetic_roll.contact_points(half=half)[["pressure", "area"]]
     ax = plotting.plot_pressure_map(points, interface=1)
     assert "Pressure between layer 1 and layer 2: 50 kPa in the mean, 45 kPa to 55 kPa" in texts(ax)
     drawn = ax.collections[0].get_array()
     assert (drawn.min(), drawn.max()) == pytest.approx((45.0, 55.0), rel=1e-3)
-    assert [path.name for path in write_figures(points, None, tmp_path)] == ["pressure_01.png", "pressure_02.png"]
+    case = load_case(root / "configs" / "tiny.yaml", ["analysis=preload"])
+    assert [path.name for path in write_figures(points, case, tmp_path)] == ["pressure_01.png", "pressure_02.png"]

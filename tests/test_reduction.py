@@ -11,7 +11,7 @@ import xarray as xr
 from exact_systems import orbiting_mass, slipping_pair
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.outputs import energy_balance_error
+from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics import reduced
 from wroll_fem.dynamics.condensation import condense

@@ -1,0 +1,146 @@
+"""Figures (.png) and fields (.vtu) that analyses share; matplotlib and pyvista are imported when something is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from ..slip import has_surface
+
+if TYPE_CHECKING:
+    from ..case import Case
+
+
+def figure(
+    stem: str, function: str, module: str = "", *, needs: str = ""
+) -> Callable[[xr.Dataset, Case, Path], list[Path]]:
+    """Part that draws a figure by a function of `wroll_fem.plotting`, or of a module in it.
+
+    Parameters
+    ----------
+    stem
+        Name of the file without .png.
+    needs
+        Variable without which there is nothing to draw.
+    """
+
+    def part(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+        return [_save(stem, function, dataset, folder, module)] if not needs or needs in dataset else []
+
+    return part
+
+
+def _save(stem: str, function: str, dataset: xr.Dataset, folder: Path, module: str = "", **options: Any) -> Path:
+    from .. import plotting
+
+    home = import_module(f"..plotting.{module}", __package__) if module else plotting
+    return plotting.save_figure(getattr(home, function)(dataset, **options), folder / f"{stem}.png")
+
+
+def _surfaces(dataset: xr.Dataset) -> list[int]:
+    """Numbers of the interfaces whose points span a cylinder: those of matrices from a file need not."""
+    count = dataset.sizes["interface"] if "pressure" in dataset else 0
+    return [number for number in range(count) if has_surface(dataset, number)]
+
+
+def slip_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Slip of every interface: map, and vectors at its largest."""
+    kinds = (("slip_map", "plot_slip_map"), ("peak_slip", "plot_peak_slip_vectors"))
+    return [
+        _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
+        for number in _surfaces(dataset)
+        for stem, function in kinds
+    ]
+
+
+def pressure_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Pressure on every interface."""
+    return [
+        _save(f"pressure_{number + 1:02d}", "plot_pressure_map", dataset, folder, interface=number)
+        for number in _surfaces(dataset)
+    ]
+
+
+def slip_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Slip of the innermost interface on the roll, when there was any."""
+    from .. import plotting
+
+    if 0 not in _surfaces(dataset) or not float(dataset["cumulative_slip"].max()) > 0:
+        return []
+    return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
+
+
+def mode_shapes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """First ten mode shapes in space; matrices from a file have none."""
+    from .. import plotting
+
+    if "mode_shape" not in dataset or find_spec("pyvista") is None:
+        return []
+    first = dataset.isel(mode=slice(10))
+    titles = [
+        f"{float(f):.1f} Hz  {kind}"
+        for f, kind in zip(first["mode_frequency"].values, first["mode_kind"].values, strict=True)
+    ]
+    nodes, cells, shapes = (first[name].values for name in ("node_position", "cell_nodes", "mode_shape"))
+    return [plotting.plot_mode_shapes(nodes, cells, shapes, titles, folder / "mode_shapes.png")]
+
+
+def coil_sections(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Root section and slip zone of a coil whose points form a grid."""
+    from ..plotting.coil_slip import has_grid
+
+    kinds = (("root_section", "plot_root_sections"), ("slip_zone", "plot_slip_zone"))
+    return [_save(*kind, dataset, folder, "coil_slip") for kind in kinds] if has_grid(dataset) else []
+
+
+def coil_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Slip in the coil, cut open, when its points form a grid."""
+    from ..plotting.coil_slip import has_grid
+    from ..plotting.coil_slip_space import plot_slip_in_coil
+
+    wanted = find_spec("pyvista") is not None and has_grid(dataset)
+    return [plot_slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
+
+
+def write_slip(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Write slip.vtu (all interfaces), and slip_<step>.vtu for kept fields."""
+    if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
+        return []
+    from ..plotting import write_slip_vtu
+
+    written = [write_slip_vtu(dataset, folder / "slip.vtu")]
+    for number in range(dataset.sizes.get("snapshot_time", 0)):
+        step = (number + 1) * case.output.every
+        written.append(write_slip_vtu(dataset.isel(snapshot_time=number), folder / f"slip_{step:08d}.vtu"))
+    return written
+
+
+def write_coil(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Write coil_slip.vtu: shear, capacity and onset in the coil."""
+    from ..plotting.coil_slip_space import write_coil_vtu
+
+    return [write_coil_vtu(dataset, folder / "coil_slip.vtu")]
+
+
+def write_modes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    """Write mode_shapes.vtu; matrices from a file have none."""
+    if "mode_shape" not in dataset:
+        return []
+    import meshio
+
+    names = zip(dataset["mode_frequency"].values, dataset["mode_kind"].values, strict=True)
+    shapes = {
+        f"mode_{k:02d}_{float(f):.1f}Hz_{kind}": shape
+        for k, ((f, kind), shape) in enumerate(zip(names, dataset["mode_shape"].values, strict=True), start=1)
+    }
+    cells = [("quad9", dataset["cell_nodes"].values)]
+    if "solid_cell_nodes" in dataset:
+        cells.append(("hexahedron27", dataset["solid_cell_nodes"].values))
+    path = folder / "mode_shapes.vtu"
+    meshio.Mesh(dataset["node_position"].values, cells, point_data=shapes).write(path, file_format="vtu")
+    return [path]
