@@ -33,3 +33,14 @@ class Family:
     judges: Mapping[str, Judge]
     figures: Mapping[str, tuple[str, Drawing]] = field(default_factory=dict)
     tables: Mapping[str, Callable[[Evidence], str]] = field(default_factory=dict)
+
+
+def study_figure(study: str, figure: str = "") -> Drawing:
+    """Figure of a study by its name in `plotting.series.FIGURES`; that of the study without."""
+
+    def draw(evidence: Evidence) -> Axes:
+        from wroll_fem.plotting.series import FIGURES
+
+        return FIGURES[figure or study](evidence.study(study))
+
+    return draw

@@ -19,7 +19,7 @@ from .family import Family
 from .verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 
 FAMILIES: dict[str, tuple[str, ...]] = {
-    "ch2": ("winding",),
+    "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
     "ch4": (),
     "ch5": (),
     "appendices": (),

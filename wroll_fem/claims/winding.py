@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -11,18 +9,13 @@ from wroll_fem.cantilever import Cantilever
 from wroll_fem.case.winding import ConstantModulus, Winding
 from wroll_fem.plotting import plot_winding
 from wroll_fem.plotting.cantilever import plot_cantilever
-from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.winding import middle_slope
 from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tube_stiffness, wound_roll
 
 from .evidence import Evidence
-from .family import Family
+from .family import Family, study_figure
 from .verdict import THESIS_ERROR, Verdict
-
-
-def exactly(error: float) -> str:
-    """Relative error as text; an exact zero as below rounding."""
-    return f"{error:.0e}" if error > 0 else "rounding"
+from .words import exactly
 
 
 def case_study(evidence: Evidence) -> Winding:
@@ -279,20 +272,14 @@ def beam_figure(evidence: Evidence) -> Axes:
     return plot_cantilever(mandrel_beam(evidence))
 
 
-def study_figure(name: str, evidence: Evidence) -> Axes:
-    """Figure of a study of the same name."""
-    return FIGURES[name](evidence.study(name))
-
-
 FAMILY = Family(
     {
         "C1": c1, "C2": c2, "C3": c3, "C4": c4, "C5": c5, "C6": c6, "C7": c7, "C8": c8, "C9": c9, "C10": c10,
         "C11": c11, "C13": c13,
     },
     figures={
-        "winding_hardness": ("Fig 2.4: pressure in a soft and a hard roll", partial(study_figure, "winding_hardness")),
+        "winding_hardness": ("Fig 2.4: pressure in a soft and a hard roll", study_figure("winding_hardness")),
         "cantilever": ("Figs 2.8 and 2.9: moment, shear and stress of the mandrel", beam_figure),
         "winding_case_study": ("Fig 2.12: pressure and friction capacity of the case study", case_study_figure),
-        "winding_tension": ("Pressure at the mandrel over winding tension", partial(study_figure, "winding_tension")),
     },
 )  # fmt: skip

@@ -1,0 +1,270 @@
+"""Claims on slip of the case study of section 2.4: C12, C18 to C25; what meshes and inputs change in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from wroll_fem.case.winding import completed
+from wroll_fem.coil_slip import cycle_maximum, onset_levels, slips
+from wroll_fem.plotting.coil_slip import grid_of, plot_root_sections, plot_shear_distribution, plot_slip_zone
+from wroll_fem.plotting.style import FloatArray
+from wroll_fem.winding import wound_roll
+
+from .evidence import Evidence
+from .family import Drawing, Family
+from .verdict import Verdict
+from .words import table
+
+STUDY = "case_study"
+HARMONICS = "mesh.discretisation=fourier"
+FINE = (STUDY, HARMONICS, "mesh.axial=48", "mesh.radial=10")
+UNIFORM = ("mesh.circumferential=16", "mesh.grading=1", "mesh.radial=3", "mesh.radial_grading=1")
+LAW = "winding.web.radial_modulus={law: constant, E_r: %s}"
+MESHES: dict[str, tuple[str, ...]] = {
+    "three-dimensional, as configs/case_study.yaml": (),
+    "the same, 16 around": ("mesh.circumferential=16",),
+    "the same, root elements 5 times higher": ("mesh.circumferential=16", "mesh.grading=8"),
+    "the same, 3 equal elements through the coil":
+        ("mesh.circumferential=16", "mesh.radial=3", "mesh.radial_grading=1"),
+    "uniform, 16 x 30 x 3 (root elements of 10 mm)": (*UNIFORM, "mesh.axial=30"),
+    "uniform, 16 x 12 x 3": (*UNIFORM, "mesh.axial=12"),
+    "harmonics, the same divisions": (HARMONICS,),
+    "harmonics, twice as many along the axis": (HARMONICS, "mesh.axial=48"),
+    "harmonics, twice as many both ways": FINE[1:],
+}  # fmt: skip
+"""Words -> overrides of the case study."""
+
+
+# ---- readings ------------------------------------------------------------------------------------
+
+
+def onset(data: xr.Dataset) -> float:
+    """Level at which the first point slips, g."""
+    return float(data["slip_onset"].min())
+
+
+def place(data: xr.Dataset, point: int) -> str:
+    """Where a point of the coil is, in words."""
+    depth = 1e3 * (float(data["r_m"][point]) - data.attrs["mandrel_radius_m"])
+    angle = abs(np.degrees(float(data["theta_rad"][point])))
+    return f"{depth:.2f} mm from the mandrel, {1e3 * float(data['z_m'][point]):.2f} mm above the base, {angle:.0f} deg"
+
+
+def from_axis(degrees: float) -> float:
+    """Angle to the nearest of 0 and 180 degrees."""
+    return min(abs(degrees) % 180.0, 180.0 - abs(degrees) % 180.0)
+
+
+class RootSection:
+    """Lowest row of quadrature points: amplitudes (n_r, n_theta) of both components at the top level."""
+
+    def __init__(self, data: xr.Dataset) -> None:
+        grid = grid_of(data)
+        self.grid, self.depth = grid, grid.r - data.attrs["mandrel_radius_m"]
+        top = float(data["amplitude_g"][-1])
+        self.all = {name: top * data[f"shear_{name}"].values[grid.numbers] for name in ("rz", "rt")}
+        self.root = {name: values[:, 0, :] for name, values in self.all.items()}
+
+    def ratio(self) -> FloatArray:
+        """(n_z,) largest srz over largest srt of each row."""
+        return np.asarray(self.all["rz"].max(axis=(0, 2)) / self.all["rt"].max(axis=(0, 2)))
+
+    def half_depth(self, name: str, row: int = 0) -> float:
+        """Distance from the mandrel within which a component exceeds half its largest value in a row of points, m."""
+        over_r = self.all[name][:, row, :].max(axis=1)
+        below = np.flatnonzero(over_r < 0.5 * over_r.max())
+        after = below[below > over_r.argmax()]
+        if not after.size:
+            return float(self.depth[-1])
+        k = int(after[0])
+        return float(np.interp(0.5 * over_r.max(), over_r[[k, k - 1]], self.depth[[k, k - 1]]))
+
+    def angle(self, name: str) -> float:
+        """Angle from the x axis of the largest value, deg."""
+        column = np.unravel_index(self.root[name].argmax(), self.root[name].shape)[1]
+        return from_axis(float(np.degrees(self.grid.theta[column])))
+
+
+# ---- claims --------------------------------------------------------------------------------------
+
+
+def c12(evidence: Evidence) -> Verdict:
+    both = cycle_maximum(np.array([3e6 + 0j]), np.array([4e6 + 0j]))
+    definition = bool(np.isclose(both[0], 5e6, rtol=1e-15) and not slips(both, np.array([5e6]))[0])
+    return Verdict("3 and 4 MPa in phase: 5 MPa, no slip at a capacity of 5 MPa", definition)
+
+
+def c18(evidence: Evidence) -> Verdict:
+    data, fine = evidence.results([(STUDY,), FINE])
+    first = int(np.argmin(data["slip_onset"].values))
+    value = f"onset {onset(data):.3f} g ({onset(fine):.3f} g on the finest mesh), {place(data, first)}"
+    return Verdict(value, 2.5 <= onset(data) <= 10.0)
+
+
+def c19(evidence: Evidence) -> Verdict:
+    data = evidence.result(STUDY)
+    z, length = float(data["z_m"][int(data["shear_resultant"].argmax())]), data.attrs["length_m"]
+    value = f"largest {1e3 * z:.2f} mm above the base, {100 * z / length:.2f} % of L"
+    return Verdict(value, bool(z <= 0.05 * length))
+
+
+def c20(evidence: Evidence) -> Verdict:
+    data = evidence.result(STUDY)
+    over_r = data["shear_resultant"].values[grid_of(data).numbers].max(axis=(1, 2))
+    value = (
+        f"{over_r[0] / 1e6:.2f} to {over_r[-1] / 1e6:.3f} MPa per g, largest step outward "
+        f"{np.diff(over_r).max() / 1e6:+.3f} MPa"
+    )
+    return Verdict(value, bool(np.all(np.diff(over_r) < 0)))
+
+
+def c21(evidence: Evidence) -> Verdict:
+    section = RootSection(evidence.result(STUDY))
+    ratio, height = section.ratio(), 1e3 * section.grid.z
+    rows = ", ".join(f"{ratio[k]:.2f} at {height[k]:.2f} mm" for k in np.flatnonzero(height < 4.0))
+    return Verdict(f"{rows}; judged on the lowest row of points", bool(1.6 <= ratio[0] <= 2.2))
+
+
+def c22(evidence: Evidence) -> Verdict:
+    data = evidence.result(STUDY)
+    section = RootSection(data)
+    rows = {"lowest row": 0, "1 % of L up": int(np.abs(section.grid.z - 0.01 * data.attrs["length_m"]).argmin())}
+    depth = {where: [1e3 * section.half_depth(name, row) for name in ("rz", "rt")] for where, row in rows.items()}
+    told = "; ".join(f"{where}: {rz:.2f} mm (srz), {rt:.2f} mm (srt)" for where, (rz, rt) in depth.items())
+    return Verdict(f"above half its largest value: {told}", all(rt > rz for rz, rt in depth.values()))
+
+
+def c23(evidence: Evidence) -> Verdict:
+    section = RootSection(evidence.result(STUDY))
+    angle = {name: section.angle(name) for name in ("rz", "rt")}
+    value = f"srz {angle['rz']:.1f} deg, srt {angle['rt']:.1f} deg from the axis of excitation"
+    return Verdict(value, angle["rz"] <= 15.0 and angle["rt"] >= 75.0)
+
+
+def c24(evidence: Evidence) -> Verdict:
+    data = evidence.result(STUDY)
+    first, attrs = int(np.argmin(data["slip_onset"].values)), data.attrs
+    depth, z = float(data["r_m"][first]) - attrs["mandrel_radius_m"], float(data["z_m"][first])
+    thickness = attrs["coil_outer_radius_m"] - attrs["mandrel_radius_m"]
+    value = (
+        f"{place(data, first)}; capacity there {float(data['friction_capacity'][first]) / 1e6:.2f} MPa, "
+        f"largest {attrs['capacity_mandrel_pa'] / 1e6:.2f} MPa"
+    )
+    return Verdict(value, bool(depth < 0.1 * thickness and z < 0.1 * attrs["length_m"]))
+
+
+def c25(evidence: Evidence) -> Verdict:
+    alone = evidence.results([(STUDY, "excitation.amplitude_g=[1]"), (STUDY, "excitation.amplitude_g=[15]")])
+    last = [float(one["shear_resultant_history"].values[-65:].max()) for one in alone]  # 64 times per cycle
+    value = f"time histories of their own at 15 g and 1 g: ratio {last[1] / last[0]:.6f}"
+    return Verdict(value, abs(last[1] / last[0] / 15.0 - 1.0) < 0.01)
+
+
+# ---- beside the claims ---------------------------------------------------------------------------
+
+
+def meshes(evidence: Evidence) -> str:
+    rows = []
+    results = evidence.results([(STUDY, *overrides) for overrides in MESHES.values()])
+    for name, data in zip(MESHES, results, strict=True):
+        rows.append(
+            (
+                name, f"{data.sizes['point']}", f"{data.attrs['f_n_hz']:.3f}", f"{onset(data):.4f}",
+                place(data, int(np.argmin(data["slip_onset"].values))), f"{data['shear_resultant'].max() / 1e6:.2f}",
+                f"{RootSection(data).ratio()[0]:.2f}", f"{100 * float(data['slipping_volume_fraction'][-1]):.2f}",
+            )
+        )  # fmt: skip
+    head = (
+        "mesh", "points", "f_n, Hz", "onset, g", "where", "largest shear, MPa per g", "srz/srt, lowest row",
+        "slips at 15 g, %",
+    )  # fmt: skip
+    return table(head, rows)
+
+
+def truncation(evidence: Evidence) -> str:
+    counts = (1, 4, 10, 20, 40)
+    results = evidence.results([(STUDY, HARMONICS, f"modal.count={count}") for count in counts])
+    rows = [
+        (
+            f"{count}", f"{data.sizes['mode']}", f"{100 * data.attrs['participating_mass_fraction']:.1f}",
+            f"{data.attrs['transmissibility']:.3f}", f"{onset(data):.4f}",
+        )
+        for count, data in zip(counts, results, strict=True)
+    ]  # fmt: skip
+    return table(("modal.count", "along x", "mass, %", "transmissibility", "onset, g"), rows)
+
+
+def inputs(evidence: Evidence) -> str:
+    """Onset with other capacities, base frequencies and base conditions."""
+    case = evidence.case(*FINE)
+    winding = completed(case)
+    mu = winding.mu
+    assert mu is not None
+    wraps, outer = wound_roll(winding).wraps, 0.5 * case.geometry.mandrel_outer_diameter + case.coil.total_thickness
+    laws = [(*FINE, LAW % E_r) for E_r in ("0.1e9", "1.0e9", "40.0e9")]
+    given, soft, hard, rigid, coarse, at_100, clamped = evidence.results(
+        [
+            FINE, *laws, (STUDY, *UNIFORM, "mesh.axial=30", LAW % "40.0e9"), (*FINE, "excitation.frequency=100"),
+            (*FINE, "coil.base=clamped"),
+        ]
+    )  # fmt: skip
+    on_wraps = other_capacity(given, lambda r: mu * np.interp(r, wraps.radius, wraps.pressure, right=0.0))
+    stiff = other_capacity(given, lambda r: mu * winding.stress * np.log(outer / np.minimum(r, outer)))
+    rows = []
+    for name, data in {
+        "as given, E_r = 40 (1 kPa + P)": given,
+        "the same, the source's grid": on_wraps,
+        "constant E_r = 0.1 GPa (that of the solid)": soft,
+        "constant E_r = 1 GPa": hard,
+        "constant E_r = 40 GPa (K2 as printed)": rigid,
+        "the same, three-dimensional, uniform 16 x 30 x 3": coarse,
+        "no wrap relaxes, P = T ln(r_o/r)": stiff,
+        "as given, base at 100 Hz": at_100,
+        "as given, coil clamped at the base": clamped,
+    }.items():
+        pressure = data.attrs["capacity_mandrel_pa"] / mu / 1e6
+        rows.append(
+            (name, f"{pressure:.2f}", f"{onset(data):.3f}", place(data, int(np.argmin(data["slip_onset"].values))))
+        )
+    return table(("input", "pressure at the mandrel, MPa", "onset, g", "where"), rows)
+
+
+def other_capacity(data: xr.Dataset, capacity_at: Callable[[FloatArray], FloatArray]) -> xr.Dataset:
+    """Results with another friction capacity (Pa, of a radius in m): the shear stress stays, the onset follows."""
+    found = data.copy()
+    found["slip_onset"] = "point", onset_levels(data["shear_resultant"].values, capacity_at(data["r_m"].values))
+    radius = np.array([data.attrs["mandrel_radius_m"]])
+    return found.assign_attrs(capacity_mandrel_pa=float(capacity_at(radius)[0]))
+
+
+def of_the_case_study(plot: Callable[[xr.Dataset], Axes]) -> Drawing:
+    """Figure of the case study."""
+    return lambda evidence: plot(evidence.result(STUDY))
+
+
+FAMILY = Family(
+    {"C12": c12, "C18": c18, "C19": c19, "C20": c20, "C21": c21, "C22": c22, "C23": c23, "C24": c24, "C25": c25},
+    figures={
+        "case_study_shear_distribution": (
+            "Fig 2.14: largest shear resultant over height and radius, 1 to 15 g, against the capacity",
+            of_the_case_study(plot_shear_distribution),
+        ),
+        "case_study_root_section": (
+            "Fig 2.15: both shear components on the root section at 15 g, and 1 % of the length up",
+            of_the_case_study(plot_root_sections),
+        ),
+        "case_study_slip_zone": (
+            "Where the coil of the case study slips, level by level",
+            of_the_case_study(plot_slip_zone),
+        ),
+    },
+    tables={
+        "Slip of the case study on other meshes": meshes,
+        "Slip of the case study with fewer and more modes (harmonics)": truncation,
+        "What would move the onset of slip (harmonics, finest mesh, unless it says otherwise)": inputs,
+    },
+)

@@ -1,0 +1,49 @@
+"""Words and orderings that several families of claims share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from wroll_fem.plotting.study import PRESSURE, SeriesMember
+
+SLACK = 0.005
+"""Share of the range that a monotone series may go the other way: numerical noise (note 10 of the checklist)."""
+
+
+def exactly(error: float) -> str:
+    """Relative error as text; an exact zero as below rounding."""
+    return f"{error:.0e}" if error > 0 else "rounding"
+
+
+def numbers(values: Iterable[float], form: str, joined: str = ", ") -> str:
+    """Numbers in one format, joined."""
+    return joined.join(f"{value:{form}}" for value in values)
+
+
+def listed(members: Iterable[SeriesMember], value: Callable[[SeriesMember], float], form: str) -> str:
+    """One number of every case of a study."""
+    return numbers((value(m) for m in members), form)
+
+
+def kpa(member: SeriesMember) -> str:
+    """Pressure outside of a case, "17.8 kPa"."""
+    return f"{member.values[PRESSURE] / 1e3:.3g} kPa"
+
+
+def monotone(values: Sequence[float], sign: int) -> bool:
+    """Strictly rising (sign 1) or falling (-1), with the slack of the checklist."""
+    return bool(np.all(sign * np.diff(values) > -SLACK * np.ptp(values)))
+
+
+def rank_correlation(a: Sequence[float], b: Sequence[float]) -> float:
+    """Spearman's, of values without ties."""
+    ranks = [np.argsort(np.argsort(values)) for values in (a, b)]
+    return float(np.corrcoef(*ranks)[0, 1])
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
