@@ -126,9 +126,9 @@ def _save(
     return folder.summary(), figures
 
 
-def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
-    """Write results.nc with its own provenance: case text and hash, versions, whether it is complete."""
-    from .results import provenance, save_dataset
+def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
+    """Copy with its own provenance in the attributes: case text and hash, versions, whether it is complete."""
+    from .results import provenance
 
     origin = {
         "case_yaml": case.resolved_yaml(),
@@ -136,4 +136,10 @@ def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complet
         "provenance": provenance(),
         "complete": complete,
     }
-    save_dataset(dataset.assign_attrs(origin), folder.results_file)
+    return dataset.assign_attrs(origin)
+
+
+def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
+    from .results import save_dataset
+
+    save_dataset(with_origin(dataset, case, complete=complete), folder.results_file)

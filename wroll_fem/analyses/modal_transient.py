@@ -42,40 +42,9 @@ class CoilShape(NamedTuple):
 
 def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
     """Modes with their stress, winding pressure, steady response and slip of a case; see `transient_dataset`."""
-    from ..case.winding import completed
-    from ..winding import wound_roll
+    from .slip_model import SlipModel
 
-    excitation = case.excitation
-    if excitation.kind != "sine" or case.damping_ratio is None or case.winding is None:
-        raise ValueError("the case was not checked for analysis modal_transient")
-    with progress.stage("winding", 1) as stage:
-        roll = wound_roll(completed(case))
-        stage.update(1)
-    with progress.stage("modes and their stress", 1) as stage:
-        modes = shear_modes(case)
-        stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
-    radius = 0.5 * case.geometry.mandrel_outer_diameter
-    shape = CoilShape(radius, radius + case.coil.total_thickness, case.geometry.length)
-    with progress.stage("response and slip", 1) as stage:
-        frequency = None if excitation.frequency == "resonance" else float(excitation.frequency)
-        dataset = transient_dataset(
-            modes, lambda r: roll.capacity_at(_in_wound_roll(r, shape, roll.radius)), shape,
-            damping_ratio=case.damping_ratio, frequency_hz=frequency, levels_g=excitation.amplitude_g,
-        )  # fmt: skip
-        stage.update(1)
-    dataset.attrs["excitation_direction"] = excitation.direction
-    for text in remarks(dataset):
-        progress.warning(text)
-    return dataset
-
-
-def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
-    """Radii of the wound roll at the same share of the thickness: coil and wound roll may differ a little in size.
-
-    Without it a coil that is thicker by less than is refused would have an outer skin without capacity.
-    """
-    share = (radius - shape.mandrel_radius) / (shape.outer_radius - shape.mandrel_radius)
-    return np.asarray(wound[0] + share * (wound[-1] - wound[0]))
+    return SlipModel.of(case, progress=progress).run(progress=progress)
 
 
 def shear_modes(case: Case) -> ShearModes:

@@ -66,6 +66,60 @@ def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
+def _along_x(dataset: xr.Dataset) -> bool:
+    return str(dataset.attrs.get("excitation_direction", "x")) == "x"
+
+
+def _levels(dataset: xr.Dataset) -> style.FloatArray:
+    levels = dataset["amplitude_g"].values
+    return np.asarray(levels[levels_to_draw(levels)])
+
+
+def level_names(dataset: xr.Dataset) -> dict[str, str]:
+    """What each colour of `cut_coil` says -> the colour, lowest level first and no slip last."""
+    levels = _levels(dataset)
+    names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
+    return dict(zip(names, [*level_colours(levels.size)[::-1], _STUCK], strict=True))
+
+
+def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
+    """Half of the coil below a height, each cell coloured by the lowest level at which it slips, on its mandrel.
+
+    The cut goes through the roll's axis and holds the excitation: faces with the largest axial shear.
+
+    Returns
+    -------
+    meshes, height
+        pyvista meshes with their options for `add_mesh`, and the height in m where cells end.
+
+    Raises
+    ------
+    InputError
+        When the points form no grid, or pyvista is missing.
+    """
+    pv = _pyvista()
+    levels = _levels(dataset)
+    radii, ends = _ends(dataset)
+    nodes, cells = coil_cells(grid_of(dataset), radii, ends)
+    coil = pv.UnstructuredGrid({_HEXAHEDRON: cells}, nodes)
+    coil["level"] = np.searchsorted(levels, dataset["slip_onset"].values, side="right").astype(float)
+    colours = ListedColormap(list(level_names(dataset).values()))
+    options = {"scalars": "level", "cmap": colours, "clim": (-0.5, levels.size + 0.5), "ambient": 0.45}
+    tube = pv.CylinderStructured(
+        radius=np.array([0.9, 1.0]) * radii[0], height=ends[1], center=(0, 0, 0.5 * ends[1]), direction=(0, 0, 1),
+        theta_resolution=96,
+    )  # fmt: skip
+    metal: dict[str, Any] = {"color": "#9A9A9A", "ambient": 0.4}
+    normal = (0, 1, 0) if _along_x(dataset) else (-1, 0, 0)
+    part = coil.extract_cells(np.flatnonzero(nodes[cells][:, :, 2].min(axis=1) < top - 1e-9))
+    half = part.clip(normal=normal, origin=(0, 0, 0), crinkle=True, invert=False)
+    height = float(part.bounds[5])
+    stub = tube.clip(normal=(0, 0, 1), origin=(0, 0, height)) if height < ends[1] else tube
+    half_tube = stub.clip(normal=normal, origin=(0, 0, 0), invert=False)
+    edges = half.extract_feature_edges(boundary_edges=True, manifold_edges=False)
+    return [(half, options), (half_tube, metal), (edges, {"color": "#555555", "line_width": 1.5})], height
+
+
 def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """Render the coil cut open, each cell coloured by the lowest level at which it slips; whole and at the root.
 
@@ -86,36 +140,14 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
     InputError
         When the points form no grid, or pyvista is missing.
     """
-    pv = _pyvista()
-    levels, onset = dataset["amplitude_g"].values, dataset["slip_onset"].values
-    levels = levels[levels_to_draw(levels)]
-    radii, ends = _ends(dataset)
-    nodes, cells = coil_cells(grid_of(dataset), radii, ends)
-    coil = pv.UnstructuredGrid({_HEXAHEDRON: cells}, nodes)
-    coil["level"] = np.searchsorted(levels, onset, side="right").astype(float)  # the lowest above the onset
-    colours = [*level_colours(levels.size)[::-1], _STUCK]
-    options = {"scalars": "level", "cmap": ListedColormap(colours), "clim": (-0.5, levels.size + 0.5), "ambient": 0.45}
-    tube = pv.CylinderStructured(
-        radius=np.array([0.9, 1.0]) * radii[0], height=ends[1], center=(0, 0, 0.5 * ends[1]), direction=(0, 0, 1),
-        theta_resolution=96,
-    )  # fmt: skip
-    metal: dict[str, Any] = {"color": "#9A9A9A", "ambient": 0.4}
-    # the cut goes through the roll's axis and holds the excitation: faces with the largest axial shear
-    along = str(dataset.attrs.get("excitation_direction", "x")) == "x"
-    normal, view = ((0, 1, 0), (0.25, -1.0, 0.30)) if along else ((-1, 0, 0), (1.0, 0.25, 0.30))
-    crown = max(2.2 * radii[1], 1.15 * float(dataset["slip_zone_height"].values[-1]))
+    (_, outer), ends = _ends(dataset)
+    view = (0.25, -1.0, 0.30) if _along_x(dataset) else (1.0, 0.25, 0.30)
+    crown = max(2.2 * outer, 1.15 * float(dataset["slip_zone_height"].values[-1]))
     root = min(crown, ends[1])
     pictures = {}
     for heading, top in (("whole coil", ends[1]), (f"cut along the excitation, lowest {1e3 * root:.0f} mm", root)):
-        part = coil.extract_cells(np.flatnonzero(nodes[cells][:, :, 2].min(axis=1) < top - 1e-9))
-        half = part.clip(normal=normal, origin=(0, 0, 0), crinkle=True, invert=False)
-        top = float(part.bounds[5])
-        stub = tube.clip(normal=(0, 0, 1), origin=(0, 0, top)) if top < ends[1] else tube
-        half_tube = stub.clip(normal=normal, origin=(0, 0, 0), invert=False)
-        edges = half.extract_feature_edges(boundary_edges=True, manifold_edges=False)
-        extent = max(top, 2.0 * radii[1])
-        line = {"color": "#555555", "line_width": 1.5}
-        meshes = [(half, options), (half_tube, metal), (edges, line)]
+        meshes, top = cut_coil(dataset, top)
+        extent = max(top, 2.0 * outer)
         pictures[heading] = _cropped([_render(meshes, np.array([0.0, 0.0, 0.5 * top]), view, extent)])[0]
     figure = Figure(figsize=(style.WIDTH, 5.4), dpi=style.DPI, layout="constrained")
     widths = [picture.shape[1] / picture.shape[0] for picture in pictures.values()]
@@ -123,10 +155,11 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
         ax.imshow(picture)
         ax.set_title(heading, fontsize=9)
         ax.axis("off")
-    names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
-    keys = [Patch(facecolor=colour, label=name) for colour, name in zip(colours, names, strict=True)]
+    keys = [Patch(facecolor=colour, label=name) for name, colour in level_names(dataset).items()]
     figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
-    figure.suptitle(_finding(float(onset.min()), float(levels[-1]), dataset), fontsize=10)
+    figure.suptitle(
+        _finding(float(dataset["slip_onset"].min()), float(dataset["amplitude_g"][-1]), dataset), fontsize=10
+    )
     target = style.target(path)
     figure.savefig(target)
     return target

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
@@ -21,9 +22,15 @@ FloatArray = npt.NDArray[np.float64]
 _VTK_QUAD9 = 28
 
 
+def has_display() -> bool:
+    """Whether a window can open here."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def _pyvista() -> ModuleType:
-    """Import pyvista set up for rendering without a display."""
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    """Import pyvista, set up for rendering without a display where there is none."""
+    if not has_display():
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     try:
         import pyvista
     except ImportError as error:

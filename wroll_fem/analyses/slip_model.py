@@ -1,0 +1,124 @@
+"""Solid coil solved once, its slip asked for many times: level, friction, damping, frequency, winding."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+import xarray as xr
+
+from ..body import FloatArray
+from ..case.winding import completed
+from ..errors import InputError
+from ..shear import ShearModes
+from ..winding import WoundRoll, wound_roll
+from .modal_transient import CoilShape, remarks, shear_modes, transient_dataset
+
+if TYPE_CHECKING:
+    from ..case import Case
+    from ..progress import Progress
+
+_MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
+"""Sections that the modes depend on, besides the direction of the excitation."""
+
+
+@dataclass(frozen=True)
+class SlipModel:
+    """Modes of a coil with their shear stress, and what winding holds.
+
+    The coil is linear, so that one set of modes answers for every level, friction, damping, frequency and winding.
+
+    Attributes
+    ----------
+    case
+        The case that was solved.
+    modes
+        Its modes and the shear stress that each makes in the coil.
+    roll
+        Stress in its wound roll: `radius`, `pressure`, `capacity` (n,).
+    """
+
+    case: Case
+    modes: ShearModes = field(repr=False)
+    roll: WoundRoll = field(repr=False)
+
+    @classmethod
+    def of(cls, case: Case, *, progress: Progress | None = None) -> Self:
+        """Solve a case of the analysis modal_transient for its modes and its winding pressure.
+
+        Raises
+        ------
+        InputError
+            For a case of another analysis.
+        """
+        from ..progress import SilentProgress
+
+        if case.analysis != "modal_transient":
+            remedy = "use analysis: modal_transient"
+            raise InputError(f"a slip model is none of {case.analysis}", key="analysis", remedy=remedy)
+        progress = progress if progress is not None else SilentProgress()
+        with progress.stage("winding", 1) as stage:
+            roll = wound_roll(completed(case))
+            stage.update(1)
+        with progress.stage("modes and their stress", 1) as stage:
+            modes = shear_modes(case)
+            stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
+        return cls(case, modes, roll)
+
+    def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:
+        """Result of a case with the same modes, as the analysis itself computes it; that of the own case when None.
+
+        Parameters
+        ----------
+        case
+            For example ``model.case.changed({"excitation.amplitude_g": [1, 5], "winding.mu": 0.3})``.
+        progress
+            Gets a stage, and what is doubtful in the result.
+
+        Raises
+        ------
+        InputError
+            For a case whose modes are others.
+        """
+        from ..progress import SilentProgress
+
+        case = self._same_modes(case) if case is not None else self.case
+        progress = progress if progress is not None else SilentProgress()
+        wound, excitation = completed(case), case.excitation
+        if excitation.kind != "sine" or case.damping_ratio is None:
+            raise ValueError("the case was not checked for analysis modal_transient")
+        roll = self.roll if wound == completed(self.case) else wound_roll(wound)
+        radius = 0.5 * case.geometry.mandrel_outer_diameter
+        shape = CoilShape(radius, radius + case.coil.total_thickness, case.geometry.length)
+        with progress.stage("response and slip", 1) as stage:
+            frequency = None if excitation.frequency == "resonance" else float(excitation.frequency)
+            dataset = transient_dataset(
+                self.modes, lambda r: roll.capacity_at(_in_wound_roll(r, shape, roll.radius)), shape,
+                damping_ratio=case.damping_ratio, frequency_hz=frequency, levels_g=excitation.amplitude_g,
+            )  # fmt: skip
+            stage.update(1)
+        dataset.attrs["excitation_direction"] = excitation.direction
+        for text in remarks(dataset):
+            progress.warning(text)
+        return dataset
+
+    def _same_modes(self, case: Case) -> Case:
+        changed = [name for name in _MODES if getattr(case, name) != getattr(self.case, name)]
+        if case.analysis != self.case.analysis:
+            changed.append("analysis")
+        elif case.excitation.direction != self.case.excitation.direction:
+            changed.append("excitation.direction")
+        if changed:
+            remedy = "solve that case: SlipModel.of(case), or run it"
+            raise InputError("has other modes than the slip model", key=", ".join(changed), remedy=remedy)
+        return case
+
+
+def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
+    """Radii of the wound roll at the same share of the thickness: coil and wound roll may differ a little in size.
+
+    Without it a coil that is thicker by less than is refused would have an outer skin without capacity.
+    """
+    share = (radius - shape.mandrel_radius) / (shape.outer_radius - shape.mandrel_radius)
+    return np.asarray(wound[0] + share * (wound[-1] - wound[0]))

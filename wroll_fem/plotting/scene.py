@@ -1,0 +1,70 @@
+"""Slip in space, to be turned with the mouse (pyvista)."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+import xarray as xr
+
+from wroll_fem.plotting import style
+from wroll_fem.plotting.coil_slip_space import cut_coil, level_names
+from wroll_fem.plotting.cylinder import slip_surface
+from wroll_fem.plotting.mode_shapes import _pyvista, has_display
+from wroll_fem.plotting.slip import in_small_unit
+
+
+def jupyter_backend() -> str:
+    """How a notebook shows a scene: "trame" (to be turned) where there is a display and that library, else "static"."""
+    return "trame" if has_display() and find_spec("trame") is not None else "static"
+
+
+def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = None) -> Any:
+    """Scene of the slip: a coil cut open, coloured by the level from which it slips, or an interface between layers.
+
+    Parameters
+    ----------
+    dataset
+        Results of `modal_transient`, or of a history with interfaces (coloured by its cumulative slip).
+    interface
+        Interface between layers, inner first.
+    top
+        Height in m up to which a coil is shown; all of it when None.
+
+    Returns
+    -------
+    pyvista.Plotter
+        ``scene.show(jupyter_backend=jupyter_backend())`` in a notebook; ``scene.show()`` opens a window elsewhere.
+
+    Raises
+    ------
+    InputError
+        When the Dataset holds no slip, its points form no grid, or pyvista is missing.
+    """
+    coil = "slip_onset" in dataset
+    style.require(dataset, ("slip_onset",) if coil else ("cumulative_slip",), "scene of the slip")
+    pv = _pyvista()
+    scene = pv.Plotter(off_screen=not has_display(), window_size=(1100, 700))
+    scene.set_background("white")
+    if coil:
+        for mesh, options in cut_coil(dataset, float(dataset.attrs["length_m"]) if top is None else top)[0]:
+            scene.add_mesh(mesh, show_scalar_bar=False, **options)
+        *slips, (never, _) = level_names(dataset).items()
+        scene.add_legend([list(entry) for entry in slips], bcolor=None, face="r", size=(0.22, 0.25), loc="upper right")
+        text = f"Grey: {never}"
+    else:
+        points, cells, fields = slip_surface(dataset, interface)
+        slip, unit = in_small_unit(fields["cumulative_slip"])
+        kind = pv.CellType.QUAD if cells.shape[1] == 4 else pv.CellType.TRIANGLE
+        mesh = pv.UnstructuredGrid({kind: cells}, points)
+        mesh["slip"] = slip
+        # no scalar bar: the number format of VTK's ends the process that also holds dolfinx (two C++ string layouts)
+        scene.add_mesh(mesh, scalars="slip", cmap="viridis", show_scalar_bar=False, ambient=0.4)
+        text = f"Cumulative slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
+    scene.add_text(text, font_size=10, color="black")
+    scene.camera_position = "xz"
+    scene.camera.elevation = 20.0
+    scene.camera.azimuth = 15.0
+    scene.enable_parallel_projection()
+    scene.reset_camera()
+    return scene
