@@ -105,8 +105,25 @@ def plain_links(app, docname: str, source: list[str]) -> None:
             return INSIDE.get(str(path.relative_to(ROOT)), "").format(text) or f"`{path.relative_to(ROOT)}`"
         return match[0]
 
+    title = TITLES.get(docname)
+    if title and not source[0].startswith("# "):
+        source[0] = f"# {title}\n\n{source[0]}"
     source[0] = re.sub(r"(?<!!)\[([^\]\[]+)\]\(([^)\s]+)\)", link, source[0])
 
+
+#: Tables that tools write without a heading.
+TITLES = {
+    "tables/appendix_a": "Elastic slip (appendix A)",
+    "tables/appendix_b": "Integration schemes (appendix B)",
+    "tables/appendix_c": "Smoothed sign (appendix C)",
+    "tables/base": "Lab roll: base of the layer",
+    "tables/benchmark": "Benchmark of the methods",
+    "tables/coil_mesh": "Solid coil: mesh",
+    "tables/coiled_stiff": "Claims of the roll without slip",
+    "tables/harmonic": "Harmonic balance against slow chirps",
+    "tables/mesh": "Lab roll: mesh",
+    "tables/reduced": "Reduced against exact",
+}
 
 #: Pages outside this folder that the site includes: how they are linked.
 INSIDE = {
