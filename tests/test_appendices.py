@@ -1,9 +1,7 @@
 """Appendices A to C of the source: elastic slip, integrators, and the smoothed sign; and how a record starts."""
 
 import re
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,9 +19,15 @@ from wroll_fem.dynamics.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
-from appendix_c import TwoMasses, adapted_curve, amplitude_of, curve, off_neighbours, periodic_orbit, run_from_rest
+from wroll_fem.two_dof import TwoMasses
+from wroll_fem.two_dof.explicit import run_from_rest
+from wroll_fem.two_dof.shooting import (
+    adapted_curve,
+    off_neighbours,
+    orbit_curve,
+    orbit_transmissibility,
+    periodic_orbit,
+)
 
 BOTH = pytest.mark.parametrize("method", STEPPERS)
 SCHEMES = ["no_damping", "transient_fidelity", "moderate_dissipation", "quasi_static"]
@@ -235,37 +239,35 @@ def test_a_history_that_makes_energy_stops(share, stops):
 # --- the smoothed sign in the two-mass model (appendix C) -------------------------------------------------------------
 
 
-def two_masses_in_contact(model):
+def two_masses_in_contact(p):
     """Equations 5.2 to 5.7 in the frame of the base, as a `System` with dashpots and the smoothed law."""
-    m1, k1, c1, m2, k2, c2, capacity, scale, _ = model.parameters
     mu = 0.5
     point = contact_point([0, 0, 1], [1, -1, 0], [0, 0, 0], mu=mu, gamma=1.0, kn=1.0e6)
-    point = replace(point, friction=SmoothedCoulomb(mu, 1.0 / scale))
-    k, m, preload = np.diag([k1, k2, 0.0]), np.diag([m1, m2, 1.0]), [0, 0, -capacity / mu]
+    point = replace(point, friction=SmoothedCoulomb(mu, 1.0 / p.smoothing))
+    k, m, preload = np.diag([p.k1, p.k2, 0.0]), np.diag([p.m1, p.m2, 1.0]), [0, 0, -p.capacity / mu]
     system = dense_system(k, m, [1, 1, 0], point, tip=[1, 0, 0], preload=preload)
-    return replace(system, damping=sp.csr_matrix(np.diag([c1, c2, 0.0])))
+    return replace(system, damping=sp.csr_matrix(np.diag([p.c1, p.c2, 0.0])))
 
 
-def balanced_amplitude(model, omega, harmonics, samples):
+def balanced_amplitude(p, omega, harmonics, samples):
     """Largest abs(x1) / Y_0 by harmonic balance; the base moves by -Y_0 cos(omega t)."""
-    system = two_masses_in_contact(model)
+    system = two_masses_in_contact(p)
     preload = solve_preload(system)
     reduced = ReducedModel.complete(condense(system, stick_springs(system, preload), Scheme.hht(0.0), 1e-3))
     contact = HarmonicContact(reduced, preload, system.laws, Sampling(harmonics, samples))
-    x = solve_motion(HarmonicBalance(contact, model.amplitude * omega**2), omega) @ reduced.tip
-    x[1] -= model.amplitude
-    return np.abs(Sampling(harmonics, 8000).values @ x).max() / model.amplitude
+    x = solve_motion(HarmonicBalance(contact, p.base_amplitude * omega**2), omega) @ reduced.tip
+    x[1] -= p.base_amplitude
+    return np.abs(Sampling(harmonics, 8000).values @ x).max() / p.base_amplitude
 
 
 @pytest.mark.parametrize("omega", [0.5, 0.99, 1.078, 1.9])
 def test_shooting_meets_the_closed_form_of_two_dashpots(omega):
     """With s -> 0 and F_c s kept, friction is a dashpot F_c s / 2: two coupled linear oscillators."""
-    model = TwoMasses(capacity=1.0e4, scale=1.0e-6)
-    m1, k1, c1, m2, k2, c2, capacity, scale, _ = model.parameters
-    c, i = 0.5 * capacity * scale, 1j * omega
-    matrix = [[k1 - m1 * omega**2 + i * (c1 + c), -i * c], [-i * c, k2 - m2 * omega**2 + i * (c2 + c)]]
-    exact = abs(np.linalg.solve(matrix, [k1 + i * c1, k2 + i * c2])[0])
-    assert amplitude_of(model, omega, periodic_orbit(model, omega)) == pytest.approx(exact, rel=1e-9)
+    p = TwoMasses(smoothing=1.0e-6).pressed(1.0e4)
+    c, i = 0.5 * p.capacity * p.smoothing, 1j * omega
+    matrix = [[p.k1 - p.m1 * omega**2 + i * (p.c1 + c), -i * c], [-i * c, p.k2 - p.m2 * omega**2 + i * (p.c2 + c)]]
+    exact = abs(np.linalg.solve(matrix, [p.k1 + i * p.c1, p.k2 + i * p.c2])[0])
+    assert orbit_transmissibility(p, omega, periodic_orbit(p, omega)) == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -275,9 +277,9 @@ def test_shooting_meets_the_closed_form_of_two_dashpots(omega):
 )  # fmt: skip
 def test_harmonic_balance_and_shooting_find_the_same_orbit(capacity, scale, omega, harmonics, tolerance):
     """Two methods with nothing in common but the equations; few harmonics suffice while the masses creep."""
-    model = TwoMasses(capacity, scale)
-    orbit = amplitude_of(model, omega, periodic_orbit(model, omega))
-    assert balanced_amplitude(model, omega, harmonics, 256 if harmonics < 20 else 512) == pytest.approx(
+    p = TwoMasses(smoothing=scale).pressed(capacity)
+    orbit = orbit_transmissibility(p, omega, periodic_orbit(p, omega))
+    assert balanced_amplitude(p, omega, harmonics, 256 if harmonics < 20 else 512) == pytest.approx(
         orbit, rel=tolerance
     )
 
@@ -287,7 +289,7 @@ def test_scale_hardly_matters_away_from_the_resonance(capacity):
     """C114 at F_c = 50 and 100: within 1e-3 beyond 3 % of the stuck masses' resonance; at its peak it is not."""
     resonance = np.sqrt(2.15 / 1.85)
     omegas = np.array([0.9, 0.97, 0.97 * resonance, resonance, 1.03 * resonance, 1.15])
-    values = np.array([curve(TwoMasses(capacity, scale), omegas) for scale in (1.0, 2.0, 5.0, 10.0)])
+    values = np.array([orbit_curve(TwoMasses(smoothing=s).pressed(capacity), omegas) for s in (1.0, 2.0, 5.0, 10.0)])
     spread = np.ptp(values, axis=0) / values[-1]
     assert np.all(np.delete(spread, 3) < 1e-3)
     assert spread[3] > 0.02
@@ -295,15 +297,15 @@ def test_scale_hardly_matters_away_from_the_resonance(capacity):
 
 def test_converged_orbits_are_smooth_in_frequency():
     """C115: no point off its neighbours' line by more than 1 %, the grid being fine enough for the peak."""
-    grid, values = adapted_curve(TwoMasses(50.0, 10.0), np.linspace(1.0, 1.15, 16), bound=0.009)
+    grid, values = adapted_curve(TwoMasses(smoothing=10.0).pressed(50.0), np.linspace(1.0, 1.15, 16), bound=0.009)
     assert off_neighbours(grid, values).max() < 0.01
     assert np.count_nonzero(np.diff(np.sign(np.diff(values)))) == 1  # one peak, nothing else
 
 
 def test_spikes_are_made_by_a_loose_tolerance():
     """C115: from rest over 6 tau at rtol 1e-3 the amplitude is a third too high, and right with a tight one."""
-    model, omega = TwoMasses(50.0, 10.0), 1.15
-    orbit = amplitude_of(model, omega, periodic_orbit(model, omega))
-    loose, tight = run_from_rest(model, omega, 1e-3, 1e-6)[0], run_from_rest(model, omega, 1e-6, 1e-8)[0]
+    p, omega = TwoMasses(smoothing=10.0).pressed(50.0), 1.15
+    orbit = orbit_transmissibility(p, omega, periodic_orbit(p, omega))
+    loose, tight = (run_from_rest(p, omega, rtol=r, atol=a).transmissibility for r, a in ((1e-3, 1e-6), (1e-6, 1e-8)))
     assert loose > 1.3 * orbit
     assert tight == pytest.approx(orbit, rel=0.05)  # what is left of the transient after 6 tau

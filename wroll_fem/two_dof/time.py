@@ -38,18 +38,24 @@ class SettledMotion:
 
 
 @numba.njit(cache=True)
-def _rates(state: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArray:
-    """Rates of (x1, x2, v1, v2) in absolute displacements, as equations 5.2 and 5.3 are written."""
+def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: FloatArray) -> None:
+    """Rates of (x1, x2, v1, v2) in absolute displacements, as equations 5.2 and 5.3 are written, into ``out`` (4,)."""
     m1, k1, c1, m2, k2, c2, capacity, smoothing, amplitude, a, b = p
-    x1, x2, v1, v2 = state
+    x1, x2, v1, v2 = state[0], state[1], state[2], state[3]
     y, y_dot = amplitude * np.sin(omega * t), amplitude * omega * np.cos(omega * t)
     friction = capacity * np.tanh(0.5 * smoothing * (v1 - v2))
     pull_1 = k1 * (x1 - y) + c1 * (v1 - y_dot)
     pull_2 = k2 * (x2 - a * x1 - b * y) + c2 * (v2 - a * v1 - b * y_dot)
-    out = np.empty(4)
     out[0], out[1] = v1, v2
     out[2] = (-pull_1 + a * pull_2 - friction) / m1
     out[3] = (-pull_2 + friction) / m2
+
+
+@numba.njit(cache=True)
+def _rates(state: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArray:
+    """(4,) rates."""
+    out = np.empty(4)
+    rates_into(state, t, omega, p, out)
     return out
 
 
