@@ -107,7 +107,7 @@ def c18(evidence: Evidence) -> Verdict:
 
 def c19(evidence: Evidence) -> Verdict:
     data = evidence.result(STUDY)
-    z, length = float(data["z_m"][int(data["shear_resultant"].argmax())]), data.attrs["length_m"]
+    z, length = float(data["z_m"][int(np.argmax(data["shear_resultant"].values))]), data.attrs["length_m"]
     value = f"largest {1e3 * z:.2f} mm above the base, {100 * z / length:.2f} % of L"
     return Verdict(value, bool(z <= 0.05 * length))
 

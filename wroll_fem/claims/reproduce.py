@@ -20,7 +20,7 @@ from .verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 
 FAMILIES: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
-    "ch4": (),
+    "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": (),
     "appendices": (),
 }

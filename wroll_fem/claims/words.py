@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
+from scipy.stats import spearmanr
 
 from wroll_fem.plotting.study import PRESSURE, SeriesMember
 
@@ -38,9 +39,8 @@ def monotone(values: Sequence[float], sign: int) -> bool:
 
 
 def rank_correlation(a: Sequence[float], b: Sequence[float]) -> float:
-    """Spearman's, of values without ties."""
-    ranks = [np.argsort(np.argsort(values)) for values in (a, b)]
-    return float(np.corrcoef(*ranks)[0, 1])
+    """Spearman's."""
+    return float(spearmanr(a, b).statistic)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

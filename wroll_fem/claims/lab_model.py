@@ -1,0 +1,163 @@
+"""Claims on the model of the lab roll: C57 to C63, C76."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from wroll_fem.case.contact import PenaltyFriction
+from wroll_fem.case.excitation import ChirpExcitation
+from wroll_fem.contact.laws import slip_update, stack_laws
+from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.plotting import style
+from wroll_fem.plotting.convergence import first_bending
+from wroll_fem.plotting.study import natural_frequency, read
+from wroll_fem.signals.base_motion import base_motion
+
+from .evidence import Evidence
+from .family import Family, study_figure
+from .lab_studies import PRELOAD_STUDY, bound, sweeps
+from .verdict import THESIS_ERROR, Verdict
+from .winding import c61
+from .words import kpa
+
+LAB = "lab_sweep"
+
+
+def c57(evidence: Evidence) -> Verdict:
+    sums = [n * evidence.case(LAB, f"coil.layers={n}").coil.layer_thickness for n in range(1, 6)]
+    value = f"n t_l = {1e3 * sums[0]:.4g} mm for n = 1 to 5"
+    return Verdict(value, bool(np.allclose(sums, 25 * 0.05e-3, rtol=1e-12)))
+
+
+def c58(evidence: Evidence) -> Verdict:
+    lab = evidence.case(LAB)
+    alone = float(evidence.reference("bounds").data.attrs["mass_total_kg"])
+    with_layer = evidence.one("bounds", modal__interface="bonded", coil__base="free")
+    tube = alone - lab.mandrel.tip_mass
+    coil = float(with_layer.data.attrs["mass_total_kg"]) - alone
+    value = f"coil {coil:.4f} kg at {lab.coil.material.rho:g} kg/m^3, tube {tube:.4f} kg (tip mass 0.05 kg apart)"
+    return Verdict(value, True, THESIS_ERROR)
+
+
+def c59(evidence: Evidence) -> Verdict:
+    f_m = natural_frequency(evidence.reference("bounds"))
+    free, clamped = (bound(evidence, "bonded", base) for base in ("free", "clamped"))
+    top = sweeps(evidence, "free")[-1]
+    f_n = read(top).f_n
+    value = (
+        f"f_b = {free:.2f} Hz (free), {clamped:.2f} Hz (clamped); f_b/f_m = {free / f_m:.3f} and {clamped / f_m:.3f}; "
+        f"f_n({kpa(top)}) = {f_n:.2f} Hz, {100 * (f_n / free - 1):+.1f} % of f_b"
+    )
+    return Verdict(value, 1.02 <= free / f_m <= 1.13 and abs(f_n / free - 1) <= 0.02)
+
+
+def c60(evidence: Evidence) -> Verdict:
+    parts, spans = [], []
+    for base in ("free", "clamped"):
+        f = [read(m).f_n for m in sweeps(evidence, base)]
+        low, high = bound(evidence, "frictionless", base), bound(evidence, "bonded", base)
+        spans.append(max(f) - min(f))
+        parts.append(
+            f"{base}: frictionless {low:.2f} Hz, bonded {high:.2f} Hz, sweeps span {min(f):.1f} to {max(f):.1f} Hz"
+        )
+    return Verdict("; ".join(parts), spans[1] < 0.1 * spans[0])
+
+
+def c62(evidence: Evidence) -> Verdict:
+    chirp = evidence.case(LAB).excitation
+    assert isinstance(chirp, ChirpExcitation)
+    duration = base_motion(chirp).duration
+    value = (
+        f"{chirp.f_start:g} to {chirp.f_end:g} Hz at {chirp.rate_oct_per_min:g} oct/min, "
+        f"{chirp.amplitude:g} m/s^2: {duration:.2f} s"
+    )
+    return Verdict(value, math.isclose(duration, math.log2(1.4) / 2 * 60, rel_tol=1e-9) and chirp.amplitude == 5.0)
+
+
+def c63(evidence: Evidence) -> Verdict:
+    parts, offs = [], []
+    for study, base in (("mesh_linear_clamped", "base clamped as in the source"), ("mesh_linear", "base free")):
+        finest = max(evidence.study(study), key=lambda m: m.values["mesh.circumferential"] * m.values["mesh.axial"])
+        coarse = evidence.one(study, mesh__circumferential=30, mesh__axial=10)
+        offs.append(first_bending(coarse) / first_bending(finest) - 1)
+        parts.append(f"{base}: {100 * offs[-1]:+.2f} % off {first_bending(finest):.2f} Hz of the finest mesh")
+    most = max(m.values["mesh.axial"] for m in evidence.study("mesh_friction"))
+    best = read(evidence.one("mesh_friction", mesh__grading=6, mesh__axial=most))
+    uniform = read(evidence.one("mesh_friction", mesh__grading=1, mesh__axial=10))
+    change = [100 * (getattr(uniform, key) / getattr(best, key) - 1) for key in ("f_n", "peak", "zeta")]
+    value = (
+        f"linear, bonded, 30 x 10: {'; '.join(parts)}; friction at 100 kPa, which the source did not check: uniform "
+        f"30 x 10 is {change[0]:+.2f} % off in f_n, {change[1]:+.1f} % in the peak, {change[2]:+.1f} % in zeta"
+    )
+    return Verdict(value, max(abs(off) for off in offs) <= 0.01)
+
+
+def c76(evidence: Evidence) -> Verdict:
+    contact = evidence.case(LAB).contact
+    friction = contact.friction
+    assert isinstance(friction, PenaltyFriction)
+    same = friction.mu == 0.25 and friction.elastic_slip == 1e-6 and contact.normal.separation
+    errors = [
+        evidence.summary(study, m)["energy_balance_error"]
+        for base, study in PRELOAD_STUDY.items()
+        for m in sweeps(evidence, base)
+    ]
+    numerical = [
+        abs(float(m.data["numerical_dissipation"].values[-1]) / float(m.data["input_work"].values[-1]))
+        for m in sweeps(evidence, "free")
+    ]
+    value = (
+        f"law {friction.law}, mu {friction.mu:g}, gamma* {friction.elastic_slip:g} m, separation on; balance off by at "
+        f"most {100 * max(errors):.1e} % at any time of {len(errors)} sweeps; numerical part of the input at most "
+        f"{100 * max(numerical):.2f} % (free base)"
+    )
+    return Verdict(value, same and max(errors) < 0.01)
+
+
+def friction_law_figure(evidence: Evidence) -> Axes:
+    """Penalty law of the lab case on a closed path of slip, beside Coulomb's (Fig 4.2)."""
+    friction = evidence.case(LAB).contact.friction
+    assert isinstance(friction, PenaltyFriction)
+    law = PenaltyCoulomb(mu=friction.mu, elastic_slip=friction.elastic_slip)
+    laws = stack_laws([np.array([1.0])], [law], [1e12], [True])
+    reach = 4.0 * law.elastic_slip
+    path = np.interp(np.linspace(0.0, 3.0, 1201), [0.0, 1.0, 2.0, 3.0], [0.0, reach, -reach, reach])
+    elastic, traction = 0.0, []
+    for before, now in pairwise(path):
+        elastic, _, _ = slip_update(0, elastic + now - before, 0.0, now - before, 0.0, laws, np.inf)
+        traction.append(elastic / law.elastic_slip)
+    ax = style.axes(None, 4.0)
+    ax.plot([-4, 0, 0, 4], [-1, -1, 1, 1], color=style.GREY, lw=1.4, ls="--", label="Coulomb")
+    ax.plot(1e6 * path[1:], traction, color=style.BLUE, lw=1.8, label="penalty law, there and back")
+    ax.axvspan(0.0, 1e6 * law.elastic_slip, color="#E4EEF5", label=f"elastic slip γ* = {1e6 * law.elastic_slip:g} µm")
+    ax.set_xlabel("Relative tangential displacement (µm)")
+    ax.set_ylabel("Shear stress over µp (–)")
+    ax.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
+    first = int(np.argmax(np.array(traction) >= 1.0 - 1e-9))
+    back = int(np.argmax((np.array(traction) <= -1.0 + 1e-9) & (np.arange(1200) > 400)))
+    slips = (path[first + 1] / law.elastic_slip, (reach - path[back + 1]) / law.elastic_slip)
+    said = f"is reached after {slips[0]:.1f} γ*, from a turn after {slips[1]:.1f} γ*"
+    ax.set_title(f"From rest the limit µp (µ = {law.mu:g}) {said}", loc="left", pad=22, fontsize=10)
+    return ax
+
+
+FAMILY = Family(
+    {"C57": c57, "C58": c58, "C59": c59, "C60": c60, "C61": c61, "C62": c62, "C63": c63, "C76": c76},
+    figures={
+        "ch4_friction_law": ("Fig 4.2: penalty law and Coulomb's", friction_law_figure),
+        "winding_tension": ("Fig 4.3: pressure at the mandrel over winding tension", study_figure("winding_tension")),
+        "ch4_mesh_linear_clamped_mesh_frequency": (
+            "Linear frequency over the mesh, base clamped as in the source (C63)",
+            study_figure("mesh_linear_clamped", "mesh_frequency"),
+        ),
+        "ch4_mesh_linear_mesh_frequency": (
+            "Linear frequency over the mesh, base free (C63)",
+            study_figure("mesh_linear", "mesh_frequency"),
+        ),
+        "ch4_mesh_friction": ("Friction response at 100 kPa over the mesh (C63)", study_figure("mesh_friction")),
+    },
+)

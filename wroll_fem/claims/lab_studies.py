@@ -1,0 +1,43 @@
+"""Finished studies of the lab roll (configs/studies), as the claims of chapter 4 read them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from wroll_fem.errors import InputError
+from wroll_fem.plotting.convergence import first_bending
+from wroll_fem.plotting.study import PRESSURE, SeriesMember, is_sweep, read
+
+from .evidence import Evidence
+
+PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
+"""Base of the layer -> its sweeps over the preload."""
+
+
+def sweeps(evidence: Evidence, base: str) -> list[SeriesMember]:
+    """Sweeps over the preload with one base condition, rising preload; raises InputError for fewer than three."""
+    study = PRELOAD_STUDY[base]
+    found = sorted((m for m in evidence.study(study) if is_sweep(m)), key=lambda m: float(m.values[PRESSURE]))
+    if len(found) < 3:
+        raise InputError(f"study {study} has fewer than three finished sweeps", remedy="see its run folders")
+    return found
+
+
+def bound(evidence: Evidence, interface: str, base: str) -> float:
+    """First bending frequency with the layer bonded or frictionless, Hz."""
+    return first_bending(evidence.one("bounds", modal__interface=interface, coil__base=base))
+
+
+def beside(
+    evidence: Evidence, said: Callable[[Sequence[SeriesMember]], str], found: Callable[[str], Sequence[SeriesMember]]
+) -> str:
+    """Text for the free base, on which claims are judged, with the clamped one beside it.
+
+    Parameters
+    ----------
+    found
+        Cases of a base condition, "free" or "clamped".
+    """
+    clamped = found("clamped")
+    rings = " (it rings)" if any(is_sweep(m) and read(m).rings for m in clamped) else ""
+    return f"free base: {said(found('free'))}; clamped: {said(clamped)}{rings}"

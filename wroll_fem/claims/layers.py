@@ -1,0 +1,160 @@
+"""Claims on where the layers slip, and how many interfaces it takes: C71 to C75."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from wroll_fem.analyses.advice import interface_pressures
+from wroll_fem.errors import InputError
+from wroll_fem.plotting.study import SeriesMember, is_sweep, read
+from wroll_fem.plotting.style import FloatArray
+from wroll_fem.slip import slipping_area_fraction, surface
+from wroll_fem.units import GRAVITY
+
+from .evidence import Evidence
+from .family import Family, study_figure
+from .lab_studies import beside
+from .verdict import Verdict
+from .words import kpa, numbers
+
+AMPLITUDE = "excitation.amplitude"
+DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped"}
+"""Base of the layers -> their dwells at 150 Hz."""
+
+Members = Sequence[SeriesMember]
+
+
+class Slip(NamedTuple):
+    """Largest relative displacement: interface (0 inner), hoop and axial part in m, angle from the x axis in deg."""
+
+    interface: int
+    hoop: float
+    axial: float
+    angle: float
+
+
+def dwells(evidence: Evidence, base: str = "free") -> list[SeriesMember]:
+    """Dwells with one base condition, rising level."""
+    return sorted(evidence.study(DWELL_STUDY[base]), key=lambda m: float(m.values[AMPLITUDE]))
+
+
+def level(member: SeriesMember) -> str:
+    """Level of a dwell, "1 g"."""
+    return f"{member.values[AMPLITUDE] / GRAVITY:.3g} g"
+
+
+def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
+    """Text for both base conditions."""
+    return beside(evidence, said, lambda base: dwells(evidence, base))
+
+
+def areas(member: SeriesMember) -> FloatArray:
+    """Area of every interface that slipped at any time, m^2."""
+    total = member.data["area"].values.sum(axis=-1)
+    return np.asarray(slipping_area_fraction(member.data).values * total)
+
+
+def largest(member: SeriesMember) -> Slip:
+    """Largest relative displacement of a dwell."""
+    best = Slip(0, 0.0, 0.0, 0.0)
+    for k in range(member.data.sizes["interface"]):
+        points = surface(member.data, k, "peak_slip_hoop", "peak_slip_axial")
+        hoop, axial = points.values["peak_slip_hoop"], points.values["peak_slip_axial"]
+        i = int(np.argmax(np.hypot(hoop, axial)))
+        if np.hypot(hoop[i], axial[i]) > np.hypot(best.hoop, best.axial):
+            angle = abs(float(np.degrees(points.theta[i])))
+            best = Slip(k, float(hoop[i]), float(axial[i]), min(angle, 180.0 - angle))
+    return best
+
+
+def top(member: SeriesMember) -> float:
+    """Highest point that slipped, m (0 when none)."""
+    slipped = member.data["slipped"].values.astype(bool).any(axis=0)
+    return float(member.data["z_m"].values[slipped].max(initial=0.0))
+
+
+def c71(evidence: Evidence) -> Verdict:
+    found = evidence.summary("dwell_layers", dwells(evidence)[0])["interface_pressure_mean_pa"]
+    split = interface_pressures(evidence.case("lab_dwell_layers"))
+    value = (
+        f"mean interface pressures {numbers(found, '.0f')} Pa (inner first); thin-ring split by E t/R^2: "
+        f"{numbers(split, '.0f')} Pa; sum applied 1000 Pa, outermost 200 Pa"
+    )
+    return Verdict(value, abs(found[0] / 1000 - 1) <= 0.02 and abs(found[-1] / 200 - 1) <= 0.02)
+
+
+def c72(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        return f"{level(members[0])}: slipped {numbers(1e4 * areas(members[0]), '.1f')} cm^2, inner first"
+
+    first = areas(dwells(evidence)[0])
+    return Verdict(both_bases(evidence, said), bool(np.all(first[0] > first[1:]) and first[-1] == 0.0))
+
+
+def c73(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        slip = largest(members[0])
+        return (
+            f"{level(members[0])}: interface {slip.interface + 1}, vertical {1e6 * abs(slip.axial):.2f} um, horizontal "
+            f"{1e6 * abs(slip.hoop):.2f} um, {slip.angle:.0f} deg from the axis"
+        )
+
+    slip = largest(dwells(evidence)[0])
+    holds = slip.interface == 0 and abs(slip.axial) > abs(slip.hoop) and slip.angle <= 45.0
+    return Verdict(both_bases(evidence, said), holds)
+
+
+def c74(evidence: Evidence) -> Verdict:
+    def facts(members: Members) -> list[tuple[float, float, int]]:
+        return [(float(areas(m).sum()), top(m), int(np.count_nonzero(areas(m)))) for m in members]
+
+    def said(members: Members) -> str:
+        return ", ".join(
+            f"{level(m)}: {1e4 * a:.0f} cm^2, up to {1e3 * z:.0f} mm, {n} interfaces"
+            for m, (a, z, n) in zip(members, facts(members), strict=True)
+        )
+
+    found = facts(dwells(evidence))
+    area, height, count = (np.diff(column) for column in zip(*found, strict=True))
+    grows = bool(np.all(area > 0) and np.all(height >= 0) and np.all(count >= 0) and (height.any() or count.any()))
+    return Verdict(both_bases(evidence, said), grows and len(found) == 3)
+
+
+def c75(evidence: Evidence) -> Verdict:
+    most = {}
+    for n in (1, 2):
+        group = [m for m in evidence.study("layer_count") if m.values["coil.layers"] == n and is_sweep(m)]
+        if not group:
+            raise InputError(f"study layer_count has no finished sweep with {n} layers", remedy="see its run folders")
+        best = max(group, key=lambda m: float(np.nan_to_num(read(m).zeta)))
+        most[n] = (read(best).zeta, kpa(best))
+    ratio = most[2][0] / most[1][0]
+    value = "; ".join(f"n = {n}: max zeta {100 * z:.2f} % at {p}" for n, (z, p) in most.items())
+    return Verdict(f"{value}; ratio {ratio:.2f}", 0.02 <= most[1][0] <= 0.08 and 1 / 1.5 <= ratio <= 1.5)
+
+
+FAMILY = Family(
+    {"C71": c71, "C72": c72, "C73": c73, "C74": c74, "C75": c75},
+    figures={
+        "ch4_slip_extent": (
+            "Fig 4.10: where each interface slipped at 1, 2 and 3 g, base free",
+            study_figure("dwell_layers", "slip_extent"),
+        ),
+        "ch4_dwell_layers_clamped_slip_extent": (
+            "Fig 4.10 with the base rings of all layers clamped",
+            study_figure("dwell_layers_clamped", "slip_extent"),
+        ),
+        "ch4_slip_vectors": (
+            "Fig 4.11: largest relative displacement of each interface, base free",
+            study_figure("dwell_layers", "slip_vectors"),
+        ),
+        "ch4_dwell_layers_clamped_slip_vectors": (
+            "Fig 4.11 with the base rings of all layers clamped",
+            study_figure("dwell_layers_clamped", "slip_vectors"),
+        ),
+        "ch4_layer_count": ("Damping with one and with two slipping interfaces (C75)", study_figure("layer_count")),
+    },
+)

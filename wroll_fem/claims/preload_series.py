@@ -1,0 +1,151 @@
+"""Claims on the lab roll from 10 to 300 kPa: C64 to C70."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from wroll_fem.plotting.history import chirp_law
+from wroll_fem.plotting.study import SeriesMember, friction_work, natural_frequency, read
+
+from .evidence import Evidence
+from .family import Family, study_figure
+from .lab_studies import beside, sweeps
+from .verdict import Verdict
+from .words import kpa, listed, monotone, rank_correlation
+
+Members = Sequence[SeriesMember]
+
+
+def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
+    """Text for both base conditions."""
+    return beside(evidence, said, lambda base: sweeps(evidence, base))
+
+
+def at_interface(evidence: Evidence, said: Callable[[Members], str]) -> str:
+    """Text for the preloads that put 10 kPa and more on the interface; the layer's ring takes the rest of them."""
+    members = [
+        m for m in sweeps(evidence, "free") if evidence.summary("preload", m)["interface_pressure_mean_pa"][0] >= 1e4
+    ]
+    return f"; free base, 10 kPa and more at the interface ({kpa(members[0])} outside and up): {said(members)}"
+
+
+def c64(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        f, zeta = [read(m).f_n for m in members], [read(m).zeta for m in members]
+        best = int(np.nanargmax(zeta))
+        return f"f_n {min(f):.1f} to {max(f):.1f} Hz, zeta up to {100 * zeta[best]:.2f} % ({kpa(members[best])})"
+
+    members = sweeps(evidence, "free")
+    f, zeta = [read(m).f_n for m in members], [read(m).zeta for m in members]
+    holds = 128 <= min(f) <= 142 and 157 <= max(f) <= 173 and 0.02 <= np.nanmax(zeta) <= 0.08
+    return Verdict(both_bases(evidence, said), bool(holds))
+
+
+def c65(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        peaks = listed(members, lambda m: read(m).peak, ".1f")
+        return f"T_pk {peaks}; SK({kpa(members[0])}) = {read(members[0]).skewness + 1:.2f}"
+
+    members = sweeps(evidence, "free")
+    holds = monotone([read(m).peak for m in members], 1) and read(members[0]).skewness + 1 > 1.05
+    return Verdict(both_bases(evidence, said) + at_interface(evidence, said), holds)
+
+
+def c66(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        return ", ".join(f"f_n({kpa(m)}) = {read(m).f_n:.1f} Hz" for m in (members[-1], members[0]))
+
+    f_m, members = natural_frequency(evidence.reference("bounds")), sweeps(evidence, "free")
+    return Verdict(
+        f"f_m = {f_m:.1f} Hz; {both_bases(evidence, said)}", read(members[-1]).f_n > f_m > read(members[0]).f_n
+    )
+
+
+def c67(evidence: Evidence) -> Verdict:
+    def rho(members: Members) -> float:
+        return rank_correlation([read(m).f_n for m in members], [read(m).zeta for m in members])
+
+    def said(members: Members) -> str:
+        return f"rank correlation {rho(members):.2f}, zeta {listed(members, lambda m: 100 * read(m).zeta, '.2f')} %"
+
+    value = both_bases(evidence, said) + at_interface(evidence, said)
+    return Verdict(value, rho(sweeps(evidence, "free")) < -0.8)
+
+
+def c68(evidence: Evidence) -> Verdict:
+    """Share of E_F gained within 10 % of f_n, and where the rate (over windows of about 20 cycles) is largest."""
+    members = sweeps(evidence, "free")
+    parts, holds = [], True
+    for m in (members[0], members[-1]):
+        law = chirp_law(m.data)
+        assert law is not None  # sweeps are chirps
+        time, work = m.data["time"].values, m.data["friction_energy"].values
+        frequency = law[0] * np.exp(law[1] * time)
+        f_n = read(m).f_n
+        near = np.abs(frequency / f_n - 1) <= 0.1
+        share = (work[near][-1] - work[near][0]) / work[-1]
+        edges = np.linspace(0, time.size - 1, max(2, int((time[-1] - time[0]) * f_n / 20))).astype(int)
+        window = int(np.argmax(np.diff(work[edges]) / np.diff(time[edges])))
+        at = float(frequency[(edges[window] + edges[window + 1]) // 2])
+        holds &= bool(share >= 0.5 and abs(at / f_n - 1) <= 0.1)
+        parts.append(
+            f"{kpa(m)}: {100 * share:.0f} % within 10 % of f_n, largest rate at {at:.1f} Hz (f_n {f_n:.1f} Hz)"
+        )
+    return Verdict("free base: " + "; ".join(parts), holds)
+
+
+def c69(evidence: Evidence) -> Verdict:
+    def said(members: Members) -> str:
+        work = listed(members, lambda m: 1e3 * friction_work(m), ".0f")
+        return f"E_F {work} mJ at {', '.join(kpa(m) for m in members)}"
+
+    falls = monotone([friction_work(m) for m in sweeps(evidence, "free")], -1)
+    return Verdict(both_bases(evidence, said), falls)
+
+
+def c70(evidence: Evidence) -> Verdict:
+    def r(members: Members) -> float:
+        return float(np.corrcoef([friction_work(m) for m in members], [read(m).zeta for m in members])[0, 1])
+
+    def said(members: Members) -> str:
+        work, zeta = [friction_work(m) for m in members], [read(m).zeta for m in members]
+        return (
+            f"r = {r(members):.2f}, max zeta at {kpa(members[int(np.argmax(zeta))])}, "
+            f"max E_F at {kpa(members[int(np.argmax(work))])}"
+        )
+
+    value = both_bases(evidence, said) + at_interface(evidence, said)
+    return Verdict(value, r(sweeps(evidence, "free")) > 0.8)
+
+
+FAMILY = Family(
+    {"C64": c64, "C65": c65, "C66": c66, "C67": c67, "C68": c68, "C69": c69, "C70": c70},
+    figures={
+        "ch4_transmissibility_over_preload": (
+            "Fig 4.4: transmissibility, base of the layer free",
+            study_figure("preload", "transmissibility_over_preload"),
+        ),
+        "ch4_preload_clamped_transmissibility_over_preload": (
+            "Fig 4.4 with the base of the layer clamped",
+            study_figure("preload_clamped", "transmissibility_over_preload"),
+        ),
+        "ch4_damping_over_frequency": (
+            "Fig 4.5: damping over resonance, one point per preload",
+            study_figure("preload", "damping_over_frequency"),
+        ),
+        "ch4_friction_along_sweep": (
+            "Fig 4.6: tip acceleration and friction work along the sweep, lowest and highest preload",
+            study_figure("preload", "friction_along_sweep"),
+        ),
+        "ch4_friction_over_preload": (
+            "Fig 4.7: friction work over preload",
+            study_figure("preload", "friction_over_preload"),
+        ),
+        "ch4_friction_over_damping": (
+            "Fig 4.8: friction work over damping, one point per preload",
+            study_figure("preload", "friction_over_damping"),
+        ),
+    },
+)
