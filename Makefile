@@ -38,7 +38,7 @@ schema: setup ## write the JSON schema of the case file and the reference pages 
 	$(PYTHON) -m wroll_fem.reference docs/reference
 
 docs: setup ## the pages as one site, without warnings: build/docs/index.html
-	$(PYTHON) -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
+	$(PYTHON) -m sphinx -E -a -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 bench: setup ## time full, condensed, reduced and harmonic on the lab chirp (about 10 minutes): docs/tables/benchmark.md
 	$(PYTHON) benchmarks/run.py

@@ -70,7 +70,7 @@ if (MATHJAX / "MathJax.js").is_file():
         "jax": ["input/TeX", "output/SVG"],
         "extensions": ["tex2jax.js"],
         "TeX": {"extensions": ["AMSmath.js", "AMSsymbols.js", "noErrors.js"]},
-        "SVG": {"font": "TeX", "linebreaks": {"automatic": True}},
+        "SVG": {"font": "TeX", "scale": 92, "linebreaks": {"automatic": True}},
         "showMathMenu": False,
         "messageStyle": "none",
     }
