@@ -169,7 +169,10 @@ FIELDS: dict[str, Field] = {
     # two masses
     "omega": Field("rad s-1", "angular frequency of the base"),
     "transmissibility": Field("1", "largest displacement of the primary over that of the base"),
-    "zeta": Field("1", "half-power damping ratio"),
+    "zeta": Field("1", "damping ratio"),
+    "zeta_error": Field("1", "standard error of the damping ratio"),
+    "zeta_lower_bound": Field("1", "lower end of the error bar of the damping ratio"),
+    "zeta_method": Field("1", "estimator of the damping ratio"),
     "omega_peak": Field("rad s-1", "angular frequency of the peak"),
     "peak_transmissibility": Field("1", "transmissibility of the peak"),
     "omega_low": Field("rad s-1", "lower half-power frequency"),

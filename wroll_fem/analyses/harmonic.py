@@ -19,7 +19,7 @@ from ..dynamics.static import ContactState, stick_springs
 from ..dynamics.system import System
 from ..errors import ConvergenceError
 from ..results import annotate
-from ..signals.damping import HalfPower, half_power
+from ..signals.estimators import Reading, read_curve
 from .preparation import prepare
 
 if TYPE_CHECKING:
@@ -79,15 +79,14 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
         raise
     seconds = time.process_time() - started
     dataset = _described(curve_dataset(system, trained.curve), case)
-    read = read_curve(dataset)
-    missed = missed_harmonic(condensation, 2.0 * np.pi * read.f_n, settings.harmonics)
-    for text in ("" if read.complete else read.reason, read.note, memory_remark(dataset), missed):
+    read = read_response(dataset, case.output.damping)
+    missed = missed_harmonic(condensation, 2.0 * np.pi * read.shape.f_n, settings.harmonics)
+    for text in (*read.doubts, memory_remark(dataset), missed):
         if text:
             progress.warning(text)
     return dataset.assign_attrs(
-        read.as_attrs()
+        read.as_attrs("harmonic balance")
         | {
-            "zeta_method": "half power, harmonic balance",
             "solver_time_s": seconds,
             "curves_computed": trained.rounds,
             "reduction_error_estimate": trained.energy_error,
@@ -116,16 +115,17 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
     return ""
 
 
-def read_curve(dataset: xr.Dataset) -> HalfPower:
-    """Half-power reading of the curve; of one that leans over, of its highest motions.
+def read_response(dataset: xr.Dataset, method: str = "half_power") -> Reading:
+    """Reading of the curve by an estimator of `ESTIMATORS`; of one that leans over, of its highest motions.
 
     On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
-    every frequency, the largest of them: the envelope.
+    every frequency, the largest of them: the envelope, which has no phase.
     """
-    size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+    T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
     if np.all(np.diff(frequency) > 0.0):
-        return half_power(frequency, size)
+        return read_curve(frequency, T, method)
+    size = np.abs(T)
     grid = np.linspace(frequency[0], frequency[-1], 20 * len(frequency))
     best = np.zeros_like(grid)
     for i in range(len(frequency) - 1):
@@ -134,7 +134,7 @@ def read_curve(dataset: xr.Dataset) -> HalfPower:
         if high > low:
             share = (grid[inside] - frequency[i]) / (frequency[i + 1] - frequency[i])
             best[inside] = np.maximum(best[inside], size[i] + share * (size[i + 1] - size[i]))
-    return half_power(grid, best)
+    return read_curve(grid, best, method)
 
 
 def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:

@@ -18,8 +18,9 @@ from ..dynamics.stepper import NewtonOptions, Stepper
 from ..errors import ConvergenceError
 from ..results import annotate
 from ..signals.base_motion import base_motion
-from ..signals.damping import half_power, sweep_warning
-from ..signals.transmissibility import dwell_response, magnitude, transmissibility
+from ..signals.damping import sweep_warning
+from ..signals.estimators import read_curve
+from ..signals.transmissibility import dwell_response, transmissibility
 from .preparation import prepare
 
 if TYPE_CHECKING:
@@ -124,8 +125,9 @@ def _with_response(history: xr.Dataset, case: Case, progress: Progress) -> xr.Da
         return history
     curve = transmissibility(history, motion)  # type: ignore[arg-type]
     dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
-    read = half_power(curve["frequency"].values, magnitude(curve).values)
-    for text in (sweep_warning(motion, read), "" if read.complete else read.reason, read.note):  # type: ignore[arg-type]
+    T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
+    read = read_curve(curve["frequency"].values, T, case.output.damping)
+    for text in (sweep_warning(motion, read.shape), *read.doubts):  # type: ignore[arg-type]
         if text:
             progress.warning(text)
-    return dataset.assign_attrs(history.attrs | read.as_attrs() | {"zeta_method": "half power, demodulated envelope"})
+    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope"))

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from ..case import Case
 
 _READINGS = (
-    "f_n_hz", "zeta", "zeta_method", "peak_transmissibility", "half_power_low_hz", "half_power_high_hz", "skewness",
+    "f_n_hz", "zeta", "zeta_method", "f_n_error_hz", "zeta_error", "zeta_lower_bound", "zeta_misfit", "zeta_reason",
+    "peak_transmissibility", "half_power_low_hz", "half_power_high_hz", "skewness",
     "dofs", "interface_points", "reduced_coordinates", "reduction_error_estimate", "training_time_s",
     "reduction_tip_error_estimate", "folds", "branch_points", "f_stuck_hz", "f_largest_amplitude_hz", "zeta_max",
     "tip_amplitude_at_zeta_max_m", "base_acceleration_at_zeta_max_m_s2", "memory_change", "steps", "step_cuts",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..results import annotate
+from ..signals.estimators import Reading, lower_bound, read_curve
 from ..two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
 
 if TYPE_CHECKING:
@@ -56,10 +57,11 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
     started = time.perf_counter()
     with progress.stage("two masses", len(capacities)) as stage:
         found = response_map(model, capacities, omegas, method=section.method, on_done=stage.update)
-    for capacity, response in zip(capacities, found, strict=True):
-        if not response.reading.complete:
-            progress.warning(f"friction capacity {capacity:g} N: {response.reading.reason}".replace(" Hz", " rad/s"))
-    dataset = _curves(model, section, omegas, found)
+    reads = [read_curve(*response.refined, case.output.damping) for response in found]
+    for capacity, read in zip(capacities, reads, strict=True):
+        for text in () if read.damping.found else read.doubts:
+            progress.warning(f"friction capacity {capacity:g} N: {text}".replace(" Hz", " rad/s"))
+    dataset = _curves(model, section, omegas, found, reads)
     if section.design_space is not None:
         wanted = section.design_space
         designs = wanted.m2.points * wanted.k2.points * len(capacities)
@@ -80,19 +82,24 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
     )
 
 
-def _curves(model: TwoMasses, section: TwoDof, omegas: np.ndarray, found: list[Response]) -> xr.Dataset:
+def _curves(
+    model: TwoMasses, section: TwoDof, omegas: np.ndarray, found: list[Response], read: list[Reading]
+) -> xr.Dataset:
     grid, line = ("friction_capacity", "omega"), "friction_capacity"
-    reads = [response.reading for response in found]
+    shapes, damping = [r.shape for r in read], [r.damping for r in read]
     data: dict[str, Any] = {
         "transmissibility": (grid, np.array([r.transmissibility for r in found])),
-        "zeta": (line, np.array([r.zeta for r in reads])),
-        "omega_peak": (line, np.array([r.f_n for r in reads])),
-        "peak_transmissibility": (line, np.array([r.peak for r in reads])),
-        "omega_low": (line, np.array([r.f_low for r in reads])),
-        "omega_high": (line, np.array([r.f_high for r in reads])),
-        "skewness": (line, np.array([r.skewness for r in reads])),
+        "zeta": (line, np.array([d.zeta for d in damping])),
+        "zeta_error": (line, np.array([d.zeta_error for d in damping])),
+        "zeta_lower_bound": (line, np.array([lower_bound(d) for d in damping])),
+        "zeta_method": (line, np.array([d.method for d in damping])),
+        "omega_peak": (line, np.array([r.f_n for r in shapes])),
+        "peak_transmissibility": (line, np.array([r.peak for r in shapes])),
+        "omega_low": (line, np.array([r.f_low for r in shapes])),
+        "omega_high": (line, np.array([r.f_high for r in shapes])),
+        "skewness": (line, np.array([r.skewness for r in shapes])),
         "omega_stuck": (line, np.array([model.pressed(c).stuck_frequency for c in section.friction_capacity])),
-        "reading_note": (line, np.array([(r.reason or r.note).replace(" Hz", " rad/s") for r in reads])),
+        "reading_note": (line, np.array([(r.reason or r.note).replace(" Hz", " rad/s") for r in shapes])),
     }
     attrs: dict[str, Any] = {}
     if section.method == "periodic":
@@ -139,6 +146,8 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
         "method": dataset.attrs["method"],
         "friction_capacity_n": dataset["friction_capacity"].values.tolist(),
         "zeta": listed("zeta"),
+        "zeta_method": dataset["zeta_method"].values.tolist(),
+        **{name: listed(name) for name in ("zeta_error", "zeta_lower_bound")},
         "omega_peak_rad_s": listed("omega_peak"),
         "peak_transmissibility": listed("peak_transmissibility"),
         "skewness": listed("skewness"),

@@ -26,7 +26,7 @@ from .mesh import Mesh
 from .messages import input_error
 from .modal import Modal
 from .modal_transient import damping_ratio_fits, solid_coil
-from .output import Output
+from .output import Output, damping_fits
 from .preload import Preload
 from .solver import Solver
 from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
@@ -117,7 +117,7 @@ class Case(Section):
     backbone: Backbone = Field(default_factory=Backbone, description="range of the backbone")
     design_map: DesignMap | None = Field(default=None, description="mandrels of the map between loosest and tightest")
     two_dof: TwoDof | None = Field(default=None, description="two masses that rub, in place of a roll")
-    output: Output = Field(default_factory=Output, description="what a run writes; never changes numbers")
+    output: Output = Field(default_factory=Output, description="what a run writes")
 
     _source: Path | None = PrivateAttr(default=None)
 
@@ -205,9 +205,14 @@ class Case(Section):
         return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
 
     def hash(self) -> str:
-        """Return the SHA-256 of everything that can change a number: no `output`, and files by their content."""
+        """Return the SHA-256 of everything that can change a number: files by content, of `output` how to read damping.
+
+        The default `output.damping` stays out: cases that do not name it keep the hash they had before it existed.
+        """
         data = self.resolved()
         del data["output"]
+        if self.output.damping != Output.model_fields["damping"].default:
+            data["output"] = {"damping": self.output.damping}
         for key in _NOT_PHYSICS:
             data.get("solver", {}).pop(key, None)
         if self.mesh.file is not None:
@@ -333,5 +338,5 @@ def _fine_enough(case: Case) -> None:
 _CHECKS: Sequence[Callable[[Case], None]] = (
     _roll_or_structure, _sections_present, _excitation_fits, _base_fits, _layers_for_preload, _one_pressure_per_layer,
     _fine_enough, winding_present, winding_fits, damping_ratio_fits, solid_coil, fourier_fits,
-    design_map_fits, two_dof_fits,
+    design_map_fits, two_dof_fits, damping_fits,
 )  # fmt: skip

@@ -58,7 +58,8 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(fontsize=8, framealpha=0.9, loc="upper right")
     zeta = attrs.get("zeta", np.nan)
-    damping = f"half power reads {100 * zeta:.2f} % damping" if np.isfinite(zeta) else "half power cannot be read"
+    method = str(attrs.get("zeta_method", "half power")).split(",")[0]
+    damping = f"{method} reads {100 * zeta:.2f} % damping" if np.isfinite(zeta) else f"{method} cannot be read"
     friction = float(dataset["friction_work_per_cycle"].values[peak])
     style.title(
         ax,

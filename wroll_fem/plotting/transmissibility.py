@@ -28,12 +28,15 @@ def reading(dataset: xr.Dataset) -> HalfPower:
     return half_power(dataset["frequency"].values, magnitude(dataset))
 
 
-def _box(read: HalfPower) -> str:
+def _box(read: HalfPower, dataset: xr.Dataset) -> str:
     lines = [f"$f_n$ = {read.f_n:.2f} Hz", f"$T_{{pk}}$ = {read.peak:.2f}"]
     if read.complete:
         lines += [rf"$\zeta$ = {100 * read.zeta:.2f} % (half power)", f"skewness = {read.skewness:+.2f}"]
     else:
         lines += [r"$\zeta$: not readable"]
+    method, zeta = str(dataset.attrs.get("zeta_method", "")).split(",")[0], dataset.attrs.get("zeta")
+    if method not in ("", "half power") and zeta is not None and np.isfinite(zeta):  # what the summary holds
+        lines.append(rf"$\zeta$ = {100 * zeta:.2f} % ({method})")
     return "\n".join(lines)
 
 
@@ -78,7 +81,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.text(
         x,
         0.97,
-        _box(read),
+        _box(read, dataset),
         transform=ax.transAxes,
         va="top",
         ha=side,

@@ -96,7 +96,7 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
     capacity = dataset["friction_capacity"].values
     zeta = 100.0 * dataset["zeta"].values
     rows = (
-        (zeta, "Half-power damping (%)", style.RED, True),
+        (zeta, f"Damping, {_methods(dataset)} (%)", style.RED, True),
         (dataset["peak_transmissibility"].values, "Peak transmissibility (–)", style.BLUE, True),
         (dataset["omega_peak"].values, "Frequency of the peak (rad/s)", style.GREEN, False),
         (dataset["skewness"].values, "Skewness (–)", style.PURPLE, False),
@@ -122,6 +122,12 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
         k = int(np.nanargmax(zeta))
         style.title(first, f"Damping is largest, {zeta[k]:.1f} %, at a capacity of {capacity[k]:.3g} N", 46)
     return first
+
+
+def _methods(dataset: xr.Dataset) -> str:
+    """Estimators of the damping, in the order of the capacities."""
+    named = dataset["zeta_method"].values.tolist() if "zeta_method" in dataset else ["half power"]
+    return " or ".join(dict.fromkeys(map(str, named)))
 
 
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:

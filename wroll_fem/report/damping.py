@@ -6,17 +6,19 @@ import numpy as np
 import xarray as xr
 
 from ..signals.estimators import (
+    ESTIMATORS,
     DampingEstimate,
     choose,
-    gaussian_fit,
-    half_power_estimate,
     lower_bound,
-    rational_fraction,
 )
 from .html import paragraph, table
 
 _HEAD = ("method", "f_n", "zeta", "standard error", "at least", "misfit")
-_DRAWS = 10
+_METHODS = {
+    "half_power": "half power",
+    "gaussian_fit": "Gaussian fit (narrowest window, centre free)",
+    "rational_fraction": "rational fraction (linear structure)",
+}
 
 
 def damping_table(dataset: xr.Dataset) -> str:
@@ -27,19 +29,14 @@ def damping_table(dataset: xr.Dataset) -> str:
     if frequency.size < 8 or np.any(np.diff(frequency) <= 0.0):
         return ""
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
-    found = {
-        "half power": half_power_estimate(frequency, T),
-        "Gaussian fit (narrowest window, centre free)": gaussian_fit(
-            frequency, T, centre="free", window="narrowest", draws=_DRAWS
-        ),
-        "rational fraction (linear structure)": rational_fraction(frequency, T),
-    }
+    found = {name: ESTIMATORS[method](frequency, T) for method, name in _METHODS.items()}
     chosen = choose(frequency, T)
     said = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
     limits = (
         "Standard errors come from the scatter of the curve alone. A misfit is the distance of fit and curve over the "
         "peak: where it is large, or the methods differ, the curve is not that of one linear mode, and zeta depends on "
-        "the definition. summary.json holds half power."
+        f"the definition. summary.json holds {str(dataset.attrs.get('zeta_method', 'half power')).split(',')[0]} "
+        "(output.damping)."
     )
     rows = [(name, *_cells(estimate)) for name, estimate in found.items()]
     return table(_HEAD, rows, numbers=range(1, len(_HEAD))) + (paragraph(said) if said else "") + paragraph(limits)

@@ -47,12 +47,14 @@ class Response:
     ----------
     transmissibility : (n,) largest abs(x_1) over Y_0 at the frequencies asked for
     reading : half power of the highest peak in the band, on a grid refined around it; frequencies in rad/s (!)
+    refined : frequencies (m,) in rad/s and transmissibilities (m,) of that grid
     input, primary, secondary, friction : (n,) work per cycle, J; nan where the motion was found in time
     harmonics : (n,) highest harmonic kept; 0 where the motion was found in time
     """
 
     transmissibility: FloatArray
     reading: HalfPower
+    refined: tuple[FloatArray, FloatArray]
     input: FloatArray
     primary: FloatArray
     secondary: FloatArray
@@ -87,7 +89,14 @@ class _Curve:
 
 
 def peak_readings(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()) -> HalfPower:
-    """Half-power reading of the highest peak between the first and the last of ``omegas`` (n,), refined around it.
+    """Half-power reading of the highest peak of `refined_curve`; its frequencies are in rad/s."""
+    return half_power(*refined_curve(solver, omegas, known))
+
+
+def refined_curve(
+    solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """Rising frequencies (m,) in rad/s and transmissibilities (m,): those of ``omegas`` (n,), and more at the peak.
 
     Every local maximum of the grid is followed to its top, since a lightly damped peak is far narrower than any grid
     (its flanks show on it all the same); the highest is then resolved across its half-power width.
@@ -96,10 +105,6 @@ def peak_readings(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[Pe
     ----------
     known
         Motions already computed at ``omegas``.
-
-    Notes
-    -----
-    Frequencies of the reading are in rad/s; zeta and skewness have no unit.
     """
     curve = _Curve(solver)
     if known:
@@ -115,14 +120,14 @@ def peak_readings(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[Pe
         line = curve.line
         read = half_power(*line)
         if not read.complete:
-            return read
+            break
         width = read.f_high - read.f_low
         ends = read.f_low - 0.3 * width, read.f_high + 0.3 * width
         wanted = [0.5 * (a + b) for a, b in pairwise(line[0]) if b - a > width / ACROSS and b > ends[0] and a < ends[1]]
         if not wanted:
-            return read
+            break
         curve.add(np.array(wanted))
-    return half_power(*curve.line)
+    return curve.line
 
 
 def _climb(curve: _Curve, low: float, top: float, high: float) -> None:
@@ -153,17 +158,17 @@ def response(model: TwoMasses, omegas: FloatArray, method: str, capacity: float)
         pressed = model.pressed(capacity)
         values = np.array([settle(pressed, float(w)).transmissibility for w in omegas])
         unknown = np.full(len(omegas), np.nan)
-        return Response(
-            values, half_power(omegas, values), unknown, unknown, unknown, unknown, np.zeros(len(omegas), int)
-        )
+        none = np.zeros(len(omegas), int)
+        return Response(values, half_power(omegas, values), (omegas, values), unknown, unknown, unknown, unknown, none)
     solver = PeriodicSolver(model.pressed(capacity))
     with threadpool_limits(1, "blas"):
         motions = solver.curve(omegas)
-        reading = peak_readings(solver, omegas, motions)
+        refined = refined_curve(solver, omegas, motions)
     energies = [motion.energy() for motion in motions]
     return Response(
         np.array([m.transmissibility for m in motions]),
-        reading,
+        half_power(*refined),
+        refined,
         input=np.array([e.input for e in energies]),
         primary=np.array([e.primary for e in energies]),
         secondary=np.array([e.secondary for e in energies]),

@@ -8,6 +8,7 @@ from wroll_fem.signals.estimators.estimate import DampingEstimate
 from wroll_fem.signals.estimators.gaussian import gaussian_fit
 from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
+from wroll_fem.signals.estimators.reading import ESTIMATORS, Reading, read_curve
 from wroll_fem.signals.estimators.single_dof import (
     half_power_reading,
     leaning_transmissibility,
@@ -17,8 +18,10 @@ from wroll_fem.signals.estimators.single_dof import (
 )
 
 __all__ = [
+    "ESTIMATORS",
     "CurveShape",
     "DampingEstimate",
+    "Reading",
     "choose",
     "curve_shape",
     "gaussian_fit",
@@ -28,5 +31,6 @@ __all__ = [
     "lower_bound",
     "peak_transmissibility",
     "rational_fraction",
+    "read_curve",
     "single_dof_transmissibility",
 ]

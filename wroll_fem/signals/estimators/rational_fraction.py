@@ -77,13 +77,15 @@ def rational_fraction(
     Notes
     -----
     Standard errors come from the residual of the fit, taken as white; with fewer than three numbers per unknown there
-    is no estimate. On a nonlinear structure the poles are those of the nearest linear curve: look at `misfit`.
+    is no estimate, nor of a mode outside the band. On a nonlinear structure the poles are those of the nearest linear
+    curve: look at `misfit`.
     """
     if not 0.0 < level < 1.0:
         raise InputError(f"a level of {level}", remedy="give a share of the peak between 0 and 1")
     if modes is not None and modes < 1:
         raise InputError(f"{modes} modes", remedy="ask for 1 or more")
     f, values, magnitude = checked_curve(frequency, transmissibility)
+    band = float(f[0]), float(f[-1])
     if values is None and modes is not None and modes > 1:
         raise InputError("several modes cannot be told apart in |T| alone", remedy="give the complex transmissibility")
     read = half_power(f, magnitude)
@@ -91,18 +93,25 @@ def rational_fraction(
     window = np.arange(window[0], window[-1] + 1)
     f, top = f[window], read.peak
     if values is None:
-        return _magnitude_fit(f, magnitude[window], read.f_n, read.zeta)
+        return _within(band, _magnitude_fit(f, magnitude[window], read.f_n, read.zeta))
     T, best = values[window], no_estimate(METHOD, "no fit", read.f_n)
     for count in (modes,) if modes is not None else range(1, MOST_MODES + 1):
         if 2 * f.size < 3 * (4 * count + 2):
             short = f"{f.size} points above {level:g} of the peak are too few for {count} modes"
-            return best if best.found else no_estimate(METHOD, short, read.f_n)
+            return _within(band, best) if best.found else no_estimate(METHOD, short, read.f_n)
         found = _complex_fit(f, T, count, read.f_n, top)
         if not best.found or (found.found and found.misfit < _GAIN * best.misfit and _inside(found, f)):
             best = found
         if best.found and best.misfit < _EXACT:
             break
-    return best
+    return _within(band, best)
+
+
+def _within(band: tuple[float, float], estimate: DampingEstimate) -> DampingEstimate:
+    """The estimate, or none for a mode outside the band: its peak is not on the curve."""
+    if not estimate.found or band[0] <= estimate.f_n <= band[1]:
+        return estimate
+    return no_estimate(METHOD, f"the fitted mode, {estimate.f_n:.5g} Hz, lies outside the band")
 
 
 def _inside(estimate: DampingEstimate, f: FloatArray) -> bool:
