@@ -98,6 +98,8 @@ def solve_pairs(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int, sigma: fl
             raise WrollError(f"the eigensolver missed {missed} of the lowest {count} modes; ask for a few more modes")
     K.destroy()
     M.destroy()
+    # petsc4py only marks what Python lets go of; the factors (100 MB and more) would stay until the process ends
+    PETSc.garbage_cleanup(PETSc.COMM_SELF)
     values, vectors = values[:count], vectors[:, :count]
     Kx, Mx = stiffness @ vectors, mass @ vectors
     scale = np.linalg.norm(Kx, axis=0) + abs(sigma) * np.linalg.norm(Mx, axis=0)
