@@ -111,6 +111,19 @@ def plain_links(app, docname: str, source: list[str]) -> None:
     source[0] = re.sub(r"(?<!!)\[([^\]\[]+)\]\(([^)\s]+)\)", link, source[0])
 
 
+def literal_bars(app, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Bars of |T| are bars, not substitutions of reStructuredText; mathematics stays as it is."""
+    inside = False
+    for number, line in enumerate(lines):
+        if inside:
+            inside = not line.strip() or line.startswith((" ", "\t"))
+        if line.lstrip().startswith(".. math::"):
+            inside = True
+        if not inside:
+            parts = re.split(r"(:math:`[^`]*`|``[^`]*``)", line)
+            lines[number] = "".join(part if part[:1] in (":", "`") else part.replace("|", "\\|") for part in parts)
+
+
 #: Tables that tools write without a heading.
 TITLES = {
     "tables/appendix_a": "Elastic slip (appendix A)",
@@ -133,6 +146,7 @@ INSIDE = {
 
 
 def setup(app) -> None:
-    """Connect the two hooks above."""
+    """Connect the hooks above."""
     app.connect("builder-inited", copy_mathjax)
     app.connect("source-read", plain_links)
+    app.connect("autodoc-process-docstring", literal_bars, priority=400)  # before napoleon

@@ -9,7 +9,7 @@ r"""Hilber-Hughes-Taylor integration: parameters of the named schemes.
 with :math:`\alpha \le 0` (classical range [-1/3, 0]; the source also uses -0.41421),
 :math:`\beta = (1 - \alpha)^2 / 4`, :math:`\gamma = 1/2 - \alpha`.
 
-=====================  ==============  ====================  ====================  ===============
+===============  ==============  ====================  ====================  ===============
 steps per cycle  no_damping      transient_fidelity    moderate_dissipation  quasi_static
 ===============  ==============  ====================  ====================  ===============
 10               0 / +3.2 %      0.12 % / +3.6 %       0.36 % / +4.6 %       28 % / +12 %
