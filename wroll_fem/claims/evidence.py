@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import multiprocessing
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cached_property
@@ -113,15 +113,19 @@ class Evidence:
         inputs
             Whatever changes the result, as JSON can hold it.
         """
-        text = json.dumps(inputs, sort_keys=True)
-        file = self._file("kept", f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}")
+        file = self._kept_file(name, inputs)
         if not file.is_file():
-            file.parent.mkdir(parents=True, exist_ok=True)
-            partial = file.with_suffix(".partial")
-            compute().to_netcdf(partial, engine="h5netcdf")
-            partial.replace(file)
-        with xr.open_dataset(file, engine="h5netcdf") as data:
-            return data.load()
+            _write(compute(), file)
+        return _read(file)
+
+    def kept_each(
+        self, name: str, work: Callable[..., xr.Dataset], inputs: Sequence[Mapping[str, Any]]
+    ) -> list[xr.Dataset]:
+        """Result of a module-level function for each set of keyword arguments, computed side by side and each kept."""
+        kept = [(one, self._kept_file(name, one)) for one in inputs]
+        todo = [(work, dict(one), file) for one, file in kept if not file.is_file()]
+        self.map(_keep, todo, what=name.replace("_", " "))
+        return [_read(file) for _, file in kept]
 
     def map(self, work: Callable[[T], R], tasks: Sequence[T], what: str = "tasks") -> list[R]:
         """Results of a module-level function over tasks, in worker processes when there is more than one of both."""
@@ -212,7 +216,28 @@ class Evidence:
     def _file(self, kind: str, name: str) -> Path:
         return self.folder / kind / f"{name}.nc"
 
+    def _kept_file(self, name: str, inputs: Mapping[str, Any]) -> Path:
+        text = json.dumps(inputs, sort_keys=True)
+        return self._file("kept", f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}")
+
 
 def _compute(task: tuple[Case, Path]) -> None:
     case, file = task
     save_dataset(run_analysis(case, progress=SilentProgress()), file)
+
+
+def _keep(task: tuple[Callable[..., xr.Dataset], dict[str, Any], Path]) -> None:
+    work, inputs, file = task
+    _write(work(**inputs), file)
+
+
+def _write(data: xr.Dataset, file: Path) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    partial = file.with_suffix(".partial")
+    data.to_netcdf(partial, engine="h5netcdf")
+    partial.replace(file)
+
+
+def _read(file: Path) -> xr.Dataset:
+    with xr.open_dataset(file, engine="h5netcdf") as data:
+        return data.load()
