@@ -21,8 +21,8 @@ from .verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 FAMILIES: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
     "ch4": ("lab_model", "preload_series", "layers"),
-    "ch5": (),
-    "appendices": (),
+    "ch5": ("two_dof",),
+    "appendices": ("elastic_slip", "integrators", "smoothed_sign", "estimators", "friction_rate"),
 }
 """Chapter -> modules of this package, each with a `FAMILY`."""
 

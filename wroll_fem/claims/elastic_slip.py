@@ -1,0 +1,156 @@
+"""Claim on the elastic slip of the penalty law: C110 (appendix A)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import scipy.sparse as sp
+from matplotlib.axes import Axes
+
+from wroll_fem.analyses.summary import energy_balance_error
+from wroll_fem.case.material import IsotropicMaterial
+from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
+from wroll_fem.contact.kernels import interface_work
+from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.system import System
+from wroll_fem.plotting import style
+from wroll_fem.plotting.study import PRESSURE, SeriesMember, read
+from wroll_fem.plotting.transmissibility import magnitude
+
+from .evidence import Evidence
+from .family import Family
+from .verdict import Verdict
+from .words import numbers, table
+
+SLIP = "contact.friction.elastic_slip"
+LOW, REDUCED, TIED = "elastic_slip_low", "elastic_slip_reduced", "elastic_slip_tied"
+SERIES = {
+    "slip": ("1 kPa (576 Pa at the interface), condensed", LOW, 1.0e3),
+    "reduced": ("1 kPa, reduced", REDUCED, 1.0e3),
+    "mean": ("1.737 kPa (1 kPa at the interface), condensed", LOW, 1.737e3),
+    "tied": ("1 kPa, surfaces that cannot separate, condensed", TIED, 1.0e3),
+    "firm": ("10 kPa, condensed", LOW, 1.0e4),
+}
+"""Name -> words, study, external pressure in Pa."""
+SENTENCES = {
+    "slip": "1 kPa: the peak falls with the elastic slip; the layer opens",
+    "tied": "1 kPa without separation: each smaller elastic slip changes the peak less",
+    "firm": "10 kPa: an elastic slip of 1 µm has not converged, the stick stiffness being ten times that at 1 kPa",
+}
+
+
+def members(evidence: Evidence, series: str) -> list[SeriesMember]:
+    """Cases of one series, falling elastic slip."""
+    _, study, pressure = SERIES[series]
+    found = [m for m in evidence.study(study) if float(m.values[PRESSURE]) == pressure]
+    return sorted(found, key=lambda m: -float(m.values[SLIP]))
+
+
+def loop_area_error(mu: float = 0.3, pressure: float = 2.0e4, slip: float = 1.0e-6, amplitude: float = 5.0e-6) -> float:
+    """Relative error of the work that one contact point takes in a closed cycle, against 4 mu N (X - mu N/k).
+
+    The point is led through a cycle of relative displacement of amplitude X, a multiple of gamma*, by the law itself;
+    k = mu N/gamma*.
+    """
+    area = 2.0e-4
+    laws = PenaltyCoulomb(mu, slip), NormalPenalty(1.0e12, separation=False)
+    point = Interface("point", sp.csr_matrix(np.eye(3)), np.array([area]), np.zeros((1, 3)), *laws)
+    system = System(sp.csr_matrix((3, 3)), sp.csr_matrix(np.eye(3)), np.zeros(3), (point,))
+    closed = np.array([0.0, 0.0, -pressure / 1.0e12])
+    trial, state, work = TrialContact(system), ContactState.unloaded(system), np.zeros(5)
+    fraction = slip / 4.0  # the steps end where the point starts to slide, so that their mean tractions are exact
+    top = round(amplitude / fraction)
+    path = fraction * np.concatenate([np.arange(top), np.arange(top, -top, -1), np.arange(-top, top + 1)])
+    for k, value in enumerate(path):
+        jump = closed + np.array([value, 0.0, 0.0])
+        trial(jump, state)
+        after = trial.committed(np.zeros(3), jump)
+        if k > top:
+            interface_work(
+                state.jump, state.elastic_slip, state.traction, after.jump, after.elastic_slip, after.traction,
+                system.laws, work,
+            )  # fmt: skip
+        state = after
+    return abs(work[3] / (4.0 * mu * pressure * area * (amplitude - slip)) - 1.0)
+
+
+def falls(values: list[float]) -> bool:
+    """Whether the change falls with every step."""
+    return bool(np.all(np.diff(np.abs(np.diff(values))) < 0.0))
+
+
+def c110(evidence: Evidence) -> Verdict:
+    said, holds = [], True
+    for name, words in (("tied", "without separation"), ("slip", "with it")):
+        found = [read(m) for m in members(evidence, name)]
+        peaks, frequencies = [r.peak for r in found], [r.f_n for r in found]
+        holds = holds and falls(peaks) and falls(frequencies)
+        said.append(f"{words} {numbers(peaks, '.1f')} (f_n {numbers(frequencies, '.2f')} Hz)")
+    slips = numbers((1e6 * float(m.values[SLIP]) for m in members(evidence, "tied")), "g")
+    error = loop_area_error()
+    value = f"single element: loop area to {error:.0e}; peak T at {slips} um: {'; '.join(said)}"
+    return Verdict(value, holds and error < 1e-6)
+
+
+def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
+    """Length over which friction hands axial force to the layer, m: sqrt((E t)_series gamma* / (mu p))."""
+    case = evidence.case("lab_sweep")
+    tube, coil, material = case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil, case.coil.material
+    assert isinstance(material, IsotropicMaterial)
+    layer = material.E * coil.total_thickness
+    return float(np.sqrt(slip / (1.0 / tube + 1.0 / layer) / (case.contact.friction.mu * pressure)))
+
+
+def series_table(series: str, evidence: Evidence) -> str:
+    """Response over gamma*; change: against the row above."""
+    head = ("gamma*", "f_n", "change", "peak T", "change", "zeta", "open", "steps cut", "ledger error", "shear lag", "")
+    rows, before = [], None
+    for m in members(evidence, series):
+        data, found, slip = m.data, read(m), float(m.values[SLIP])
+        pressure = float((data["pressure"] * data["area"]).sum() / data["area"].sum())
+        z = np.unique(np.round(data["z_m"].values, 9))
+        lag = shear_lag(evidence, pressure, slip)
+        change = ("", "")
+        if before is not None:
+            change = (f"{found.f_n - before.f_n:+.2f} Hz", f"{100 * (found.peak / before.peak - 1):+.1f} %")
+        zeta = f"{100 * found.zeta:.2f} %" if np.isfinite(found.zeta) else "not read"
+        rows.append((
+            f"{1e6 * slip:g} um", f"{found.f_n:.2f} Hz", change[0], f"{found.peak:.1f}", change[1], zeta,
+            f"{100 * float(data['open_fraction'].max()):.0f} %", f"{data.attrs['step_cuts']}",
+            f"{energy_balance_error(data):.0e}", f"{1e3 * lag:.0f} mm", f"{lag / (z[1] - z[0]):.1f} elements",
+        ))  # fmt: skip
+        before = found
+    return table(head, rows)
+
+
+def plot_curves(series: str, evidence: Evidence) -> Axes:
+    """Fig. A.2: transmissibility, one curve per elastic slip."""
+    ax = style.axes(None, 4.6)
+    for m, colour, dash in zip(members(evidence, series), style.LINES, ("-", "--", "-.", ":"), strict=False):
+        text = rf"$\gamma^*$ = {1e6 * float(m.values[SLIP]):g} µm"
+        ax.plot(m.data["frequency"].values, np.asarray(magnitude(m.data)), color=colour, lw=1.5, ls=dash, label=text)
+    ax.set_yscale("log")
+    ax.set_ylim(bottom=1.0)
+    ax.set_xlabel("Frequency (Hz)")
+    ax.set_ylabel("Transmissibility |T|, tip over base (–)")
+    ax.legend(fontsize=8)
+    style.title(ax, SENTENCES[series])
+    return ax
+
+
+FAMILY = Family(
+    {"C110": c110},
+    figures={
+        f"appendix_a_{name}": (
+            f"Fig A.2, {SERIES[name][0]}: response over the elastic slip",
+            partial(plot_curves, name),
+        )
+        for name in SENTENCES
+    },
+    tables={
+        f"Elastic slip, external pressure {words}; shear lag sqrt((E t)_series gamma*/(mu p)), also over the root "
+        "element": partial(series_table, name)
+        for name, (words, _, _) in SERIES.items()
+    },
+)

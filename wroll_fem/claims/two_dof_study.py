@@ -1,0 +1,167 @@
+"""Runs and motions of the two masses that the claims of chapter 5 look at, computed once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from wroll_fem.body import FloatArray
+from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.two_dof import PeriodicSolver, TwoMasses, response_map, settle
+from wroll_fem.two_dof.explicit import ZETA
+from wroll_fem.two_dof.time import dwell
+
+from .evidence import Evidence
+
+CASE, SPACE = "two_dof", "two_dof_design_space"
+FE_STUDY = "layer_modulus"
+ARRANGEMENTS = {
+    "(a) both on the base": "both_on_base",
+    "(b) secondary on a wall at rest": "secondary_isolated",
+    "(c) secondary on the primary": "secondary_on_primary",
+}
+"""Words -> arrangement of Fig. 5.1."""
+SCALES = (1.0, 2.0, 5.0, 10.0)
+"""Steepness s of the smoothed sign in appendix C."""
+STIFFNESSES = (0.575, 0.8, 1.15, 1.6, 2.3, 4.6)
+"""Values of k_2 of claim C88, N/m; Table 5.2 has 1.15."""
+CONSTANT = "[1.5, 2, 3, 5, 20]"
+"""Capacities with constant masses and stiffness, N."""
+Point = tuple[float, float]
+
+
+def rounded(values: FloatArray) -> list[float]:
+    """Values to three decimals, as a case file has them."""
+    return [float(v) for v in np.round(values, 3)]
+
+
+def series(evidence: Evidence) -> xr.Dataset:
+    """Table 5.2 under the eight capacities."""
+    return evidence.result(CASE)
+
+
+def capacities(evidence: Evidence) -> list[float]:
+    """The eight capacities, N."""
+    return [float(c) for c in series(evidence)["friction_capacity"]]
+
+
+def finer(evidence: Evidence) -> xr.Dataset:
+    """The same on half the frequency step."""
+    return evidence.result(CASE, f"two_dof.omega.points={2 * series(evidence).sizes['omega'] - 1}")
+
+
+def fine(evidence: Evidence) -> xr.Dataset:
+    """Table 5.2 under many capacities from 1 to 100."""
+    count, points = (17, 60) if evidence.fast else (41, 200)
+    forces = rounded(np.geomspace(1.0, 100.0, count))
+    return evidence.result(CASE, f"two_dof.friction_capacity={forces}", f"two_dof.omega.points={points}")
+
+
+def arrangements(evidence: Evidence) -> dict[str, xr.Dataset]:
+    """Fig. 5.1 a, b, c under a low, two middle and a high capacity."""
+    force = "two_dof.friction_capacity=[2, 5, 20, 100]"
+    found = evidence.results([(CASE, force, f"two_dof.arrangement={name}") for name in ARRANGEMENTS.values()])
+    return dict(zip(ARRANGEMENTS, found, strict=True))
+
+
+def with_and_without_preload(evidence: Evidence) -> list[xr.Dataset]:
+    """With equations 5.6 and 5.7, and with masses and stiffness that do not follow the capacity."""
+    force = f"two_dof.friction_capacity={CONSTANT}"
+    return evidence.results([(CASE, force), (CASE, force, "two_dof.preload_dependent=false")])
+
+
+def scales(evidence: Evidence) -> dict[float, xr.Dataset]:
+    """Table 5.2 with steeper laws; at F_c = 1 the peak at s = 10 would need more harmonics than there are."""
+    force = f"two_dof.friction_capacity={capacities(evidence)[1:]}"
+    cases = [(CASE, force, f"two_dof.smoothing={s}", "two_dof.omega.points=80") for s in SCALES]
+    return dict(zip(SCALES, evidence.results(cases), strict=True))
+
+
+def space(evidence: Evidence) -> xr.Dataset:
+    """Map of the design space."""
+    return evidence.result(SPACE)
+
+
+def settled(evidence: Evidence) -> xr.Dataset:
+    """Transmissibility by harmonic balance and in time over (friction_capacity, omega), and the periods it took."""
+    omegas = [0.4, 0.6, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.5, 2.0][:: 3 if evidence.fast else 1]
+    names = ("periodic", "in_time", "periods")
+    return _over_motions(evidence, "two_dof_settled", _settled, capacities(evidence), omegas, names)
+
+
+def dwelt(evidence: Evidence) -> xr.Dataset:
+    """Transmissibility of the periodic motion, and of a run over six of the source's time constants."""
+    omegas = rounded(np.linspace(0.4, 2.0, 9 if evidence.fast else 41))
+    return _over_motions(
+        evidence, "two_dof_dwelt", _dwelt, capacities(evidence), omegas, ("periodic", "six_time_constants")
+    )
+
+
+def over_stiffness(evidence: Evidence) -> dict[float, float]:
+    """k_2 -> largest damping over the capacities, m_2 of Table 5.2."""
+    count, points = (9, 80) if evidence.fast else (25, 160)
+    forces = [float(c) for c in np.geomspace(1.2, 30.0, count)]
+
+    def compute() -> xr.Dataset:
+        tasks = [(k2, force, points) for k2, force in product(STIFFNESSES, forces)]
+        zeta = np.reshape(evidence.map(_damping, tasks, what="stiffness of the secondary"), (len(STIFFNESSES), count))
+        return xr.Dataset({"zeta": (("k2", "friction_capacity"), zeta)}, {"k2": list(STIFFNESSES)})
+
+    data = evidence.kept("two_dof_stiffness", compute, k2=STIFFNESSES, capacities=forces, points=points)
+    return {float(k2): float(v) for k2, v in zip(data["k2"], data["zeta"].max("friction_capacity"), strict=True)}
+
+
+def largest_damping(members: Sequence[SeriesMember], *keys: str) -> dict[tuple[float, ...], float]:
+    """Values of some keys -> largest half-power damping of the cases that have them and can be read."""
+    found: dict[tuple[float, ...], float] = {}
+    for member in members:
+        zeta, values = float(member.data.attrs["zeta"]), tuple(float(member.values[key]) for key in keys)
+        if np.isfinite(zeta):
+            found[values] = max(zeta, found.get(values, 0.0))
+    return dict(sorted(found.items()))
+
+
+def over_modulus(evidence: Evidence) -> dict[float, float]:
+    """Layer modulus in Pa -> largest damping of the finite-element model over the preloads that can be read."""
+    found = largest_damping(evidence.study(FE_STUDY), "coil.material.E")
+    return {modulus: zeta for (modulus,), zeta in found.items()}
+
+
+def _over_motions(
+    evidence: Evidence,
+    name: str,
+    work: Callable[[Point], tuple[float, ...]],
+    forces: Sequence[float],
+    omegas: Sequence[float],
+    variables: Sequence[str],
+) -> xr.Dataset:
+    """Results of ``work`` over (friction_capacity, omega), one variable each."""
+    dims = ("friction_capacity", "omega")
+
+    def compute() -> xr.Dataset:
+        found = np.array(evidence.map(work, list(product(forces, omegas)), what=name.replace("_", " ")))
+        values = found.reshape(len(forces), len(omegas), len(variables))
+        data = {variable: (dims, values[..., k]) for k, variable in enumerate(variables)}
+        return xr.Dataset(data, {dims[0]: list(forces), dims[1]: list(omegas)})
+
+    return evidence.kept(name, compute, capacities=list(forces), omegas=list(omegas))
+
+
+def _settled(point: Point) -> tuple[float, float, float]:
+    pressed = TwoMasses().pressed(point[0])
+    found = settle(pressed, point[1])
+    return PeriodicSolver(pressed).motion(point[1]).transmissibility, found.transmissibility, float(found.periods)
+
+
+def _dwelt(point: Point) -> tuple[float, float]:
+    pressed = TwoMasses().pressed(point[0])
+    run = dwell(pressed, point[1], 6.0 / (ZETA * point[1]))
+    return PeriodicSolver(pressed).motion(point[1]).transmissibility, run
+
+
+def _damping(task: tuple[float, float, int]) -> float:
+    k2, force, points = task
+    return response_map(TwoMasses(k2=k2), [force], np.linspace(0.4, 3.0, points), workers=1)[0].reading.zeta
