@@ -27,6 +27,7 @@ extensions = [
 ]  # fmt: skip
 exclude_patterns = ["_build"]
 nitpicky = False
+default_role = "code"
 
 # -- Markdown
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
@@ -112,7 +113,12 @@ def plain_links(app, docname: str, source: list[str]) -> None:
 
 
 def literal_bars(app, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
-    """Bars of |T| are bars, not substitutions of reStructuredText; mathematics stays as it is."""
+    """Bars of |T| are bars, not substitutions of reStructuredText; mathematics stays as it is.
+
+    A property's "Time step, s: so many per cycle" is a sentence; napoleon would take its start for a type.
+    """
+    if what in ("property", "attribute") and lines:
+        lines[0] = lines[0].replace(": ", "; ", 1)
     inside = False
     for number, line in enumerate(lines):
         if inside:
@@ -122,6 +128,11 @@ def literal_bars(app, what: str, name: str, obj: object, options: object, lines:
         if not inside:
             parts = re.split(r"(:math:`[^`]*`|``[^`]*``)", line)
             lines[number] = "".join(part if part[:1] in (":", "`") else part.replace("|", "\\|") for part in parts)
+
+
+def no_signature(app, what: str, name: str, obj: object, *_: object) -> tuple[str, None] | None:
+    """Sections of the case file are told by their reference, not by pages of annotated types."""
+    return ("", None) if isinstance(obj, type) and hasattr(obj, "model_fields") else None
 
 
 #: Tables that tools write without a heading.
@@ -149,4 +160,5 @@ def setup(app) -> None:
     """Connect the hooks above."""
     app.connect("builder-inited", copy_mathjax)
     app.connect("source-read", plain_links)
+    app.connect("autodoc-process-signature", no_signature)
     app.connect("autodoc-process-docstring", literal_bars, priority=400)  # before napoleon
