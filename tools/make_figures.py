@@ -1,7 +1,7 @@
-"""Make every figure and table of README.md and docs/ from runs: `.venv/bin/python tools/make_figures.py`.
+"""Figures and tables of README.md and docs/ beyond the claims: `.venv/bin/python tools/make_figures.py`.
 
-Runs are kept in runs/docs; what is already there is not computed again. About fifteen minutes on two cores,
-and half an hour more for the studies of chapter 4 (tools/chapter4.py makes those alone).
+Runs are kept in runs/docs, studies in runs/reproduce (as `wroll reproduce` keeps them, which draws the other figures);
+what is already there is not computed again. About half an hour on two cores.
 """
 
 from __future__ import annotations
@@ -14,12 +14,21 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import chapter4
-
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("MPLBACKEND", "Agg")
 ROOT = Path(__file__).resolve().parents[1]
+WORKERS = int(os.environ.get("WORKERS", "2"))
 RUNS, FIGURES = ROOT / "runs" / "docs", ROOT / "docs" / "figures"
 PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", "100 kPa": "1.0e5", "300 kPa": "3.0e5"}
+STUDIES = {
+    "winding_transmissibility": ("tension", "transmissibility_over_tension"),
+    "ch4_preload_low_transmissibility_over_preload": ("preload_low", "transmissibility_over_preload"),
+    "ch4_preload_low_damping_over_frequency": ("preload_low", "damping_over_frequency"),
+    "ch4_layer_modulus": ("layer_modulus", "layer_modulus"),
+    "ch4_integrators": ("integrators", "integrators"),
+    "ch4_elastic_slip": ("elastic_slip", "elastic_slip"),
+}
+"""Figure -> study of configs/studies, and the figure's name there."""
 STUDY_MESH = ["mesh.circumferential=24", "mesh.axial=12"]
 WIDE = ["excitation.f_start=110", "excitation.f_end=185"]
 
@@ -27,6 +36,7 @@ WIDE = ["excitation.f_start=110", "excitation.f_end=185"]
 def jobs() -> dict[str, list[str]]:
     """Name of each run -> case file and overrides."""
     found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
+    found["case_study"] = ["configs/case_study.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
         for label, pressure in PRESSURES.items():
@@ -108,9 +118,6 @@ def mesh_table(summaries: dict[str, dict]) -> str:
 
 def comparison(path: Path, base: str) -> None:
     """Transmissibility of all preloads of one base condition."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     from wroll_fem.plotting import plot_comparison, save_figure
     from wroll_fem.results import load_dataset
 
@@ -118,11 +125,22 @@ def comparison(path: Path, base: str) -> None:
     save_figure(plot_comparison(runs), path)
 
 
+def studies() -> None:
+    """Figures of studies that no claim is judged on."""
+    from wroll_fem.claims import Evidence
+    from wroll_fem.claims.family import study_figure
+    from wroll_fem.plotting import save_figure
+
+    with Evidence(ROOT / "runs" / "reproduce", workers=WORKERS) as evidence:
+        for name, (study, figure) in STUDIES.items():
+            print(save_figure(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
+
+
 def main() -> None:
     """Run everything, then copy pictures and write tables."""
     FIGURES.mkdir(parents=True, exist_ok=True)
     todo = jobs()
-    with ThreadPoolExecutor(int(os.environ.get("WORKERS", "2"))) as pool:
+    with ThreadPoolExecutor(WORKERS) as pool:
         summaries = dict(zip(todo, pool.map(run, todo, todo.values()), strict=True))
     for source, target in (
         ("main/figures/transmissibility.png", "transmissibility.png"),
@@ -133,6 +151,7 @@ def main() -> None:
         ("modes/figures/mode_shapes.png", "mode_shapes.png"),
         ("harmonic/figures/transmissibility.png", "harmonic_response.png"),
         ("backbone/figures/backbone.png", "backbone.png"),
+        ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
     comparison(FIGURES / "base_free.png", "free")
@@ -140,7 +159,7 @@ def main() -> None:
     (ROOT / "docs" / "tables").mkdir(exist_ok=True)
     (ROOT / "docs" / "tables" / "base.md").write_text(base_table(summaries))
     (ROOT / "docs" / "tables" / "mesh.md").write_text(mesh_table(summaries))
-    chapter4.main([])
+    studies()
 
 
 if __name__ == "__main__":
