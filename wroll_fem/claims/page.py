@@ -68,7 +68,10 @@ def table(judged: Sequence[Judged]) -> list[str]:
 
 
 def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], list[str]]:
-    """Draw the figures of a chapter; returns the files and the Markdown lines that show them with its tables."""
+    """Draw the figures of a chapter; returns the files and the Markdown lines that show them with its tables.
+
+    Tables are left out when the evidence is fast.
+    """
     paths: list[Path] = []
     lines: list[str] = []
     for family in families(chapter):
@@ -79,7 +82,7 @@ def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], li
                 lines += [f"*{caption}: not drawn ({error}).*", ""]
                 continue
             lines += [f"![{caption}](figures/{name}.png)", "", f"*{caption}*", ""]
-        for name, text in family.tables.items():
+        for name, text in family.tables.items() if not evidence.fast else ():  # studies beside the claims
             lines += [f"**{name}**", "", text(evidence).strip(), ""]
     return paths, lines
 
