@@ -193,6 +193,15 @@ FIELDS: dict[str, Field] = {
     # statics
     "external_pressure": Field("Pa", "external pressure on the layer outside the interface"),
     "static_displacement": Field("m", "displacement under the preload"),
+    # bench experiments
+    "actuator_displacement": Field("m", "displacement of the actuator"),
+    "platen_displacement": Field("m", "displacement of the platen"),
+    "platen_slip": Field("m", "sliding at the platen"),
+    "shear_force": Field("N", "shear force on both stacks"),
+    "friction_coefficient": Field("1", "coefficient of friction"),
+    "slip_rate": Field("m s-1", "slip rate"),
+    "slip_distance": Field("m", "slip"),
+    "state_variable": Field("s", "state of rate-and-state friction"),
 }
 
 

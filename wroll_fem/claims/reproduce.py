@@ -22,7 +22,15 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
     "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": ("two_dof",),
-    "appendices": ("elastic_slip", "integrators", "smoothed_sign", "estimators", "friction_rate"),
+    "appendices": (
+        "elastic_slip",
+        "integrators",
+        "smoothed_sign",
+        "estimators",
+        "shear_tests",
+        "kapton_friction",
+        "friction_rate",
+    ),
 }
 """Chapter -> modules of this package, each with a `FAMILY`."""
 

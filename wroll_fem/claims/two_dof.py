@@ -154,8 +154,8 @@ def c88(evidence: Evidence) -> Verdict:
     said = (
         f"m_2 = 0.85, k_2 {short(k2[above], 'g')}: {short(100 * values[above])} %; but at k_2 "
         f"{short(k2[~above], 'g')}: {short(100 * values[~above])} % (see below); map of {len(m2)} x {len(map_k2)} "
-        f"(m_2 {m2[0]:g} to {m2[-1]:g}, k_2 {map_k2[0]:g} to {map_k2[-1]:g}), next to m_2 = 0.85: {100 * near[0]:.1f} to {100 * near[-1]:.1f} %, "
-        f"lowest {100 * near.min():.1f} %"
+        f"(m_2 {m2[0]:g} to {m2[-1]:g}, k_2 {map_k2[0]:g} to {map_k2[-1]:g}), next to m_2 = 0.85: "
+        f"{100 * near[0]:.1f} to {100 * near[-1]:.1f} %, lowest {100 * near.min():.1f} %"
     )
     return Verdict(said, bool(np.all(np.diff(values) > 0.0)))
 

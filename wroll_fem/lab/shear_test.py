@@ -1,0 +1,237 @@
+r"""Double shear test of two preloaded stacks of layers (thesis, appendix E.3).
+
+Two alike stacks lie between fixed pistons and a platen, which a machine pulls through a spring (load cell and frame);
+the pistons press with F_N. Each of the n - 1 loose layers of a stack has two faces, joined by its own shear stiffness
+G_l A/h, and between the faces of neighbours lies one contact point of the project's penalty friction: n interfaces in
+series,
+
+.. math:: K = 2 \Big(\frac{n}{k_t A} + \frac{n - 1}{G_l A/h}\Big)^{-1}, \qquad k_t = \frac{\mu p}{\gamma^*}, \qquad
+          p = F_N/A
+
+until the weakest interface of each stack slides at F_c = 2 mu F_N. Alike interfaces would all reach their limit at once
+and leave open which of them slides; as in the experiment it is the one at the platen: the others hold a little more
+(`EDGE`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+
+from ..body import FloatArray
+from ..contact.interface import Interface, NormalPenalty, PenaltyCoulomb
+from ..dynamics.static import solve_load_path
+from ..dynamics.system import System
+from ..errors import InputError
+from ..results import annotate
+
+EDGE = 0.05
+"""Share by which the other interfaces hold more than those at the platen; their stick stiffness is the same."""
+NORMAL = 1.0e11
+"""Normal penalty, Pa/m; the normal force is given, so it decides nothing."""
+ELASTIC = 0.8
+"""Share of the largest force up to which the stiffness is fitted."""
+
+
+@dataclass(frozen=True)
+class ShearTest:
+    """Two stacks under double shear.
+
+    Attributes
+    ----------
+    interfaces
+        n, rubbing interfaces of one stack: one more than its loose layers, as both ends are covered with the same film.
+    normal_force
+        F_N of one piston, N.
+    mu, elastic_slip
+        Coefficient of friction at the platen, and elastic slip gamma*, m.
+    area
+        Contact area A, m^2; 45 mm x 45 mm in the source.
+    layer_thickness
+        h, m.
+    layer_shear_modulus
+        G_l of a layer itself, Pa; Kapton's by default.
+    machine_stiffness
+        Spring between actuator and platen, N/m.
+
+    Raises
+    ------
+    InputError
+        For values without a meaning.
+    """
+
+    interfaces: int
+    normal_force: float
+    mu: float = 0.25
+    elastic_slip: float = 1.0e-6
+    area: float = 0.045**2
+    layer_thickness: float = 50.8e-6
+    layer_shear_modulus: float = 2.8e9 / (2.0 * 1.35)
+    machine_stiffness: float = 5.0e7
+
+    def __post_init__(self) -> None:
+        if self.interfaces < 1:
+            raise InputError(f"interfaces = {self.interfaces}", key="interfaces", remedy="give 1 or more")
+        for name in (
+            "normal_force", "mu", "elastic_slip", "area", "layer_thickness", "layer_shear_modulus", "machine_stiffness",
+        ):  # fmt: skip
+            value = getattr(self, name)
+            if not (value > 0.0 and np.isfinite(value)):
+                raise InputError(f"{name} = {value}", key=name, remedy="give a positive number")
+
+    @property
+    def layers(self) -> int:
+        """Loose layers of one stack."""
+        return self.interfaces - 1
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of one stack t, m: its loose layers, and half of each of the films it lies between."""
+        return self.interfaces * self.layer_thickness
+
+    @property
+    def capacity(self) -> float:
+        """F_c = 2 mu F_N, N (equation E.5)."""
+        return 2.0 * self.mu * self.normal_force
+
+    @property
+    def stiffness(self) -> float:
+        """K of the series above, N/m."""
+        stick = self.mu * self.normal_force / self.elastic_slip
+        layer = self.layer_shear_modulus * self.area / self.layer_thickness
+        return 2.0 / (self.interfaces / stick + self.layers / layer)
+
+    def system(self) -> System:
+        """The test as a `System`.
+
+        DOFs: shear of the platen; per stack, from the platen outward, shear of the two faces of each loose layer; then
+        the normal displacement of each layer and of the piston, towards the platen.
+        """
+        faces, bodies = 2 * self.layers, self.layers + 1
+        size = 1 + 2 * (faces + bodies)
+        stiffness, loads, parts = sp.lil_matrix((size, size)), np.zeros(size), []
+        stiffness[0, 0] = self.machine_stiffness
+        own = self.layer_shear_modulus * self.area / self.layer_thickness
+        for stack in range(2):
+            shear, normal = 1 + stack * (faces + bodies), 1 + stack * (faces + bodies) + faces
+            for layer in range(self.layers):
+                pair = [shear + 2 * layer, shear + 2 * layer + 1]
+                for i, j, sign in ((0, 0, 1), (1, 1, 1), (0, 1, -1), (1, 0, -1)):
+                    stiffness[pair[i], pair[j]] += sign * own
+            loads[normal + self.layers] = self.normal_force
+            parts += self._interfaces(stack, shear, normal, size)
+        return System(
+            stiffness=stiffness.tocsr(),
+            mass=sp.identity(size, format="csr"),
+            influence=np.zeros(size),
+            interfaces=tuple(parts),
+            probes={"platen": np.eye(1, size)[0]},
+            loads={"preload": loads, "actuator": self.machine_stiffness * np.eye(1, size)[0]},
+        )
+
+    def _interfaces(self, stack: int, shear: int, normal: int, size: int) -> list[Interface]:
+        """That of the platen, and all others, of one stack."""
+        rows = sp.lil_matrix((3 * self.interfaces, size))
+        for k in range(self.interfaces):  # between body k and body k + 1; body 0 is the platen, the last the piston
+            inner = 0 if k == 0 else shear + 2 * k - 1
+            rows[3 * k + 2, inner] = -1.0
+            if k < self.layers:
+                rows[3 * k + 2, shear + 2 * k] = 1.0
+            # a positive relative displacement is a gap: bodies move towards the platen
+            rows[3 * k, normal + k] = -1.0
+            if k > 0:
+                rows[3 * k, normal + k - 1] = 1.0
+        operator, normal_law = rows.tocsr(), NormalPenalty(NORMAL)
+        groups = [("platen", slice(0, 1), 1.0), ("layers", slice(1, self.interfaces), 1.0 + EDGE)]
+        found = []
+        for name, part, holds in groups:
+            count = len(range(*part.indices(self.interfaces)))
+            if count == 0:
+                continue
+            law = PenaltyCoulomb(holds * self.mu, holds * self.elastic_slip)
+            own = operator[3 * part.start : 3 * part.stop]
+            points = np.column_stack([np.zeros(count), np.arange(part.start, part.stop, dtype=float), np.ones(count)])
+            found.append(
+                Interface(f"stack {stack + 1}, {name}", own, np.full(count, self.area), points, law, normal_law)
+            )
+        return found
+
+
+def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> xr.Dataset:
+    """Pull the platen through stick into sliding, statically, after the preload.
+
+    Parameters
+    ----------
+    steps
+        Equal steps of the actuator.
+    travel
+        Way of the actuator over that at which the platen slides.
+
+    Returns
+    -------
+    xr.Dataset
+        Over `step`: `actuator_displacement` and `platen_displacement` in m, `shear_force` of the machine in N,
+        `platen_slip` (sliding at the platen, less its elastic slip) in m; `friction_coefficient`, the force over
+        2 F_N (equation E.5). Attributes: `shear_capacity_n`, `shear_stiffness_n_m`, `shear_modulus_pa`,
+        `pressure_pa`, `interfaces`.
+
+    Raises
+    ------
+    InputError
+        When a step of the actuator could make more than the platen's interfaces slide.
+    ConvergenceError
+        When a step finds no equilibrium.
+    """
+    if travel / steps >= EDGE:
+        raise InputError(f"{steps} steps", key="steps", remedy=f"use more than {travel / EDGE:.0f}")
+    system = test.system()
+    slides_at = test.capacity * (1.0 / test.stiffness + 1.0 / test.machine_stiffness)
+    way = travel * slides_at * np.arange(steps + 1) / steps
+    preload, pull = system.loads["preload"], system.loads["actuator"]
+    pressed = solve_load_path(system, [preload])[-1]
+    states = [pressed, *solve_load_path(system, [preload + value * pull for value in way[1:]], pressed)]
+    platen = np.array([state.displacement[0] for state in states])
+    first = [state.jump[1] - state.elastic_slip[1] for state in states]  # axial slot of the first stack's platen
+    force = test.machine_stiffness * (way - platen)
+    stiffness = stiffness_of(platen, force)
+    data = xr.Dataset(
+        {
+            "actuator_displacement": ("step", way),
+            "platen_displacement": ("step", platen),
+            "shear_force": ("step", force),
+            "platen_slip": ("step", np.abs(np.array(first))),
+            "friction_coefficient": ("step", force / (2.0 * test.normal_force)),
+        },
+        {"step": np.arange(steps + 1)},
+    )
+    return annotate(data).assign_attrs(
+        shear_capacity_n=float(force.max()), shear_stiffness_n_m=stiffness,
+        shear_modulus_pa=modulus_of(stiffness, test.area, test.thickness),
+        pressure_pa=test.normal_force / test.area, interfaces=test.interfaces,
+    )  # fmt: skip
+
+
+def stiffness_of(displacement: FloatArray, force: FloatArray, *, share: float = ELASTIC) -> float:
+    """Slope of a straight line fitted to force (N) over displacement (m) up to a ``share`` of the largest force."""
+    stop = int(np.argmax(force > share * force.max()))
+    return float(np.polyfit(displacement[:stop], force[:stop], 1)[0])
+
+
+def modulus_of(stiffness: float, area: float, thickness: float) -> float:
+    """Shear modulus in Pa of two stacks in double shear, G = K t/(2 A): each carries half of the force.
+
+    Parameters
+    ----------
+    stiffness
+        Of both stacks, N/m.
+    thickness
+        Of one stack, m.
+
+    References
+    ----------
+    Equations E.2 and E.3 of the thesis have G A/t, which is one stack's stiffness.
+    """
+    return stiffness * thickness / (2.0 * area)
