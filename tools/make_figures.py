@@ -24,7 +24,6 @@ STUDIES = {
     "winding_transmissibility": ("tension", "transmissibility_over_tension"),
     "ch4_preload_low_transmissibility_over_preload": ("preload_low", "transmissibility_over_preload"),
     "ch4_preload_low_damping_over_frequency": ("preload_low", "damping_over_frequency"),
-    "ch4_layer_modulus": ("layer_modulus", "layer_modulus"),
     "ch4_integrators": ("integrators", "integrators"),
     "ch4_elastic_slip": ("elastic_slip", "elastic_slip"),
 }
