@@ -20,7 +20,7 @@ from .family import Family
 from .verdict import Verdict
 from .words import numbers, table
 
-STUDY, SCHEME, STEPS = "integrators_source", "integrator.scheme", "integrator.steps_per_cycle"
+STUDY, SCHEME = "integrators_source", "integrator.scheme"
 NAMES = ("no_damping", "transient_fidelity", "moderate_dissipation", "quasi_static")
 PRINTED = {-0.05: ("0.275625", "0.55"), -0.41421: ("0.5", "0.91421"), 0.0: ("0.25", "0.5")}
 """alpha -> beta and gamma as Table B.1 prints them."""
@@ -84,10 +84,9 @@ def by_scheme(evidence: Evidence) -> dict[str, SeriesMember]:
 
 def reference(evidence: Evidence) -> SeriesMember:
     """Return the sweep with alpha = -0.05 at a fraction of the source's step."""
-    member = next(iter(by_scheme(evidence).values()))
-    sets = [f"{key}={value}".lower() for key, value in member.values.items() if key not in (SCHEME, STEPS)]
-    steps = FINER * int(member.values[STEPS])
-    data = evidence.result("lab_integrators", *sets, f"{SCHEME}=transient_fidelity", f"{STEPS}={steps}")
+    one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
+    steps = FINER * one.case.integrator.steps_per_cycle
+    data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
     return SeriesMember("reference", {}, data)
 
 
