@@ -137,9 +137,6 @@ def no_signature(app, what: str, name: str, obj: object, *_: object) -> tuple[st
 
 #: Tables that tools write without a heading.
 TITLES = {
-    "tables/appendix_a": "Elastic slip (appendix A)",
-    "tables/appendix_b": "Integration schemes (appendix B)",
-    "tables/appendix_c": "Smoothed sign (appendix C)",
     "tables/base": "Lab roll: base of the layer",
     "tables/benchmark": "Benchmark of the methods",
     "tables/coil_mesh": "Solid coil: mesh",
