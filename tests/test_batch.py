@@ -6,10 +6,7 @@ import csv
 import itertools
 import json
 import re
-import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -225,17 +222,30 @@ def test_a_finished_case_is_not_run_again(finished: tuple[Path, Path, Result], m
     path, out, _ = finished
     started: list[str] = []
 
-    def record(self: object, words: list[str]) -> Ended:
+    def record(self: object, words: list[str], folder: Path) -> Ended:
         started.append(Path(words[2]).name)
         return Ended(3, "stand-in")
 
     monkeypatch.setattr(LocalPool, "_run", record)
     progress = SilentProgress()
+    before = rows(out)
     outcomes = run_grid(load_grid(path), out, progress=progress)
+    assert started == []  # what failed stays so, too
+    assert rows(out) == before
+    outcomes = run_grid(load_grid(path), out, retry=True, progress=progress)
     assert [o.status for o in outcomes] == ["already done", "already done", "failed", "failed"]
     assert started == [o.member.name for o in outcomes[2:]]
     assert [row["status"] for row in rows(out)] == ["complete", "complete", "failed", "failed"]
-    assert sum("already done" in text for text in progress.infos) == 2
+    assert sum("already done" in text for text in progress.infos) == 4
+
+
+def test_a_second_call_reports_what_failed_and_names_the_way_on(finished: tuple[Path, Path, Result]) -> None:
+    path, out, first = finished
+    again = wroll("batch", path, "--out", out)
+    assert again.exit_code == first.exit_code == 3
+    told = again.stderr.splitlines()
+    assert told[:2] == first.stderr.splitlines()[:2]  # the same failures in the same words
+    assert told[2:] == ["2 failed in an earlier call and stay so; --retry tries them again", "2 of 4 cases failed"]
 
 
 def test_a_folder_of_another_case_is_left_alone_and_reported(
@@ -281,33 +291,6 @@ def test_a_process_that_dies_is_a_failed_case(tmp_path: Path, monkeypatch: pytes
     path = grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")
     outcomes = run_grid(load_grid(path), tmp_path / "out")
     assert [(o.status, o.error, o.exit_code) for o in outcomes] == [("failed", "the process ended with code -9", 1)] * 2
-
-
-def test_an_interrupted_batch_goes_on_where_it_was(tmp_path: Path) -> None:
-    text = (
-        f"base: {TINY}\ngrid: {{preload.pressure: [1.0e+5, 3.0e+4], output.figures: [false], output.fields: [none],"
-        " excitation.cycles: [1500], solver.checkpoint_seconds: [0.3]}"
-    )
-    path, out = grid_file(tmp_path, text), tmp_path / "out"
-    command = [sys.executable, "-m", "wroll_fem.cli", "batch", str(path), "--out", str(out)]
-    job = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
-    first = RunFolder(out / "pressure_100000")
-    until = time.monotonic() + 120
-    while not first.checkpoint_file.is_file():
-        assert job.poll() is None, job.communicate()
-        assert time.monotonic() < until
-        time.sleep(0.02)
-    job.send_signal(signal.SIGINT)
-    _, errors = job.communicate(timeout=60)
-    assert (job.returncode, errors) == (130, "interrupted; the same command goes on from here\n")
-    assert first.status() == "interrupted"
-    assert first.checkpoint_file.is_file()
-    assert not (out / "pressure_30000").exists()
-    assert rows(out) == []
-    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False, timeout=300)
-    assert done.returncode == 0, done.stderr
-    assert [row["status"] for row in rows(out)] == ["complete", "complete"]
-    assert first.provenance()["resumed"] is True
 
 
 # ---- tables and figures ----------------------------------------------------------------------------

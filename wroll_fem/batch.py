@@ -5,25 +5,29 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Mapping, Sequence
-from concurrent.futures import CancelledError, Future, as_completed, wait
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .errors import InputError
+from .errors import ConvergenceError, InputError
 from .grid import REFERENCE, Grid, Member
 from .pools import ClusterPool, Ended, LocalPool, Pool
 from .progress import Progress, SilentProgress
 from .run_folder import RunFolder, plain
+from .tally import Tally
 
 if TYPE_CHECKING:
     import xarray as xr
 
 STOP_SECONDS = 30.0
 """How long cases may take to save themselves when a batch is interrupted."""
+
+LOOK_SECONDS = 1.0
+"""How often the pool is asked which cases are at work."""
 
 _UNITS = {"hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "m_s2": "m s-2", "rad": "rad"}
 """Last words of a name in summary.json -> unit."""
@@ -41,12 +45,15 @@ class Outcome:
         One line; empty unless failed.
     exit_code
         That of `wroll run`.
+    tried
+        False for a case that failed in an earlier call and was not tried again.
     """
 
     member: Member
     status: Literal["complete", "already done", "failed"]
     error: str = ""
     exit_code: int = 0
+    tried: bool = True
 
 
 def run_grid(
@@ -55,6 +62,7 @@ def run_grid(
     *,
     workers: int = 1,
     scheduler: str | None = None,
+    retry: bool = False,
     progress: Progress | None = None,
 ) -> list[Outcome]:
     """Run every case of a grid that is not yet done, each in a process and a run folder of its own.
@@ -69,8 +77,10 @@ def run_grid(
         Cases at a time, each on one thread, on this machine.
     scheduler
         Address of a Dask scheduler, "tcp://HOST:PORT", whose workers run the cases; they must see the same files.
+    retry
+        Try cases again whose last run came to an end without results (no convergence, an error).
     progress
-        Gets one line per finished case.
+        Gets one line per finished case, and which cases are at work.
 
     Returns
     -------
@@ -87,20 +97,21 @@ def run_grid(
 
     Notes
     -----
-    A case counts as done when its folder holds the results of a case with the same hash; an unfinished one goes on from
-    its checkpoint.
+    A case counts as done when its folder holds the results of a case with the same hash. One that failed by itself is
+    reported as failed, and run again only with `retry`: the same case fails in the same way. One that was interrupted
+    or killed is unfinished and goes on from its checkpoint.
     """
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
     _check_own(grid, out)
     pool: Pool = LocalPool(workers) if scheduler is None else ClusterPool(scheduler)
     try:
-        return _run_all(grid, out, pool, progress)
+        return _run_all(grid, out, pool, progress, retry=retry)
     finally:
         pool.close()
 
 
-def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress) -> list[Outcome]:
+def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress, *, retry: bool) -> list[Outcome]:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -108,32 +119,48 @@ def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress) -> list[Outc
             f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"
         ) from None
     outcomes: dict[str, Outcome] = {}
-    total = len(grid.members)
+    tally = Tally(len(grid.members))
 
-    def finished(outcome: Outcome) -> None:
+    def finished(outcome: Outcome, started: float | None = None) -> None:
         outcomes[outcome.member.name] = outcome
-        progress.info(f"{len(outcomes)} of {total}  {outcome.member.name}: {_told(outcome, out)}")
+        tally.settle(failed=outcome.status == "failed", started=started)
+        progress.info(f"{tally.done} of {tally.total}  {outcome.member.name}: {_told(outcome, out)}")
 
     todo = []
     for member in grid.members:
-        done = _found(member, out)
+        done = _found(member, out, retry=retry)
         if done is None:
             todo.append(member)
         else:
             finished(done)
-    started = {pool.submit(_words(member, out), out / member.name): member for member in todo}
     try:
-        for future in as_completed(started):
-            finished(_outcome(started[future], future))
-    except KeyboardInterrupt:
-        pool.stop()
-        wait(started, timeout=STOP_SECONDS)
-        raise
+        if todo:
+            _run_some(todo, out, pool, progress, tally, finished)
     finally:
-        write_tables(list(outcomes.values()), out)
-    ordered = [outcomes[member.name] for member in grid.members]
-    write_tables(ordered, out)
-    return ordered
+        write_tables([outcomes[member.name] for member in grid.members if member.name in outcomes], out)
+    return [outcomes[member.name] for member in grid.members]
+
+
+def _run_some(
+    todo: Sequence[Member], out: Path, pool: Pool, progress: Progress, tally: Tally, finished: Callable[..., None]
+) -> None:
+    """Run cases side by side, tell which are at work, and report each that ends."""
+    seen: dict[str, float] = {}  # name -> start of every case that was seen at work
+    pending = {pool.submit(_words(member, out), out / member.name): member for member in todo}
+    with progress.stage("batch", tally.total, "cases") as stage:
+        try:
+            while pending:
+                ended, _ = wait(pending, timeout=LOOK_SECONDS, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    member = pending.pop(future)
+                    finished(_outcome(member, future), seen.get(member.name, tally.begun))
+                running = pool.at_work()
+                seen |= running
+                stage.update(tally.done, tally.note(running), tally.left(running))
+        except KeyboardInterrupt:
+            pool.stop()
+            wait(pending, timeout=STOP_SECONDS)
+            raise
 
 
 def _words(member: Member, out: Path) -> list[str]:
@@ -164,26 +191,35 @@ def _check_own(grid: Grid, out: Path) -> None:
         )  # fmt: skip
 
 
-def _found(member: Member, out: Path) -> Outcome | None:
+def _found(member: Member, out: Path, *, retry: bool) -> Outcome | None:
     """Outcome of a case that need not, or must not, be run."""
+    folder = RunFolder(out / member.name)
     try:
-        start = RunFolder(out / member.name).check(member.case, resume=True)
+        start = folder.check(member.case, resume=True)
+        held = folder.provenance()
     except InputError as error:
         return Outcome(member, "failed", str(error), error.exit_code)
-    return Outcome(member, "already done") if start == "complete" else None
+    if start == "complete":
+        return Outcome(member, "already done")
+    ended = held.get("status") in ("not_converged", "failed") and held.get("case_hash") == member.case.hash()
+    if retry or not ended:
+        return None
+    said = str(held.get("error", "see its run.log")).splitlines()[0]
+    return Outcome(member, "failed", said, int(held.get("exit_code", ConvergenceError.exit_code)), tried=False)
 
 
 def _told(outcome: Outcome, out: Path) -> str:
     if outcome.status == "failed":
-        return f"FAILED: {outcome.error}"
+        return f"FAILED{'' if outcome.tried else ' before'}: {outcome.error}"
     summary = RunFolder(out / outcome.member.name).summary()
+    single = {key: value for key, value in summary.items() if isinstance(value, float)}
     words: list[str] = [outcome.status]
-    if summary.get("f_n_hz") is not None:
-        words.append(f"f_n {summary['f_n_hz']:.2f} Hz")
-    if summary.get("zeta") is not None:
-        words.append(f"zeta {100 * summary['zeta']:.2f} %")
-    if outcome.status == "complete" and summary.get("wall_time_s") is not None:
-        words.append(f"{summary['wall_time_s']:.1f} s")
+    if "f_n_hz" in single:
+        words.append(f"f_n {single['f_n_hz']:.2f} Hz")
+    if "zeta" in single:
+        words.append(f"zeta {100 * single['zeta']:.2f} %")
+    if outcome.status == "complete" and "wall_time_s" in single:
+        words.append(f"{single['wall_time_s']:.1f} s")
     return ", ".join(words)
 
 

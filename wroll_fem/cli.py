@@ -128,6 +128,7 @@ def batch(
         str | None,
         typer.Option("--scheduler", help="tcp://HOST:PORT of a Dask cluster whose workers run the cases instead."),
     ] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Try cases again that failed in an earlier call.")] = False,
 ) -> None:
     """Run a grid of cases: only what is not yet done; one table and the study's figures at the end."""
     with _reporting():
@@ -138,7 +139,7 @@ def batch(
         target = out if out is not None else Path("runs") / grid_file.stem
         try:
             with _sigterm_interrupts(), TerminalProgress() as progress:
-                outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, progress=progress)
+                outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, retry=retry, progress=progress)
         except KeyboardInterrupt:
             typer.echo("interrupted; the same command goes on from here", err=True)
             raise typer.Exit(130) from None
@@ -146,6 +147,9 @@ def batch(
         failed = [outcome for outcome in outcomes if outcome.status == "failed"]
         for outcome in failed:
             typer.echo(f"{outcome.member.name}: {outcome.error}", err=True)
+        before = sum(not outcome.tried for outcome in failed)
+        if before:
+            typer.echo(f"{before} failed in an earlier call and stay so; --retry tries them again", err=True)
         if failed:
             typer.echo(f"{len(failed)} of {len(outcomes)} cases failed", err=True)
         for figure in draw_figures(grid, outcomes, target):

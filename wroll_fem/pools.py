@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import fcntl
 import os
@@ -10,12 +11,13 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from .errors import InputError
+from .run_folder import RunFolder
 
 CONNECT_SECONDS = 10.0
 """How long a scheduler may take to answer."""
@@ -27,6 +29,7 @@ FREE_SECONDS = 60.0
 """How long a run whose worker died may take to save itself."""
 
 _PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
+_LIBC = ctypes.CDLL(None)
 
 
 class Ended(NamedTuple):
@@ -42,6 +45,9 @@ class Pool(Protocol):
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
         """Start `wroll run` with these words; it writes to ``folder``."""
 
+    def at_work(self) -> dict[str, float]:
+        """Name of the folder -> start (time.time) of every case that runs now."""
+
     def stop(self) -> None:
         """End what runs; each process saves itself."""
 
@@ -50,12 +56,20 @@ class Pool(Protocol):
 
 
 def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
-    """`wroll run` in a session of its own: Ctrl-C reaches it through `Pool.stop`, once."""
+    """`wroll run` in a session of its own: Ctrl-C reaches it through `Pool.stop`, once.
+
+    It follows its parent: when that is killed it gets SIGTERM, saves itself and frees its folder.
+    """
     return subprocess.Popen(
         [sys.executable, "-m", "wroll_fem.cli", "run", *words],
         env=os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"},
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True, **options,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=_follow_parent, **options,
     )  # fmt: skip
+
+
+def _follow_parent() -> None:
+    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def _ended(process: subprocess.Popen[str]) -> Ended:
@@ -78,25 +92,31 @@ class LocalPool:
             remedy = "give the cases to run at a time"
             raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy=remedy)
         self._threads = ThreadPoolExecutor(workers)
-        self._running: set[subprocess.Popen[str]] = set()
+        self._running: dict[subprocess.Popen[str], tuple[str, float]] = {}
         self._lock = threading.Lock()
         self._stopped = False
 
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
         """Run one case in a process of its own."""
-        return self._threads.submit(self._run, list(words))
+        return self._threads.submit(self._run, list(words), folder)
 
-    def _run(self, words: list[str]) -> Ended:
+    def _run(self, words: list[str], folder: Path) -> Ended:
+        _wait_until_free(folder / "run.log", lambda: self._stopped)
         with self._lock:
             if self._stopped:
                 return Ended(130, "not started")
             process = _started(words)
-            self._running.add(process)
+            self._running[process] = folder.name, time.time()
         try:
             return _ended(process)
         finally:
             with self._lock:
-                self._running.discard(process)
+                del self._running[process]
+
+    def at_work(self) -> dict[str, float]:
+        """Folder names and starts of the processes."""
+        with self._lock:
+            return dict(self._running.values())
 
     def stop(self) -> None:
         """End every process; each saves itself."""
@@ -139,11 +159,25 @@ class ClusterPool:
             problem = f"no answer from {address} within {CONNECT_SECONDS:g} s ({type(error).__name__})"
             raise InputError(problem, key="--scheduler", remedy=remedy) from None
         self._executor: Executor = self._client.get_executor(pure=False, retries=RETRIES)
+        self._begun = time.time()
+        self._folders: dict[Future[Ended], Path] = {}
 
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
         """Run one case on some worker."""
         future: Future[Ended] = self._executor.submit(run_on_worker, list(words), str(folder.resolve()), os.getcwd())
+        self._folders[future] = folder
         return future
+
+    def at_work(self) -> dict[str, float]:
+        """Cases whose folder says that they run, since this batch began: the scheduler knows queued ones as well."""
+        found = {}
+        for folder in [folder for future, folder in self._folders.items() if not future.done()]:
+            file = RunFolder(folder).provenance_file
+            with contextlib.suppress(OSError, InputError):  # not there yet, or just being written
+                start = file.stat().st_mtime
+                if start >= self._begun and RunFolder(folder).status() == "running":
+                    found[folder.name] = start
+        return found
 
     def stop(self) -> None:
         """Forget what has not begun; processes that run save themselves."""
@@ -161,7 +195,7 @@ _on_this_worker: set[subprocess.Popen[str]] = set()
 def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
     """Run `wroll run` on a Dask worker, once ``folder`` is free of a process whose worker has died."""
     _wait_until_free(Path(folder) / "run.log")
-    process = _started(words, cwd=working_directory, preexec_fn=_follow_parent)
+    process = _started(words, cwd=working_directory)
     _on_this_worker.add(process)
     try:
         return _ended(process)
@@ -175,15 +209,10 @@ def end_processes() -> None:
         process.terminate()
 
 
-def _follow_parent() -> None:
-    """A child whose worker is killed gets SIGTERM, saves itself and frees its folder."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-
-
-def _wait_until_free(log: Path) -> None:
+def _wait_until_free(log: Path, stopped: Callable[[], bool] = lambda: False) -> None:
     """Wait for a run that is ending to let go of its folder (`RunFolder.open` holds run.log)."""
     end = time.monotonic() + FREE_SECONDS
-    while time.monotonic() < end and log.exists():
+    while time.monotonic() < end and log.exists() and not stopped():
         with log.open("a", encoding="utf-8") as stream:
             try:
                 fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from datetime import datetime
+from math import isfinite
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self, TextIO
@@ -22,8 +23,16 @@ BAR_SECONDS = 0.1
 class Stage(Protocol):
     """One stretch of work with a known total."""
 
-    def update(self, done: float, note: str = "") -> None:
-        """Report that `done` of the stage's total is finished; `note` is shown behind it."""
+    def update(self, done: float, note: str = "", left: float | None = None) -> None:
+        """Report that `done` of the stage's total is finished.
+
+        Parameters
+        ----------
+        note
+            Shown behind it.
+        left
+            Seconds left, where the caller knows better than a constant pace would tell; nan for unknown.
+        """
 
 
 class Progress(Protocol):
@@ -40,7 +49,7 @@ class Progress(Protocol):
 
 
 class _SilentStage:
-    def update(self, done: float, note: str = "") -> None:
+    def update(self, done: float, note: str = "", left: float | None = None) -> None:
         """Ignore the report."""
 
 
@@ -148,20 +157,37 @@ class TerminalProgress:
     @contextmanager
     def _bar(self, name: str, total: float, unit: str) -> Iterator[_BarStage]:
         from rich.console import Console
-        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            Task,
+            TaskProgressColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
         from rich.progress import Progress as Bars
+        from rich.text import Text
+
+        class Left(TimeRemainingColumn):
+            """The stage's own estimate where it gives one."""
+
+            def render(self, task: Task) -> Text:
+                left = task.fields["left"]
+                if left is None:
+                    return super().render(task)
+                return Text(f"{_duration(left)} left" if isfinite(left) else "", "progress.remaining")
 
         if self._bars is None:
             columns = ("{task.description}", "{task.fields[note]}")
             console = Console(file=self._stream, force_terminal=True)
             self._bars = Bars(
-                TextColumn(columns[0]), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
+                TextColumn(columns[0]), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), Left(),
                 TextColumn(columns[1]), console=console, transient=True,
             )  # fmt: skip
         if self._open == 0:
             self._bars.start()
         self._open += 1
-        task = self._bars.add_task(name, total=total, note=unit)
+        task = self._bars.add_task(name, total=total, note=unit, left=None)
         try:
             yield _BarStage(self._bars, task)
         finally:
@@ -190,11 +216,11 @@ class _BarStage:
     def __init__(self, bars: Any, task: Any) -> None:
         self._bars, self._task, self._last = bars, task, 0.0
 
-    def update(self, done: float, note: str = "") -> None:
+    def update(self, done: float, note: str = "", left: float | None = None) -> None:
         now = time.monotonic()
         if now - self._last >= BAR_SECONDS:
             self._last = now
-            self._bars.update(self._task, completed=done, note=note)
+            self._bars.update(self._task, completed=done, note=note, left=left)
 
 
 class _LineStage:
@@ -203,7 +229,7 @@ class _LineStage:
         self._started = self._last = started
         self._shown = 0.0
 
-    def update(self, done: float, note: str = "") -> None:
+    def update(self, done: float, note: str = "", left: float | None = None) -> None:
         now = time.monotonic()
         share = done / self._total
         waited = now - self._last
@@ -211,10 +237,12 @@ class _LineStage:
         if not due or share >= 1:
             return
         self._last, self._shown = now, share
-        left = f", {_duration((now - self._started) * (1 - share) / share)} left" if share > 0 else ""
+        if left is None and share > 0:
+            left = (now - self._started) * (1 - share) / share
+        shown = f", {_duration(left)} left" if left is not None and isfinite(left) else ""
         tail = f", {note}" if note else ""
         self._owner.info(
-            f"{self._name}: {share:.0%} ({done:g} of {self._total:g} {self._unit}){left}{tail}".replace(" )", ")")
+            f"{self._name}: {share:.0%} ({done:g} of {self._total:g} {self._unit}){shown}{tail}".replace(" )", ")")
         )
 
 

@@ -65,7 +65,7 @@ class RunFolder:
         """
         if self.path.exists() and not self.path.is_dir():
             raise self._refuse("is a file, not a folder", "choose another --out")
-        if not self.path.exists() or not any(self.path.iterdir()):
+        if not self.path.exists() or not any(self._held()):
             return "new"
         held, mine = self.case_hash(), case.hash()
         if held is None:
@@ -84,6 +84,10 @@ class RunFolder:
         if not resume:
             raise self._refuse("holds an unfinished run of this case", "add --resume to go on, or delete the folder")
         return "resume"
+
+    def _held(self) -> Iterator[Path]:
+        """Files of the folder, without those that a run killed while it opened the folder leaves behind."""
+        return (p for p in self.path.iterdir() if p != self.log_file and p.suffix != ".partial")
 
     def holds_results(self) -> bool:
         """Whether there is anything to lose: results, a summary or a checkpoint."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .case import Case
-from .errors import ConvergenceError
+from .errors import ConvergenceError, WrollError
 from .progress import Progress, SilentProgress, TerminalProgress
 from .run_folder import RunFolder, Status
 
@@ -82,6 +82,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
     started = time.perf_counter()
     status: Status = "failed"
     dataset: xr.Dataset | None = None
+    failure: dict[str, Any] = {}
     try:
         for text in analyses.case_warnings(case):
             progress.warning(text)
@@ -89,7 +90,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         summary, figures = _save(case, folder, dataset, progress, time.perf_counter() - started)
         status = "complete"
     except ConvergenceError as error:
-        status = "not_converged"
+        status, failure = "not_converged", _told(error)
         dataset = getattr(error, "partial", None)
         if dataset is not None:
             _save_dataset(case, folder, dataset, complete=False)
@@ -98,12 +99,21 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
     except KeyboardInterrupt:
         status = "interrupted"
         raise
+    except Exception as error:  # input found wrong on the way, or a defect, whose traceback goes on to the caller
+        failure = _told(error)
+        raise
     finally:
-        # a status of "failed" marks a defect of the program; its traceback goes on to the caller
         seeds = {} if dataset is None else {k: v for k, v in dataset.attrs.items() if "seed" in str(k)}
-        folder.record(status, wall_time_s=time.perf_counter() - started, resumed=resume, seeds=seeds)
+        folder.record(status, wall_time_s=time.perf_counter() - started, resumed=resume, seeds=seeds, **failure)
     folder.checkpoint_file.unlink(missing_ok=True)
     return Run(folder, summary, figures)
+
+
+def _told(error: Exception) -> dict[str, Any]:
+    """What provenance.json keeps of a failure."""
+    if isinstance(error, WrollError):
+        return {"error": str(error), "exit_code": error.exit_code}
+    return {"error": f"{type(error).__name__}: {error}", "exit_code": 1}
 
 
 def _save(

@@ -1,0 +1,60 @@
+"""Where a batch stands: what is done, failed and running, and how long the rest takes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import nan
+
+NAMED = 3
+"""Running cases that are named; of more, their number."""
+
+
+@dataclass
+class Tally:
+    """Counts of one call of `run_grid`.
+
+    Attributes
+    ----------
+    total
+        Cases of the grid.
+    done, failed
+        Cases settled, before the call or in it, and those of them that failed.
+    seconds
+        Wall time of each case that ended in this call.
+    """
+
+    total: int
+    done: int = 0
+    failed: int = 0
+    seconds: list[float] = field(default_factory=list)
+    begun: float = field(default_factory=time.time)
+
+    def settle(self, *, failed: bool, started: float | None = None) -> None:
+        """Count a case; ``started`` (time.time) when it ran in this call."""
+        self.done += 1
+        self.failed += failed
+        if started is not None:
+            self.seconds.append(time.time() - started)
+
+    def left(self, running: Mapping[str, float]) -> float:
+        """Seconds until all are done at the pace of this call so far; nan before the first case has ended.
+
+        Parameters
+        ----------
+        running
+            Name -> start (time.time) of the cases at work. They count with the share of a mean case that they have run.
+        """
+        if not self.seconds:
+            return nan
+        now, mean = time.time(), max(sum(self.seconds) / len(self.seconds), 1e-3)
+        shares = sum(min((now - start) / mean, 0.9) for start in running.values())
+        return (now - self.begun) * (self.total - self.done - shares) / (len(self.seconds) + shares)
+
+    def note(self, running: Mapping[str, float]) -> str:
+        """How many failed, and what runs."""
+        names = sorted(running, key=lambda name: running[name])
+        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        parts = [f"running {', '.join(names[:NAMED])}{more}"] if names else []
+        return "; ".join(([f"{self.failed} failed"] if self.failed else []) + parts)
