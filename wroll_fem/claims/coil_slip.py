@@ -47,16 +47,17 @@ def onset(data: xr.Dataset) -> float:
     return float(data["slip_onset"].min())
 
 
-def place(data: xr.Dataset, point: int) -> str:
-    """Where a point of the coil is, in words."""
-    depth = 1e3 * (float(data["r_m"][point]) - data.attrs["mandrel_radius_m"])
-    angle = abs(np.degrees(float(data["theta_rad"][point])))
-    return f"{depth:.2f} mm from the mandrel, {1e3 * float(data['z_m'][point]):.2f} mm above the base, {angle:.0f} deg"
-
-
 def from_axis(degrees: float) -> float:
     """Angle to the nearest of 0 and 180 degrees."""
     return min(abs(degrees) % 180.0, 180.0 - abs(degrees) % 180.0)
+
+
+def place(data: xr.Dataset, point: int) -> str:
+    """Where a point of the coil is, in words."""
+    depth = 1e3 * (float(data["r_m"][point]) - data.attrs["mandrel_radius_m"])
+    angle = from_axis(float(np.degrees(data["theta_rad"].values[point])))  # the same for its mirror images, which tie
+    height = 1e3 * float(data["z_m"][point])
+    return f"{depth:.2f} mm from the mandrel, {height:.2f} mm above the base, {angle:.0f} deg from the axis"
 
 
 class RootSection:

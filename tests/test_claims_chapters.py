@@ -1,0 +1,545 @@
+"""Judges of chapters 2 and 4: real evidence where it is cheap, written-down results where a criterion must fail."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.synthetic_roll import contact_points
+from wroll_fem.claims import (
+    Evidence,
+    Verdict,
+    coil_slip,
+    coiled_stiff,
+    design_map,
+    friction_rate,
+    lab_model,
+    layers,
+    preload_series,
+)
+from wroll_fem.claims.checklist import explanations, of_chapters
+from wroll_fem.claims.reproduce import families
+from wroll_fem.claims.verdict import MET, NOT_MET, THESIS_ERROR
+from wroll_fem.claims.words import monotone, numbers, rank_correlation, table
+from wroll_fem.plotting.study import SeriesMember
+
+ROOT = Path(__file__).resolve().parents[1]
+TURNED = ("C18", "C21", "C59", "C65", "C67", "C70", "C71")
+ERRORS = ("C2", "C5", "C13", "C58")
+
+
+def judges(chapter: str) -> dict[str, Callable[[Evidence], Verdict]]:
+    return {name: judge for family in families(chapter) for name, judge in family.judges.items()}
+
+
+@pytest.mark.parametrize("chapter", ["ch2", "ch4"])
+def test_every_claim_of_the_chapter_has_one_judge(chapter: str) -> None:
+    names = [name for family in families(chapter) for name in family.judges]
+    assert sorted(names) == sorted(claim.id for claim in of_chapters([chapter]))
+    figures = [name for family in families(chapter) for name in family.figures]
+    assert len(figures) == len(set(figures))
+
+
+def test_claims_that_are_not_met_or_name_an_error_are_explained() -> None:
+    """By the verdicts on the page about all claims, and by those that are known to need one."""
+    rows = re.findall(r"^\| (C\d+) \|.*\*\*(.+)\*\* \|$", (ROOT / "docs" / "claims.md").read_text(), re.MULTILINE)
+    chapters = {claim.id for claim in of_chapters(["ch2", "ch4"])}
+    needed = {name for name, word in rows if name in chapters and word in (NOT_MET, THESIS_ERROR)}
+    assert needed | {*TURNED, *ERRORS} <= set(explanations())
+    for name in TURNED:
+        text = explanations()[name]
+        assert "computed" in text.lower(), name
+        assert re.search("cause", text, re.IGNORECASE), name
+
+
+# ---- real evidence -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["C1", "C2", "C3", "C4", "C5", "C6", "C7", "C8", "C10", "C11", "C12", "C13", "C32", "C57", "C61", "C62"]
+)
+def test_what_needs_no_run_is_judged_on_the_case_files(name: str, tmp_path: Path) -> None:
+    verdict = (judges("ch2") | judges("ch4"))[name](Evidence(tmp_path, workers=1))
+    assert verdict.word == (THESIS_ERROR if name in ERRORS else MET), verdict.value
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("config", "override", "name"),
+    [
+        ("winding_case_study", "winding.wraps=299", "C10"),
+        ("winding_case_study", "winding.mu=0.25", "C11"),
+        ("winding_case_study", "winding.web.radial_modulus.K2=41", "C5"),
+        ("kapton_roll", "coil.material.E_r=0.1e9", "C32"),
+        ("lab_sweep", "coil.total_thickness=1.5e-3", "C57"),
+        ("lab_sweep", "excitation.f_end=180", "C62"),
+        ("winding_lab", "winding.wraps=100", "C61"),
+    ],
+)
+def test_another_input_is_noticed(config: str, override: str, name: str, tmp_path: Path) -> None:
+    evidence = Evidence(tmp_path, fast=True, workers=1)
+    evidence.__dict__["_coarse"] = {"cases": {config: [override]}, "studies": {}}
+    assert (judges("ch2") | judges("ch4"))[name](evidence).holds is False
+
+
+def test_soft_and_hard_roll_are_judged_on_their_study(tmp_path: Path) -> None:
+    verdict = judges("ch2")["C9"](Evidence(tmp_path, workers=1))
+    assert verdict.word == MET
+    assert (tmp_path / "studies" / "winding_hardness" / "batch.csv").is_file()
+
+
+# ---- written-down results ------------------------------------------------------------------------
+
+
+class Pretend(Evidence):
+    """Evidence that is given: studies and summaries by name, results by a function of (config, override, ...)."""
+
+    def __init__(
+        self,
+        folder: Path,
+        studies: Mapping[str, list[SeriesMember]] | None = None,
+        summaries: Mapping[str, dict] | None = None,
+        answer: Callable[..., xr.Dataset] | None = None,
+    ) -> None:
+        super().__init__(folder, workers=1)
+        self.given, self.summaries, self.answer = dict(studies or {}), summaries or {}, answer
+
+    def study(self, name: str) -> list[SeriesMember]:
+        return self.given[name]
+
+    def summary(self, study: str, member: SeriesMember) -> dict:
+        return self.summaries[member.name]
+
+    def results(self, cases: Sequence[Sequence[str]]) -> list[xr.Dataset]:
+        assert self.answer is not None
+        return [self.answer(*words) for words in cases]
+
+    def kept(self, name: str, compute: Callable[[], xr.Dataset], **inputs: object) -> xr.Dataset:
+        return xr.Dataset({"shear_modulus": 700.0})
+
+
+def bending_at(frequency: float, **more: object) -> xr.Dataset:
+    """Modal results: torsion at 20 Hz, bending at a frequency, axial shear far above; rising."""
+    modes = sorted(
+        [
+            (20.0, "torsion", (1e-9, 0.0, 0.0), 0.0),
+            (frequency, "bending", (0.7, 0.0, 0.0), 1.4),
+            (5e3, "axial", (0.0, 0.0, 0.6), 0.0),
+        ]
+    )
+    frequencies, kinds, shares, tips = zip(*modes, strict=True)
+    data = {
+        "mode_frequency": ("mode", list(frequencies)),
+        "mode_kind": ("mode", list(kinds)),
+        "effective_mass_fraction": (("mode", "component"), np.array(shares)),
+        "tip_participation": ("mode", list(tips)),
+    }
+    return xr.Dataset(data, coords={"component": ["x", "y", "z"]}, attrs=more)
+
+
+def member(data: xr.Dataset, name: str = "m", **values: object) -> SeriesMember:
+    return SeriesMember(name, {key.replace("__", "."): value for key, value in values.items()}, data)
+
+
+def reference(data: xr.Dataset) -> SeriesMember:
+    return SeriesMember("reference", {}, data, reference=True)
+
+
+PRELOADS = (1e4, 3e4, 1e5, 3e5)
+GOOD = {
+    "f_n": (134.0, 144.0, 153.0, 159.0),
+    "zeta": (0.045, 0.035, 0.025, 0.014),
+    "peak": (19.0, 22.0, 34.0, 63.0),
+    "work": (0.19, 0.16, 0.13, 0.11),
+    "skewness": (3.0, 2.0, 1.0, 0.5),
+    "near": (0.9, 0.9, 0.9, 0.9),
+}
+"""A series that meets C64 to C70, one value per preload; `near`: share of the friction work won around f_n."""
+
+
+def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float, near: float):
+    """A chirp from 100 to 200 Hz in 10 s with friction work that mostly comes around f_n, or right at the start."""
+    time = np.linspace(0.0, 10.0, 20001)
+    frequency = 100.0 * 2.0 ** (time / 10.0)
+    around = 1.0 / (1.0 + np.exp(-np.clip((frequency - f_n) / 2.0, -50, 50)))
+    early = 1.0 - np.exp(-time / 0.05)
+    data = {
+        "friction_energy": ("time", work * (near * around + (1.0 - near) * early)),
+        "input_work": ("time", work * np.ones_like(time)),
+        "numerical_dissipation": ("time", 1e-3 * work * np.ones_like(time)),
+        "transmissibility_real": ("frequency", np.ones(3)),
+    }
+    attrs = {
+        "f_n_hz": f_n, "zeta": zeta, "peak_transmissibility": peak, "skewness": skewness,
+        "excitation_kind": "chirp", "f_start_hz": 100.0, "rate_oct_per_min": 6.0,
+    }  # fmt: skip
+    dataset = xr.Dataset(data, coords={"time": time, "frequency": [100.0, 150.0, 200.0]}, attrs=attrs)
+    return member(dataset, name=f"p{pressure:g}", preload__pressure=pressure)
+
+
+def roll(folder: Path, **changed: Sequence[float]) -> Pretend:
+    """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed."""
+    series = GOOD | changed
+    free = [sweep(p, **{key: values[k] for key, values in series.items()}) for k, p in enumerate(PRELOADS)]
+    stiff = [sweep(p, 167.3 + 1e-7 * p, 0.02 - 1e-9 * p, 398.0, 0.05 + 1e-8 * p, 6.0, 0.9) for p in PRELOADS]
+    bounds = [
+        member(bending_at(f, mass_total_kg=0.37), modal__interface=interface, coil__base=base)
+        for interface, base, f in (
+            ("bonded", "free", 162.0), ("bonded", "clamped", 166.3), ("frictionless", "free", 126.0),
+            ("frictionless", "clamped", 165.9),
+        )
+    ]  # fmt: skip
+    alone = reference(bending_at(150.5, mass_total_kg=0.18))
+    summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
+    return Pretend(folder, {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone]}, summaries)
+
+
+SERIES = {**preload_series.FAMILY.judges, **{name: lab_model.FAMILY.judges[name] for name in ("C59", "C60", "C76")}}
+
+
+@pytest.mark.parametrize("name", list(SERIES))
+def test_a_series_as_the_source_has_it_is_met(name: str, tmp_path: Path) -> None:
+    verdict = SERIES[name](roll(tmp_path))
+    assert verdict.word == MET, verdict.value
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("C64", {"f_n": (120.0, 144.0, 153.0, 159.0)}),
+        ("C64", {"f_n": (134.0, 144.0, 153.0, 175.0)}),
+        ("C64", {"zeta": (0.09, 0.035, 0.025, 0.014)}),
+        ("C65", {"peak": (23.0, 22.0, 34.0, 63.0)}),
+        ("C65", {"skewness": (0.04, 0.0, 0.0, 0.0)}),
+        ("C66", {"f_n": (134.0, 144.0, 148.0, 149.0)}),
+        ("C66", {"f_n": (151.0, 152.0, 153.0, 159.0)}),
+        ("C67", {"zeta": (0.024, 0.035, 0.025, 0.014)}),
+        ("C68", {"near": (0.2, 0.9, 0.9, 0.9)}),
+        ("C68", {"near": (0.9, 0.9, 0.9, 0.2)}),
+        ("C69", {"work": (0.19, 0.20, 0.13, 0.11)}),
+        ("C70", {"work": (0.11, 0.13, 0.16, 0.19)}),
+        ("C59", {"f_n": (134.0, 144.0, 153.0, 158.0)}),
+        ("C60", {"f_n": (158.8, 158.9, 158.9, 159.0)}),
+    ],
+)
+def test_a_series_that_turns_is_not_met(name: str, changed: dict[str, Sequence[float]], tmp_path: Path) -> None:
+    assert SERIES[name](roll(tmp_path, **changed)).word == NOT_MET
+
+
+def test_a_clamped_roll_that_spans_a_lot_needs_an_explanation(tmp_path: Path) -> None:
+    evidence = roll(tmp_path)
+    evidence.given["preload_clamped"] = evidence.given["preload"]
+    assert lab_model.c60(evidence).word == NOT_MET
+
+
+def test_energy_that_does_not_balance_fails_the_law_of_friction(tmp_path: Path) -> None:
+    evidence = roll(tmp_path)
+    evidence.summaries["p30000"]["energy_balance_error"] = 0.02
+    assert lab_model.c76(evidence).word == NOT_MET
+
+
+def test_masses_are_those_of_the_bodies(tmp_path: Path) -> None:
+    verdict = lab_model.c58(roll(tmp_path))
+    assert verdict.word == THESIS_ERROR
+    assert "coil 0.1900 kg" in verdict.value
+    assert "tube 0.1300 kg" in verdict.value
+
+
+@pytest.mark.parametrize(("coarse", "word"), [(161.5, MET), (158.0, NOT_MET)])
+def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_path: Path) -> None:
+    linear = [
+        member(bending_at(f), mesh__circumferential=around, mesh__axial=along)
+        for around, along, f in ((16, 5, 150.0), (30, 10, coarse), (30, 40, 162.0), (16, 40, 140.0))
+    ]
+    friction = [
+        member(sweep(1e5, f, 0.02, 30.0, 0.1, 1.0, 0.9).data, mesh__grading=grading, mesh__axial=along)
+        for grading, along, f in ((1, 10, 152.0), (6, 10, 153.0), (6, 20, 154.0))
+    ]
+    evidence = Pretend(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
+    verdict = lab_model.c63(evidence)
+    assert verdict.word == word
+    assert "-1.30 % off in f_n" in verdict.value
+
+
+# ---- layers --------------------------------------------------------------------------------------
+
+
+def dwelt(strength: Sequence[float]) -> list[SeriesMember]:
+    """Dwells at 1, 2, 3 g whose relative displacements are multiples of one field; it slips where it exceeds 1 um."""
+    found = []
+    for g, factor in zip((1, 2, 3), strength, strict=True):
+        data = contact_points(interfaces=5)
+        for name in ("peak_slip_axial", "peak_slip_hoop"):
+            data[name] = factor * data[name]
+        data["slipped"] = np.hypot(data["peak_slip_axial"], data["peak_slip_hoop"]) > 1e-6
+        found.append(member(data, name=f"{g} g", excitation__amplitude=9.80665 * g))
+    return found
+
+
+def stack(folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0)) -> Pretend:
+    summaries = {"1 g": {"interface_pressure_mean_pa": [1000.0, 800.0, 600.0, 400.0, 200.0]}}
+    members = dwelt(strength)
+    return Pretend(folder, {"dwell_layers": members, "dwell_layers_clamped": members}, summaries)
+
+
+@pytest.mark.parametrize("name", ["C71", "C72", "C73", "C74"])
+def test_layers_that_slip_as_the_source_has_it_are_met(name: str, tmp_path: Path) -> None:
+    verdict = layers.FAMILY.judges[name](stack(tmp_path))
+    assert verdict.word == MET, verdict.value
+
+
+def test_layers_that_slip_otherwise_are_not_met(tmp_path: Path) -> None:
+    rings = stack(tmp_path)
+    rings.summaries["1 g"]["interface_pressure_mean_pa"] = [569.0, 456.0, 343.0, 229.0, 115.0]
+    assert layers.c71(rings).word == NOT_MET
+    assert layers.c74(stack(tmp_path, (2.0, 1.0, 3.0))).word == NOT_MET
+    everywhere = stack(tmp_path, (1e3, 1e3, 1e3))
+    assert layers.c72(everywhere).word == NOT_MET
+    assert layers.c74(everywhere).word == NOT_MET
+    sideways = stack(tmp_path)
+    for m in sideways.given["dwell_layers"]:
+        m.data["peak_slip_hoop"], m.data["peak_slip_axial"] = m.data["peak_slip_axial"], m.data["peak_slip_hoop"]
+    assert layers.c73(sideways).word == NOT_MET
+    outside = stack(tmp_path)
+    for m in outside.given["dwell_layers"]:
+        m.data["slipped"] = ("interface", "point"), m.data["slipped"].values[::-1]
+    assert layers.c72(outside).word == NOT_MET
+
+
+def test_slipped_area_and_height_are_those_of_the_points(tmp_path: Path) -> None:
+    data = dwelt((1.0, 2.0, 3.0))[0]
+    slipped, area = data.data["slipped"].values, data.data["area"].values
+    np.testing.assert_allclose(layers.areas(data), (slipped * area).sum(axis=1), rtol=1e-12)
+    assert layers.top(data) == data.data["z_m"].values[slipped.any(axis=0)].max()
+    slip = layers.largest(data)
+    assert (slip.interface, slip.hoop, slip.angle) == (0, pytest.approx(0.0, abs=1e-20), 0.0)
+    assert slip.axial == pytest.approx(3e-6)
+
+
+@pytest.mark.parametrize(("two", "word"), [(0.03, MET), (0.02, NOT_MET)])
+def test_one_interface_is_compared_with_two(two: float, word: str, tmp_path: Path) -> None:
+    members = [
+        member(sweep(p, 140.0, zeta, 20.0, 0.1, 1.0, 0.9).data, preload__pressure=p, coil__layers=n)
+        for n, p, zeta in ((1, 1e4, 0.03), (1, 3e4, 0.04), (2, 1e4, two), (2, 3e4, 0.5 * two))
+    ]
+    assert layers.c75(Pretend(tmp_path, {"layer_count": members})).word == word
+
+
+@pytest.mark.parametrize(
+    ("f_n", "zeta", "word"), [(140.5, 0.032, MET), (142.0, 0.03, NOT_MET), (140.0, 0.034, NOT_MET)]
+)
+def test_rate_dependent_friction_is_compared_preload_by_preload(
+    f_n: float, zeta: float, word: str, tmp_path: Path
+) -> None:
+    members = [
+        member(sweep(p, f, z, 20.0, 0.1, 1.0, 0.9).data, preload__pressure=p, case=case)
+        for p in (1e4, 1e5)
+        for case, f, z in (("lab_sweep", 140.0, 0.03), ("lab_sweep_rate", f_n, zeta))
+    ]
+    evidence = Pretend(tmp_path, {"friction_laws": members})
+    assert friction_rate.c125(evidence).word == word
+    del members[-1]
+    assert friction_rate.c125(evidence).word == NOT_MET
+
+
+# ---- the coil without slip -----------------------------------------------------------------------
+
+STIFFNESS = (1e4, 1e5, 1e7, 1e8, 1.8e8, 3.2e8, 5.6e8, 1e9)
+
+
+def scan(frequencies: Sequence[float], mass_alone: float = 50.0) -> list[SeriesMember]:
+    shear = "coil__material__G_r_theta"
+    found = [member(bending_at(f), **{shear: G}) for G, f in zip(STIFFNESS, frequencies, strict=True)]
+    return [*reversed(found), reference(bending_at(mass_alone))]
+
+
+RISING = (72.0, 72.1, 74.0, 80.0, 84.0, 89.0, 94.0, 98.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "members", "word"),
+    [
+        ("C15", scan(RISING), MET),
+        ("C15", scan(RISING, mass_alone=81.0), NOT_MET),
+        ("C15", scan(RISING)[2:], NOT_MET),
+        ("C16", scan(RISING), MET),
+        ("C16", scan((72.0, 72.1, 71.0, 80.0, 84.0, 89.0, 94.0, 98.0)), NOT_MET),
+        ("C16", scan(tuple(50.0 * (G / 1e4) ** 0.1 for G in STIFFNESS)), NOT_MET),
+        ("C17", scan(RISING), MET),
+        ("C17", scan((15.0, *RISING[1:])), NOT_MET),
+    ],
+)
+def test_scan_of_the_shear_stiffness(name: str, members: list[SeriesMember], word: str, tmp_path: Path) -> None:
+    evidence = Pretend(tmp_path, {"shear_stiffness": members})
+    assert coiled_stiff.FAMILY.judges[name](evidence).word == word
+
+
+def test_heavy_modes_below_bending_are_noticed(tmp_path: Path) -> None:
+    members = scan(RISING)
+    share = members[-2].data["effective_mass_fraction"]
+    assert members[-2].values["coil.material.G_r_theta"] == 1e4
+    share[0, 0] = 0.2
+    assert coiled_stiff.c17(Pretend(tmp_path, {"shear_stiffness": members})).word == NOT_MET
+
+
+def kapton(folder: Path, loose: float, tight: float, mandrel: float = 153.0) -> Pretend:
+    """Rolls whose frequency rises with ln G from `loose` to `tight`, 4 GPa 4 % above 2.5 GPa."""
+
+    def answer(config: str, *overrides: str) -> xr.Dataset:
+        given = dict(text.split("=") for text in overrides)
+        if config == "kapton_mandrel":
+            return bending_at(mandrel)
+        if "coil.base" in given:
+            return bending_at(1.1 * mandrel)
+        modulus, G = (float(given[key]) for key in ("coil.material.E_theta", "coil.material.G_r_theta"))
+        share = np.log(G / 700.0) / np.log(1e9 / 700.0)
+        return bending_at((1.0 if modulus < 3e9 else 1.04) * (loose + (tight - loose) * share))
+
+    members = [
+        member(
+            answer("kapton_roll", f"coil.material.E_theta={E}", f"coil.material.G_r_theta={G}"),
+            coil__material__E_theta=E, coil__material__G_r_theta=G,
+        )
+        for E in (2.5e9, 4e9) for G in (1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
+    ]  # fmt: skip
+    return Pretend(folder, {"shear_stiffness_kapton": [*members, reference(bending_at(mandrel))]}, answer=answer)
+
+
+@pytest.mark.parametrize(
+    ("ends", "words"),
+    [
+        ((130.0, 175.0), {"C28": MET, "C29": MET, "C30": MET}),
+        ((140.0, 150.0), {"C28": NOT_MET, "C30": NOT_MET}),
+        ((100.0, 160.0), {"C28": NOT_MET, "C29": NOT_MET, "C30": MET}),
+    ],
+)
+def test_kapton_roll_against_its_mandrel(ends: tuple[float, float], words: dict[str, str], tmp_path: Path) -> None:
+    evidence = kapton(tmp_path, *ends)
+    for name, word in words.items():
+        verdict = coiled_stiff.FAMILY.judges[name](evidence)
+        assert verdict.word == word, (name, verdict.value)
+
+
+@pytest.mark.parametrize(("f", "word"), [(97.0, MET), (94.0, NOT_MET), (106.0, NOT_MET)])
+def test_case_study_bends_at_about_100_hz(f: float, word: str, tmp_path: Path) -> None:
+    assert coiled_stiff.c14(Pretend(tmp_path, answer=lambda *_: bending_at(f))).word == word
+
+
+@pytest.mark.parametrize(
+    ("shell", "solid", "word"), [(150.0, 150.5, MET), (156.0, 156.1, NOT_MET), (150.0, 152.0, NOT_MET)]
+)
+def test_mandrel_is_read_with_shells_and_solids(shell: float, solid: float, word: str, tmp_path: Path) -> None:
+    def answer(_: str, *overrides: str) -> xr.Dataset:
+        return bending_at(solid if coiled_stiff.HARMONICS in overrides else shell)
+
+    assert coiled_stiff.c31(Pretend(tmp_path, answer=answer)).word == word
+
+
+# ---- map of mandrels -----------------------------------------------------------------------------
+
+
+def mandrels(values: np.ndarray, mandrel: float = 100.0) -> xr.Dataset:
+    dims = ("mandrel_radius", "mandrel_thickness")
+    data = {"frequency_disparity": (dims, values), "frequency_mandrel": (dims, np.full(values.shape, mandrel))}
+    return xr.Dataset(data, attrs={"own_frequency_tightest": 200.0, "own_frequency_loosest": 150.0})
+
+
+GROWING = np.array([[30.0, 20.0, 10.0], [60.0, 40.0, 30.0], [90.0, 70.0, 50.0]])
+
+
+@pytest.mark.parametrize(
+    ("plastic", "metal", "words"),
+    [
+        (GROWING, 0.1 * GROWING, (MET, MET)),
+        (GROWING[::-1], 0.1 * GROWING, (NOT_MET, MET)),
+        (GROWING[:, ::-1], 0.1 * GROWING, (NOT_MET, NOT_MET)),
+        (GROWING, 1.1 * GROWING, (MET, NOT_MET)),
+        (np.where(GROWING == 40.0, np.nan, GROWING), 0.1 * GROWING, (NOT_MET, NOT_MET)),
+    ],
+)
+def test_map_of_mandrels(plastic: np.ndarray, metal: np.ndarray, words: tuple[str, str], tmp_path: Path) -> None:
+    def answer(_: str, *overrides: str) -> xr.Dataset:
+        return mandrels(metal if "mandrel.material.E=70.0e9" in overrides else plastic)
+
+    evidence = Pretend(tmp_path, answer=answer)
+    assert (design_map.c26(evidence).word, design_map.c27(evidence).word) == words
+    assert design_map.variants(evidence).count("\n") == len(design_map.OTHERS) + 1
+
+
+# ---- slip of the case study ----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    """Case study in harmonics on a coarse mesh."""
+    evidence = Evidence(tmp_path_factory.mktemp("slip"), workers=1)
+    few = ("mesh.axial=12", "mesh.radial=3", "mesh.circumferential=12", "modal.count=2")
+    return evidence.result("case_study", coil_slip.HARMONICS, *few)
+
+
+def test_slip_of_the_case_study_is_judged_where_it_is(coarse: xr.Dataset, tmp_path: Path) -> None:
+    evidence = Pretend(tmp_path, answer=lambda *_: coarse)
+    found = {name: judge(evidence) for name, judge in coil_slip.FAMILY.judges.items() if name != "C25"}
+    assert {name for name, verdict in found.items() if verdict.word != MET} <= {"C18", "C21", "C22"}
+    assert coil_slip.onset(coarse) == pytest.approx(
+        float((coarse["friction_capacity"] / coarse["shear_resultant"]).min()), rel=1e-12
+    )
+    firm = coil_slip.other_capacity(coarse, lambda r: 8.0 * np.interp(r, *capacity(coarse)))
+    assert coil_slip.onset(firm) == pytest.approx(8.0 * coil_slip.onset(coarse), rel=1e-6)
+    assert coil_slip.c18(Pretend(tmp_path, answer=lambda *_: firm)).word == MET
+
+
+def capacity(data: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    order = np.argsort(data["r_m"].values)
+    return data["r_m"].values[order], data["friction_capacity"].values[order]
+
+
+@pytest.mark.parametrize(
+    ("name", "mirror"), [("C19", "z_m"), ("C20", "r_m"), ("C23", "theta_rad"), ("C24", "r_m"), ("C24", "z_m")]
+)
+def test_slip_in_the_wrong_place_is_noticed(name: str, mirror: str, coarse: xr.Dataset, tmp_path: Path) -> None:
+    """The roll turned upside down, inside out, or a quarter around."""
+    turned = coarse.copy()
+    values = coarse[mirror].values
+    changed = values + 0.5 * np.pi if mirror == "theta_rad" else values.max() + values.min() - values
+    turned[mirror] = "point", changed
+    assert coil_slip.FAMILY.judges[name](Pretend(tmp_path, answer=lambda *_: turned)).word == NOT_MET
+
+
+@pytest.mark.parametrize(("top", "word"), [(15.0, MET), (14.5, NOT_MET)])
+def test_level_scales_the_stress(top: float, word: str, tmp_path: Path) -> None:
+    def answer(_: str, override: str) -> xr.Dataset:
+        level = 1.0 if override.endswith("[1]") else top
+        return xr.Dataset({"shear_resultant_history": ("time", level * np.abs(np.sin(np.linspace(0.0, 9.0, 200))))})
+
+    assert coil_slip.c25(Pretend(tmp_path, answer=answer)).word == word
+
+
+@pytest.mark.parametrize(("ratio", "word"), [(1.9, MET), (1.5, NOT_MET), (2.3, NOT_MET)])
+def test_root_section_is_the_lowest_row(ratio: float, word: str, coarse: xr.Dataset, tmp_path: Path) -> None:
+    scaled = coarse.copy()
+    scaled["shear_rz"] = coarse["shear_rz"] * ratio / coil_slip.RootSection(coarse).ratio()[0]
+    assert coil_slip.c21(Pretend(tmp_path, answer=lambda *_: scaled)).word == word
+
+
+# ---- words ---------------------------------------------------------------------------------------
+
+
+def test_monotone_has_the_slack_of_the_checklist() -> None:
+    assert monotone([1.0, 2.0, 3.0], 1)
+    assert not monotone([1.0, 2.0, 3.0], -1)
+    assert monotone([0.0, 50.0, 49.6, 100.0], 1)
+    assert not monotone([0.0, 50.0, 49.4, 100.0], 1)
+    assert not monotone([1.0, 1.0], 1)
+    assert not monotone([1.0, np.nan, 2.0], 1)
+
+
+def test_words_of_a_table() -> None:
+    assert rank_correlation([1.0, 2.0, 5.0], [9.0, 8.0, 1.0]) == pytest.approx(-1.0)
+    assert numbers([1.0, 2.25], ".1f") == "1.0, 2.2"
+    assert table(("a", "b"), [("1", "2")]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
