@@ -153,7 +153,7 @@ class Evidence:
         if name not in self._studies:
             grid = self.grid(name)
             out = self.folder / "studies" / name
-            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress)
+            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress, retry=True)
             self._studies[name] = [
                 SeriesMember(
                     o.member.name, o.member.values, load_dataset(RunFolder(out / o.member.name).results_file),
