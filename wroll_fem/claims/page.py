@@ -12,6 +12,7 @@ from .checklist import CHAPTERS, explanations
 from .evidence import Evidence
 from .reproduce import Judged, count, families
 from .verdict import NOT_MET, THESIS_ERROR
+from .words import table
 
 
 def unexplained(judged: Sequence[Judged]) -> list[str]:
@@ -49,7 +50,7 @@ def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command
     written = [path]
     for chapter in dict.fromkeys(one.claim.chapter for one in judged):
         own = [one for one in judged if one.claim.chapter == chapter]
-        lines += [f"## {CHAPTERS[chapter]}", "", f"{count(own)}.", "", *table(own), ""]
+        lines += [f"## {CHAPTERS[chapter]}", "", f"{count(own)}.", "", table_of(own), ""]
         drawn, text = draw(chapter, evidence, path.parent / "figures")
         written += drawn
         lines += text
@@ -58,13 +59,16 @@ def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command
     return written
 
 
-def table(judged: Sequence[Judged]) -> list[str]:
+def table_of(judged: Sequence[Judged]) -> str:
     """Markdown table of some claims."""
-    rows = ["| id | the source says | met when | computed here | verdict |", "|---|---|---|---|---|"]
-    for one in judged:
-        cells = (one.claim.id, f"{one.claim.claim} ({one.claim.where})", one.claim.accept, one.verdict.value)
-        rows.append("| " + " | ".join(_cell(text) for text in cells) + f" | **{one.verdict.word}** |")
-    return rows
+    rows = [
+        (
+            one.claim.id, f"{one.claim.claim} ({one.claim.where})", one.claim.accept, one.verdict.value,
+            f"**{one.verdict.word}**",
+        )
+        for one in judged
+    ]  # fmt: skip
+    return table(("id", "the source says", "met when", "computed here", "verdict"), rows)
 
 
 def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], list[str]]:
@@ -95,7 +99,3 @@ def explained(judged: Sequence[Judged]) -> list[str]:
         if text:
             lines += [f"### {one.claim.id}: {one.verdict.word}", "", text, ""]
     return lines
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
