@@ -55,7 +55,7 @@ class TwoDof(Section):
     Y0: Real = Field(default=1.5, gt=0, description="displacement of the base, m, 0-peak")
     friction_capacity: list[float] = Field(description="friction capacities mu F_N, N, ascending")
     omega: Span = Field(description="frequencies of the base, rad/s")
-    smoothing: Real = Field(default=1.0, gt=0, description="s of the smoothed sign S(s v), v in m/s")
+    smoothing: Real = Field(default=1.0, gt=0, description="s of the smoothed sign S(s v), s/m, v the rubbing velocity")
     arrangement: Literal["both_on_base", "secondary_isolated", "secondary_on_primary"] = Field(
         default="both_on_base", description="what holds the secondary's spring: the base, a wall at rest or the primary"
     )

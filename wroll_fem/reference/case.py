@@ -18,7 +18,7 @@ from ..report.words import ANALYSES as ANALYSIS_WORDS
 from .markdown import GENERATED, code, prose, table
 
 UNITS = (
-    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
+    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m", "s/m",
     "Pa/m", "m/s^2", "m/s", "rad/s", "Pa", "Hz", "kg", "m", "s", "N",
 )  # fmt: skip
 """Units as descriptions spell them."""
@@ -36,8 +36,8 @@ may be written as `1e-3`. Unknown keys are refused, with the nearest known one. 
 line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll batch](../batch.md).
 
 "required" keys have no default; where a default depends on other keys the description says so. Editors complete and
-check the file by [wroll-case.schema.json](../wroll-case.schema.json), to which the first line of each file in `configs/`
-points. Start from one of those.
+check the file by [wroll-case.schema.json](../wroll-case.schema.json); the first line of each file in `configs/`
+points to it. Start from one of those.
 """
 
 
@@ -56,7 +56,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "modal_transient": ("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
     "preload": ("geometry", "mandrel", "coil", "contact", "preload"),
     "winding": ("winding",),
-    "design_map": ("geometry", "mandrel", "coil", "design_map"),
+    "design_map": ("geometry", "mandrel", "coil", "design_map", "mesh"),
     "two_dof": ("two_dof",),
 }
 """Sections without which an analysis of a roll with layers (or of a solid coil) is refused."""
