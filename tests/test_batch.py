@@ -298,10 +298,13 @@ def test_a_process_that_dies_is_a_failed_case(tmp_path: Path, monkeypatch: pytes
 
 def test_units_of_the_table_follow_the_names() -> None:
     data = table_dataset(
-        [{"f_n_hz": 150.0, "zeta": 0.02, "steady_amplitude_m_s2": 3, "note": "a"}, {"f_n_hz": None, "note": None}]
+        [
+            {"f_n_hz": 150.0, "zeta": 0.02, "steady_amplitude_m_s2": 3, "tension_n": 40.0, "note": "a"},
+            {"f_n_hz": None, "note": None},
+        ]
     )
-    units = {name: data[name].attrs.get("units") for name in ("f_n_hz", "zeta", "steady_amplitude_m_s2", "note")}
-    assert units == {"f_n_hz": "Hz", "zeta": "1", "steady_amplitude_m_s2": "m s-2", "note": None}
+    units = {str(name): data[name].attrs.get("units") for name in data}
+    assert units == {"f_n_hz": "Hz", "zeta": "1", "steady_amplitude_m_s2": "m s-2", "tension_n": "N", "note": None}
     np.testing.assert_array_equal(data["f_n_hz"], [150.0, np.nan])
     assert list(data["note"].values) == ["a", ""]
 

@@ -184,6 +184,8 @@ def test_what_went_wrong_stands_in_the_warnings(run: RunFolder, tmp_path: Path) 
     for part in ("interrupted", "mind the mesh", "no results"):
         assert part in said
     assert "fine" not in said
+    folder.write_json(folder.provenance_file, {"status": "failed", "error": "no such mode; take more"})
+    assert "no such mode; take more" in words(section(parsed(write_report(folder.path)), "Warnings"))
     folder.results_file.write_text("no netcdf")
     assert "not a readable NetCDF file" in words(parsed(write_report(folder.path)))
 
@@ -277,6 +279,28 @@ def test_nothing_is_fetched_and_nothing_runs(run: RunFolder, batch: Path, tmp_pa
         assert policy.get("content", "").startswith("default-src 'none'")
 
 
+def test_a_screen_reader_and_a_printer_find_their_way(run: RunFolder, batch: Path, tmp_path: Path) -> None:
+    for folder in (run.path, batch):
+        root = parsed(write_report(folder, tmp_path / "r.html"))
+        assert root.get("lang") == "en"
+        assert root.findtext("head/title") == root.findtext("body/main/h1")
+        assert [e.tag for e in root.iter() if e.tag in ("h1", "h2")].count("h1") == 1
+        assert root.find("body/main/nav").get("aria-label")  # type: ignore[union-attr]
+        tables = list(root.iter("table"))
+        assert tables
+        for table in tables:
+            width = len(table.findall("thead/tr/th"))
+            assert all(th.get("scope") == "col" and words(th) for th in table.iter("th"))
+            assert all(len(row) == width for row in table.findall("tbody/tr"))
+        assert all(e.get("tabindex") == "0" for e in root.iter("div") if e.get("class") == "wide")
+        captions = [words(figure.find("figcaption")) for figure in root.iter("figure")]  # type: ignore[arg-type]
+        assert [image.get("alt") for image in root.iter("img")] == captions
+        assert all(captions)
+        paper = (root.findtext("head/style") or "").partition("@media print")[2]
+        assert "overflow: visible" in paper
+        assert "nav { display: none; }" in paper
+
+
 def test_every_text_is_escaped(run: RunFolder, tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "<b>bold & brave<")
     shutil.copytree(run.path, folder.path)
@@ -330,13 +354,13 @@ window.addEventListener("load", () => {
 </script></body>"""
 
 
-@pytest.mark.skipif(
-    not (shutil.which("chromium") or shutil.which("chromium-browser")),
-    reason="no chromium: `apt-get install chromium` to open the report in a real browser",
-)
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chromium-headless-shell"))), None)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no browser: `apt-get install chromium-headless-shell` to open the report")
 @pytest.mark.parametrize("width", [1200, 700])
 def test_a_browser_shows_the_report(run: RunFolder, batch: Path, tmp_path: Path, width: int) -> None:
-    browser = shutil.which("chromium") or shutil.which("chromium-browser")
+    assert BROWSER is not None
     for folder in (run.path, batch):
         file = write_report(folder, tmp_path / "r.html")
         text = file.read_text(encoding="utf-8")
@@ -344,7 +368,7 @@ def test_a_browser_shows_the_report(run: RunFolder, batch: Path, tmp_path: Path,
         assert policy is not None  # taken out of the copy alone: it would stop the check's own script
         file.write_text(text.replace(policy[0], "").replace("</body>", CHECK), encoding="utf-8")
         command = [
-            browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+            BROWSER, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
             f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=10000",
             "--dump-dom", file.as_uri(),
         ]  # fmt: skip
@@ -395,7 +419,10 @@ def test_sections_of_another_version_are_shown_as_written() -> None:
         ("zeta", float("nan"), "none"),
         ("half_power_complete", True, "yes"),
         ("max_slip_m", 9.9996e-7, "1 µm"),
-        ("max_slip_m", 0.0, "0 m"),
+        ("max_slip_m", -0.0, "0 m"),
+        ("impact_dissipation_j", -2.12e-21, "-2e-21 J"),
+        ("k2_at_zeta_max_n_m", 2.68, "2.68 N/m"),
+        ("zeta_max_over_design", 0.2854, "28.54 %"),
     ],
 )
 def test_values_are_shown_with_their_units(name: str, value: object, told: str) -> None:

@@ -13,6 +13,8 @@ packages=(
     libopenblas0-pthread # three times the speed of the reference BLAS in the time loop
     libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1
 )
+# the tests look at reports in a browser; the shell alone is 109 MB to fetch, all of chromium 150 MB and an init system
+if [[ ",$extras," == *,dev,* ]] && ! command -v chromium >/dev/null; then packages+=(chromium-headless-shell); fi
 
 fail() {
     echo "setup: $*" >&2

@@ -17,6 +17,7 @@ from .errors import ConvergenceError, InputError
 from .grid import REFERENCE, Grid, Member
 from .pools import ClusterPool, Ended, LocalPool, Pool
 from .progress import Progress, SilentProgress
+from .report.values import split_unit
 from .run_folder import RunFolder, plain
 from .tally import Tally
 
@@ -29,8 +30,8 @@ STOP_SECONDS = 30.0
 LOOK_SECONDS = 1.0
 """How often the pool is asked which cases are at work."""
 
-_UNITS = {"hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg", "m_s2": "m s-2", "rad": "rad"}
-"""Last words of a name in summary.json -> unit."""
+_PLAIN_UNITS = {"m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
+"""Units of summary.json as NetCDF writes them, where that differs."""
 
 
 @dataclass(frozen=True)
@@ -265,9 +266,8 @@ def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
         values = [row.get(key) for row in rows]
         if all(value is None or isinstance(value, int | float) for value in values):
             numbers = np.array([np.nan if value is None else float(value) for value in values])
-            words = key.split("_")
-            unit = next((_UNITS[tail] for n in (2, 1) if (tail := "_".join(words[-n:])) in _UNITS), "1")
-            data[key] = ("case", numbers, {"units": unit, "long_name": key.replace("_", " ")})
+            unit = split_unit(key)[1] or "1"
+            data[key] = ("case", numbers, {"units": _PLAIN_UNITS.get(unit, unit), "long_name": key.replace("_", " ")})
         else:
             texts = np.array(["" if value is None else str(value) for value in values], dtype=object)
             data[key] = ("case", texts, {"long_name": key.replace("_", " ")})

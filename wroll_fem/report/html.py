@@ -26,8 +26,8 @@ p, li, figcaption, summary { overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .25rem .9rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
-th { color: var(--soft); font-weight: 600; white-space: nowrap; }
-td.n, th.n { text-align: right; white-space: nowrap; }
+th { color: var(--soft); font-weight: 600; vertical-align: bottom; }
+td.n, th.n { text-align: right; } td.n { white-space: nowrap; }
 code, pre { font: 13px/1.45 "DejaVu Sans Mono", ui-monospace, monospace; }
 pre { background: var(--wash); border: 1px solid var(--line); padding: .8rem; overflow-x: auto; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--accent); }
@@ -37,7 +37,11 @@ ul.notes { list-style: none; padding: 0; }
 ul.notes li { border-left: 4px solid #E69F00; background: #fdf6e6; padding: .45rem .8rem; margin: .4rem 0; }
 ul.notes li.bad { border-color: #D55E00; background: #fbeae2; }
 .good { color: #1a7f37; }
-@media print { body { background: none; } main { padding: 0; max-width: none; } figure, tr { break-inside: avoid; } }
+@media print {
+  body { background: none; } main { padding: 0; max-width: none; } nav { display: none; }
+  .wide, pre { overflow: visible; } pre { white-space: pre-wrap; } table { font-size: .8rem; }
+  h2, h3 { break-after: avoid; } figure, tr { break-inside: avoid; } thead { display: table-header-group; }
+}
 """
 
 #: A browser holds to this even where a text slipped through: no script, no request.
@@ -67,7 +71,7 @@ def page(title: str, lead: str, sections: Sequence[tuple[str, str]]) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}" />\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1" />\n'
         f"<title>{text(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n"
-        f'<h1>{text(title)}</h1>\n<p class="lead">{text(lead)}</p>\n<nav>{links}</nav>\n{body}\n'
+        f'<h1>{text(title)}</h1>\n<p class="lead">{text(lead)}</p>\n<nav aria-label="Sections">{links}</nav>\n{body}\n'
         "</main>\n</body>\n</html>\n"
     )
 
@@ -89,18 +93,15 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Iterab
         return ""
     right = set(numbers)
 
-    def line(cells: Sequence[str], tag: str) -> str:
-        return "".join(
-            f'<{tag} class="n">{text(cell)}</{tag}>'
-            if k in right and len(cell) < 40
-            else f"<{tag}>{text(cell)}</{tag}>"
-            for k, cell in enumerate(cells)
-        )
+    def line(cells: Sequence[str], tag: str, scope: str = "") -> str:
+        number = [' class="n"' if k in right and len(cell) < 40 else "" for k, cell in enumerate(cells)]
+        return "".join(f"<{tag}{scope}{n}>{text(cell)}</{tag}>" for n, cell in zip(number, cells, strict=True))
 
+    top = line(head, "th", ' scope="col"')
     body = "\n".join(f"<tr>{line(row, 'td')}</tr>" for row in rows)
     return (
-        f'<div class="wide"><table>\n<thead><tr>{line(head, "th")}</tr></thead>\n'
-        f"<tbody>\n{body}\n</tbody>\n</table></div>\n"
+        '<div class="wide" tabindex="0"><table>\n'  # the keyboard reaches what has to be scrolled
+        f"<thead><tr>{top}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n"
     )
 
 

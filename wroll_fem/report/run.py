@@ -27,15 +27,19 @@ _STATUS = {
     "running": "not finished: still running, or killed",
     "interrupted": "interrupted; `wroll run ... --resume` goes on",
     "not_converged": "stopped: a step did not converge",
-    "failed": "stopped by an error of the program",
+    "failed": "stopped by an error",
 }
 _LOGGED = re.compile(r"^\S+ (warning|error): (.*)$")
 _OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "slipping_area_fraction")
 _OF_MODES = ("modes_hz", "mode_kinds", "effective_mass_fraction")
 _DRIFT = 0.01
 _CAPTIONS = {
-    "transmissibility": "Transmissibility over frequency", "response": "Motion of the tip over time",
-    "energy_ledger": "Energies over time", "slip_on_cylinder": "Slip on the roll", "backbone": "Backbone",
+    "transmissibility": "Transmissibility over frequency",
+    "two_dof": "Transmissibility of the two masses over frequency",
+    "backbone": "Frequency and damping of the resonance over its amplitude", "response": "Motion of the tip over time",
+    "energy_ledger": "Energies over time", "slip_on_cylinder": "Slip on the roll",
+    "two_dof_readings": "Damping, peak, its frequency and skewness over the friction capacity",
+    "two_dof_design_space": "Largest damping over mass and stiffness of the secondary",
     "modes": "Natural frequencies", "mode_shapes": "Mode shapes", "winding": "Pressure and stress in the wound roll",
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
     "steady_response": "Motion of the tip until steady", "shear_distribution": "Shear over height and radius",
@@ -103,7 +107,8 @@ def run_warnings(
     found: list[tuple[str, bool]] = []
     if status != "complete":
         found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
-    for kind, words in logged(folder):
+    told = [("error", str(why))] if (why := folder.provenance().get("error")) else []
+    for kind, words in [*told, *logged(folder)]:
         if (words, kind == "error") not in found:
             found.append((words, kind == "error"))
     gap = open_balance(summary)

@@ -7,15 +7,16 @@ from math import isfinite
 from typing import Any
 
 _UNITS = {
-    "m_s2": "m/s²", "rad_s": "rad/s", "n_m": "N/m", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
+    "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
     "n": "N", "rad": "rad", "g": "g",
 }  # fmt: skip
 """Last words of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
 
-_AS_WRITTEN = ("Hz", "rad", "rad/s", "g", "m/s²")  # units that are read without prefix
+_AS_WRITTEN = ("Hz", "rad", "rad/s", "g", "m/s²", "N/m")  # units that are read without prefix
 _SHARES = (
     "zeta",
     "zeta_max",
+    "zeta_max_over_design",
     "zeta_error",
     "zeta_lower_bound",
     "zeta_misfit",
@@ -38,7 +39,7 @@ _LABELS = {
     "zeta_method": "method of zeta",
     "zeta_error": "standard error of zeta",
     "f_n_error_hz": "standard error of f_n",
-    "zeta_lower_bound": "zeta is at least (lower end of its error bar)",
+    "zeta_lower_bound": "zeta, lower end of its error bar",
     "zeta_misfit": "distance of fit and curve, over the peak",
     "zeta_reason": "why this method",
     "peak_transmissibility": "peak transmissibility",
@@ -93,6 +94,23 @@ _LABELS = {
     "slip_onset_g": "base acceleration at which slip starts (0-peak)",
     "amplitude_g": "base acceleration (0-peak)",
     "friction_capacity_n": "friction capacity",
+    "friction_capacity_lowest_peak_n": "friction capacity of the lowest peak",
+    "friction_capacity_at_zeta_max_n": "friction capacity of the largest damping ratio",
+    "zeta_max_over_design": "largest damping ratio over the design space",
+    "m2_at_zeta_max_kg": "secondary mass there",
+    "k2_at_zeta_max_n_m": "secondary stiffness there",
+    "disparity_hz": "frequency disparity of this mandrel",
+    "f_tightest_hz": "its bending frequency, tightest coil",
+    "f_loosest_hz": "its bending frequency, loosest coil",
+    "f_mandrel_hz": "its bending frequency, no coil",
+    "loosest_shear_modulus_pa": "shear modulus of the loosest coil",
+    "disparity_largest_hz": "largest disparity on the map",
+    "disparity_largest_mandrel_radius_m": "mandrel radius there",
+    "disparity_largest_mandrel_thickness_m": "mandrel wall there",
+    "disparity_smallest_hz": "smallest disparity on the map",
+    "disparity_smallest_mandrel_radius_m": "mandrel radius of the smallest",
+    "disparity_smallest_mandrel_thickness_m": "mandrel wall of the smallest",
+    "pressure_mandrel_error_estimate": "estimated error of the pressure at the mandrel",
     "omega_peak_rad_s": "frequency of the peak",
     "steady_drift": "change of the fundamental within the window",
 }
@@ -150,7 +168,9 @@ def quantity(value: float, unit: str) -> str:
     if unit == "kg" and abs(value) < 0.1:
         value, unit = 1e3 * value, "g"
     if value == 0.0 or unit == "kg" or (unit == "s" and abs(value) >= 1.0):
-        return f"{value:.4g} {unit}"
+        return f"{abs(value) if value == 0.0 else value:.4g} {unit}"
+    if abs(value) < 1e-15:  # rounding errors of what should be zero
+        return f"{value:.1g} {unit}"
     digits = f"{abs(value):.3e}"
     exponent = max(-12, min(9, int(digits.split("e")[1]) // 3 * 3))
     prefix = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[exponent]
