@@ -12,6 +12,7 @@ packages=(
     python3-h5py python3-h5py-mpi python3-venv python3-dev gcc libc6-dev make ca-certificates
     libopenblas0-pthread # three times the speed of the reference BLAS in the time loop
     libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1
+    libjs-mathjax # formulas of the site without a network (make docs)
 )
 # the tests look at reports in a browser; the shell alone is 109 MB to fetch, all of chromium 150 MB and an init system
 if [[ ",$extras," == *,dev,* ]] && ! command -v chromium >/dev/null; then packages+=(chromium-headless-shell); fi
