@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -20,6 +22,7 @@ from wroll_fem.claims import (
     shear_tests,
     smoothed_sign,
     two_dof,
+    two_dof_figures,
     two_dof_study,
 )
 from wroll_fem.claims.checklist import explanations, of_chapters
@@ -365,3 +368,53 @@ def test_a_state_that_is_not_renewed_fails_the_criterion(evidence: Evidence, mon
 def test_default_coefficient_is_read_from_the_case(evidence: Evidence) -> None:
     assert "default mu = 0.25" in kapton_friction.c123(evidence).value
     assert "17.6 mm/s" in kapton_friction.c124(evidence).value
+
+
+# ---- figures -------------------------------------------------------------------------------------
+
+
+def layer_space() -> list[SeriesMember]:
+    """Two densities, two moduli and two preloads of the lab roll: the stiffer damps more, mass does nothing."""
+    frequency = np.linspace(80.0, 340.0, 50)
+    found = []
+    for rho, modulus, pressure in product((1000.0, 2000.0), (2.8e9, 5.6e9), (1e4, 4e4)):
+        zeta, f_n = 0.04 * modulus / 2.8e9 * (1.0 - 1e-6 * pressure), 130.0 + 1e-3 * pressure
+        T = frequency**2 / (f_n**2 - frequency**2 + 2j * zeta * f_n * frequency) + 1.0
+        data = xr.Dataset(
+            {"transmissibility_real": ("frequency", T.real), "transmissibility_imag": ("frequency", T.imag)},
+            {"frequency": frequency}, {"f_n_hz": f_n, "peak_transmissibility": abs(T).max(), "zeta": zeta},
+        )  # fmt: skip
+        values = {"coil.material.rho": rho, "coil.material.E": modulus, "preload.pressure": pressure}
+        found.append(SeriesMember("m", values, data))
+    return found
+
+
+def test_both_models_are_drawn_side_by_side(evidence: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+    members = layer_space()
+    mandrel = xr.Dataset({"mode_frequency": ("mode", [150.0, 900.0]), "tip_participation": ("mode", [1.4, 0.3])})
+    masses = evidence.result("two_dof", "two_dof.friction_capacity=[2, 20]", "two_dof.omega.points=30")
+    monkeypatch.setattr(evidence, "study", lambda _: members)
+    monkeypatch.setattr(evidence, "result", lambda *_: mandrel)
+    monkeypatch.setattr(two_dof_study, "series", lambda _: masses)
+    ax = two_dof_figures.plot_both_models(evidence)
+    assert [line.get_label() for line in ax.get_lines()[:2]] == ["10 kPa", "40 kPa"]
+    assert ax.get_lines()[0].get_xdata()[0] == pytest.approx(80.0 / 150.0)
+    assert "0.93 to 1.13" in ax.get_title(loc="left")
+    plt.close("all")
+
+
+def test_maps_and_lines_of_largest_damping_are_drawn(evidence: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+    members = layer_space()
+    space = xr.Dataset({"zeta_max": (("m2", "k2"), np.outer([0.1, 0.2], [1.0, 2.0]))}, {"m2": [0.5, 1.0], "k2": [1, 2]})
+    monkeypatch.setattr(evidence, "study", lambda _: members)
+    monkeypatch.setattr(two_dof_study, "space", lambda _: space)
+    monkeypatch.setattr(two_dof_study, "over_stiffness", lambda _: {1.15: 0.07, 2.3: 0.17})
+    left = two_dof_figures.plot_layer_space(evidence)
+    right = left.figure.axes[1]
+    assert "in 100 % of the steps" in right.get_title(loc="left").replace("\xa0", " ").replace("\n", " ")
+    ax = two_dof_figures.plot_stiffness(evidence)
+    masses, sweeps, steady = (line.get_xydata() for line in ax.get_lines())
+    np.testing.assert_allclose(masses, [[1.0, 7.0], [2.0, 17.0]])
+    np.testing.assert_allclose(sweeps, [[1.0, 3.96], [2.0, 7.92]])
+    np.testing.assert_allclose(steady, sweeps)
+    plt.close("all")
