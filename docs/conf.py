@@ -27,6 +27,7 @@ extensions = [
 ]  # fmt: skip
 exclude_patterns = ["_build"]
 nitpicky = False
+suppress_warnings = ["ref.python"]  # several classes have an attribute of the same name
 default_role = "code"
 
 # -- Markdown

@@ -55,6 +55,9 @@ SOLID = [
 
 COUNTS = ("mesh.", "excitation.f_", "modal.count", "harmonic.", "integrator.steps_per_cycle", "solver.allow_coarse")
 
+STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
+"""Axes of studies over the mesh."""
+
 SMALLER: dict[str, list[str]] = {
     "case_study": [*SOLID, "winding.cells=600"],
     "coiled_stiff": SOLID,
@@ -63,11 +66,14 @@ SMALLER: dict[str, list[str]] = {
     "kapton_mandrel": [*COARSE, "modal.count=4"],
     "kapton_roll": SOLID,
     "lab_dwell": [*COARSE, "excitation.cycles=8"],
-    "lab_dwell_layers": [*COARSE, "excitation.cycles=2", "excitation.ramp_cycles=1", "coil.layers=2"],
+    "lab_dwell_layers": [*COARSE, "excitation.cycles=2", "excitation.ramp_cycles=1"],
+    "lab_backbone": [*COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1", "backbone.tip_largest=3e-5"],
+    "lab_harmonic": [*COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
     "lab_integrators": [*COARSE, *SHORT_CHIRP],
     "lab_mandrel": [*COARSE, "modal.count=4"],
     "lab_modal": [*COARSE, "modal.count=4"],
     "lab_sweep": [*COARSE, *SHORT_CHIRP, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
+    "lab_sweep_clamped": [*COARSE, *SHORT_CHIRP],
     "lab_sweep_rate": [*COARSE, *SHORT_CHIRP],
     "structure": SHORT_CHIRP,
     "tiny": [],
@@ -86,8 +92,41 @@ The commands stay as they are printed. A grid keeps the ends of its longest axis
 none of mesh, band and counts; its cases run in this process, one after the other.
 """
 
-TOOLS: dict[str, list[tuple[str, str]]] = {}
-"""Tool -> text of its constants and what stands there in the scratch copy instead."""
+SLOW = ("docs/chapter4.md",)
+"""A dozen studies, half a minute."""
+
+TOOLS: dict[str, list[tuple[str, str]]] = {
+    "coil_table.py": [
+        (
+            "MESHES = [((12, 8, 2), (12, 8, 1)), ((16, 16, 3), (20, 12, 1)), ((20, 24, 4), (24, 20, 1)), "
+            "((24, 32, 6), (32, 32, 2))]",
+            "MESHES = [((8, 2, 1), (8, 2, 1)), ((8, 3, 1), (8, 3, 1))]",
+        ),
+        ("((20, 12, 1), (40, 40, 1))", "((8, 3, 1),)"),
+    ],
+    "harmonic_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ("BANDS = {1.0e4: (120, 150), 3.0e4: (134, 158), 1.0e5: (144, 164), ", "BANDS = {"),
+        ("RATES = (2.0, 0.5, 0.125)", "RATES = (30.0,)"),
+    ],
+    "layers_table.py": [
+        ("circumferential: 12, axial: 6, grading: 3", "circumferential: 8, axial: 2"),
+        ('"excitation.cycles=12"', '"excitation.cycles=2"'),
+        (" for level in LEVELS] + [(LEVELS[0], 80, 2e-3), (LEVELS[2], 40, 1e-3)]", " for level in LEVELS[:1]]"),
+    ],
+    "reduced_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ('"10 kPa": 1.0e4, "30 kPa": 3.0e4, "100 kPa"', '"100 kPa"'),
+        ("excitation.f_start=174", "excitation.f_start=130"),
+    ],
+    "make_figures.py": [
+        ('PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", ', "PRESSURES = {"),
+        ('["mesh.circumferential=24", "mesh.axial=12"]', '["mesh.circumferential=8", "mesh.axial=2"]'),
+        ("((16, 8), (32, 16), (40, 20))", "((8, 2), (8, 4))"),
+        ('words[0], "--out"', 'words[0], "--set", "output.figures=true", "--out"'),
+    ],
+}
+"""Tool -> text of its constants and what stands there in the scratch copy instead: coarse meshes, few values."""
 
 ELSEWHERE = {
     "make test": "runs this test",
@@ -207,11 +246,12 @@ def scratch(folder: Path) -> None:
     for path in (folder / "configs" / "studies").glob("*.yaml"):
         grid = yaml.safe_load(path.read_text(encoding="utf-8"))
         axes = {key: axis for key, axis in grid["grid"].items() if not key.startswith(COUNTS)}
+        meshes = {key: values for key, values in STUDY_MESHES.items() if len(grid["grid"].get(key, [])) > 1}
         longest = max(axes, key=lambda key: len(axes[key]), default="")
         for key in axes:
             if key != "analysis":
                 axes[key] = [axes[key][0], axes[key][-1]] if key == longest and len(axes[key]) > 1 else axes[key][:1]
-        grid["grid"] = axes
+        grid["grid"] = axes | meshes
         path.write_text(yaml.safe_dump(grid), encoding="utf-8")
     for name, replaced in TOOLS.items():
         text = (folder / "tools" / name).read_text(encoding="utf-8")
@@ -282,9 +322,20 @@ def run(command: str, folder: Path) -> None:
     assert answer.exit_code == 0, f"{command}\n{answer.output}{answer.exception!r}"
 
 
-@pytest.mark.parametrize(
-    "page", [page for page in PAGES if runnable(page)], ids=lambda page: str(page.relative_to(ROOT))
-)
+def pages() -> list:
+    """Pages with a command that no page before them has; the longest is marked slow."""
+    seen: set[tuple[str, ...]] = set()
+    found = []
+    for page in PAGES:
+        own = {tuple(words_of(command)) for command in runnable(page)}
+        if own - seen:
+            name = str(page.relative_to(ROOT))
+            found.append(pytest.param(page, id=name, marks=[pytest.mark.slow] if name in SLOW else []))
+        seen |= own
+    return found
+
+
+@pytest.mark.parametrize("page", pages())
 def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scratch(tmp_path)
     monkeypatch.chdir(tmp_path)
