@@ -289,7 +289,7 @@ def draw_figures(grid: Grid, outcomes: Sequence[Outcome], out: str | Path) -> li
 
     finished = [
         SeriesMember(
-            o.member.name, o.member.values, load_dataset(RunFolder(Path(out) / o.member.name).results_file),
+            o.member.name, o.member.values, load_dataset(RunFolder(Path(out) / o.member.name).results_file, lazy=True),
             reference=o.member.name == REFERENCE,
         )
         for o in outcomes

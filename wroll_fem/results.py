@@ -335,8 +335,13 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def load_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
+def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Dataset:
     """Read what `save_dataset` wrote, wholly into memory (the file is closed again).
+
+    Parameters
+    ----------
+    lazy
+        Read each variable when it is asked for: a figure of many runs needs few of them.
 
     Raises
     ------
@@ -347,7 +352,7 @@ def load_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     if not source.is_file():
         raise InputError("no such results file", file=str(source), remedy="run the case first: wroll run CASE.yaml")
     try:
-        dataset = xr.load_dataset(source, engine="h5netcdf")
+        dataset = (xr.open_dataset if lazy else xr.load_dataset)(source, engine="h5netcdf")
     except (OSError, ValueError) as error:
         raise InputError(f"not a readable NetCDF file ({error})", file=str(source)) from error
     dataset.attrs = _decode_attrs(dataset.attrs)
