@@ -144,6 +144,7 @@ ELSEWHERE = {
     "dask scheduler": "tests/test_cluster.py starts one",
     "dask worker": "tests/test_cluster.py starts two",
     "jupyter lab": "a server; tests/test_notebooks.py runs the notebooks",
+    ".venv/bin/jupytext --sync": "tests/test_notebooks.py compares the pairs",
     ".venv/bin/python -m pytest": "runs tests of this suite",
 }
 """Commands that cannot run inside a test, by their beginning, and who runs them."""
