@@ -113,12 +113,8 @@ def transient_dataset(
     base = amplitude * np.sin(2.0 * np.pi * frequency * run.time)
     absolute = base + modes.tip @ run.state.acceleration
     history = np.hypot(modes.srz[:, first] @ run.state.coordinate, modes.srt[:, first] @ run.state.coordinate)
-
-    mass = np.asarray(modes.participation) ** 2
-    radius = np.linspace(shape.mandrel_radius, shape.outer_radius, 301)
     data: dict[str, Any] = {
-        "mode_frequency": ("mode", modes.frequencies_hz),
-        "effective_mass_fraction": ("mode", mass / modes.mass_total),
+        **_mode_fields(modes),
         "base_acceleration": ("time", base),
         "tip_displacement": ("time", modes.tip @ run.state.coordinate),
         "tip_acceleration_absolute": ("time", absolute),
@@ -126,34 +122,48 @@ def transient_dataset(
         "change_per_cycle": ("cycle", run.change),
         **_point_fields(modes, shear, capacity, onset),
         **_zone_fields(zones),
-        "capacity_radius": ("capacity_point", radius),
-        "capacity_profile": ("capacity_point", np.asarray(capacity_at(radius))),
+        **_capacity_fields(capacity_at, shape),
     }
-    if modes.kinds:
-        data["mode_kind"] = ("mode", np.array(modes.kinds))
     coords = {
-        "mode": np.arange(1, len(mass) + 1), "time": run.time, "cycle": np.arange(1, run.change.size + 1),
-        "amplitude_g": levels_g,
+        "mode": np.arange(1, len(modes.frequencies_hz) + 1), "time": run.time,
+        "cycle": np.arange(1, run.change.size + 1), "amplitude_g": levels_g,
     }  # fmt: skip
     dataset = xr.Dataset(data, coords=coords)
-    transmissibility = steady_transmissibility(oscillators, modes.tip, frequency)
     dataset.attrs |= {
         "f_n_hz": float(modes.frequencies_hz[driven]),
         "driven_mode": driven + 1,
         "excitation_frequency_hz": frequency,
         "zeta": damping_ratio,
         "zeta_method": "given, the same for every mode",
-        "participating_mass_fraction": float(mass.sum() / modes.mass_total),
+        "participating_mass_fraction": float((np.asarray(modes.participation) ** 2).sum() / modes.mass_total),
         "mass_total_kg": modes.mass_total,
-        "transmissibility": abs(transmissibility),
+        "transmissibility": abs(steady_transmissibility(oscillators, modes.tip, frequency)),
         "transmissibility_last_cycle": float(np.abs(absolute[run.last_cycle]).max()) / amplitude,
         "steady_cycles": run.change.size,
         "mandrel_radius_m": shape.mandrel_radius,
         "coil_outer_radius_m": shape.outer_radius,
         "length_m": shape.length,
-        "capacity_mandrel_pa": float(np.asarray(capacity_at(radius[:1]))[0]),
+        "capacity_mandrel_pa": float(dataset["capacity_profile"][0]),
     }
     return annotate(dataset)
+
+
+def _mode_fields(modes: ShearModes) -> dict[str, Any]:
+    """Frequency and effective mass of every mode, and its name where the model has one."""
+    mass = np.asarray(modes.participation) ** 2
+    fields: dict[str, Any] = {
+        "mode_frequency": ("mode", modes.frequencies_hz), "effective_mass_fraction": ("mode", mass / modes.mass_total),
+    }  # fmt: skip
+    return fields | ({"mode_kind": ("mode", np.array(modes.kinds))} if modes.kinds else {})
+
+
+def _capacity_fields(capacity_at: Callable[[FloatArray], FloatArray], shape: CoilShape) -> dict[str, Any]:
+    """Friction capacity over the radius, from the mandrel outwards."""
+    radius = np.linspace(shape.mandrel_radius, shape.outer_radius, 301)
+    return {
+        "capacity_radius": ("capacity_point", radius),
+        "capacity_profile": ("capacity_point", np.asarray(capacity_at(radius))),
+    }
 
 
 def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, onset: FloatArray) -> dict[str, Any]:

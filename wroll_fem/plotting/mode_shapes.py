@@ -70,6 +70,31 @@ def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8
     return [picture[top : bottom + 1, left : right + 1] for picture in pictures]
 
 
+def _deformed(points: FloatArray, cells: npt.NDArray[np.int64], shapes: FloatArray) -> list[npt.NDArray[np.uint8]]:
+    """Pictures of the structure in every shape (k, n, 3), with its borders at rest."""
+    used = np.unique(cells)
+    extent = float(np.ptp(points[used], axis=0).max())
+    kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
+    grid = _pyvista().UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
+    rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
+    if rest.n_points == 0:  # a closed skin has corners instead of borders
+        rest = grid.extract_feature_edges(
+            60.0, boundary_edges=False, non_manifold_edges=False, feature_edges=True, manifold_edges=False
+        )
+    options = {"scalars": "size", "cmap": "viridis", "clim": (0.0, 1.0), "smooth_shading": True, "ambient": 0.35}
+    pictures = []
+    for shape in shapes:
+        length = np.linalg.norm(shape, axis=1)
+        largest = float(length[used].max()) or 1.0
+        deformed = grid.copy()
+        deformed.points = points + 0.12 * extent / largest * shape
+        deformed["size"] = length / largest
+        skin = deformed.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+        parts = [(skin, options), (rest.copy(), {"color": "#777777", "line_width": 2.0})]
+        pictures.append(_render(parts, np.asarray(grid.center), (0.5, -1.0, 0.45), extent))
+    return pictures
+
+
 def plot_mode_shapes(
     points: FloatArray,
     cells: npt.NDArray[np.int64],
@@ -110,41 +135,20 @@ def plot_mode_shapes(
     -----
     The largest displacement is drawn as 12 % of the structure's largest extent. Nodes that no cell uses are ignored.
     """
-    pv = _pyvista()
+    _pyvista()
     points, shapes = np.asarray(points, dtype=np.float64), np.asarray(shapes, dtype=np.float64)
     if shapes.ndim != 3 or shapes.shape[1:] != points.shape or len(titles) != len(shapes) or len(shapes) == 0:
         raise InputError(
             f"{len(titles)} titles and shapes {shapes.shape} for points {points.shape}",
             remedy="pass (k, n, 3) shapes, (n, 3) points and k titles, k >= 1",
         )
-    used = np.unique(cells)
-    extent = float(np.ptp(points[used], axis=0).max())
-    kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
-    grid = pv.UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
-    rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
-    if rest.n_points == 0:  # a closed skin has corners instead of borders
-        rest = grid.extract_feature_edges(
-            60.0, boundary_edges=False, non_manifold_edges=False, feature_edges=True, manifold_edges=False
-        )
-    options = {"scalars": "size", "cmap": "viridis", "clim": (0.0, 1.0), "smooth_shading": True, "ambient": 0.35}
     columns = min(columns, len(shapes))
     rows = -(-len(shapes) // columns)
     figure = Figure(figsize=(style.WIDTH, 0.7 + 2.5 * rows), dpi=style.DPI, layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for ax in panels:
         ax.axis("off")
-    pictures = []
-    for shape in shapes:
-        length = np.linalg.norm(shape, axis=1)
-        largest = float(length[used].max()) or 1.0
-        deformed = grid.copy()
-        deformed.points = points + 0.12 * extent / largest * shape
-        deformed["size"] = length / largest
-        skin = deformed.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
-        edges = {"color": "#777777", "line_width": 2.0}
-        parts = [(skin, options), (rest.copy(), edges)]
-        pictures.append(_render(parts, np.asarray(grid.center), (0.5, -1.0, 0.45), extent))
-    for ax, picture, text in zip(panels, _cropped(pictures), titles, strict=False):
+    for ax, picture, text in zip(panels, _cropped(_deformed(points, cells, shapes)), titles, strict=False):
         ax.imshow(picture)
         ax.set_title(text, fontsize=9)
     scale = ScalarMappable(Normalize(0.0, 1.0), "viridis")
