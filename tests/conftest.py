@@ -7,12 +7,38 @@ import os
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["MPLBACKEND"] = "Agg"
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from stand_in import StandIn
+from typer.testing import CliRunner, Result
+
+import wroll_fem
+from wroll_fem import cli
 
 
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Folder of the checkout."""
     return Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture
+def analyses(monkeypatch: pytest.MonkeyPatch) -> StandIn:
+    module = StandIn()
+    monkeypatch.setitem(sys.modules, "wroll_fem.analyses", module)
+    monkeypatch.setattr(wroll_fem, "analyses", module, raising=False)
+    return module
+
+
+@pytest.fixture
+def wroll(analyses: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    monkeypatch.chdir(tmp_path)
+    runner = CliRunner()
+
+    def call(*words: object) -> Result:
+        return runner.invoke(cli.app, [str(word) for word in words])
+
+    return call

@@ -1,0 +1,99 @@
+"""What long work tells: bars, plain lines, the log; where a batch stands."""
+
+from __future__ import annotations
+
+import io
+import re
+from math import isnan, nan
+from pathlib import Path
+
+import pytest
+
+from wroll_fem import progress, tally
+from wroll_fem.progress import TerminalProgress
+from wroll_fem.tally import Tally
+
+
+def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    stream = io.StringIO()
+    with TerminalProgress(stream) as report:
+        report.log_to(tmp_path / "run.log")
+        with report.stage("sweep", 1000, "steps") as stage:
+            for step in range(1, 1001):
+                clock[0] += 0.1
+                stage.update(step, "125 Hz")
+        report.warning("coarse")
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "sweep (1000 steps) ..."
+    assert re.fullmatch(r"sweep: 10% \((99|100) of 1000 steps\), 1 min 30 s left, 125 Hz", lines[1])
+    assert lines[-2:] == ["sweep: done in 1 min 40 s", "warning: coarse"]
+    assert len(lines) == 12
+    log = (tmp_path / "run.log").read_text().splitlines()
+    assert log[0].endswith(" sweep (1000 steps): start")
+    assert all(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d", line) for line in log)
+    assert log[-1].endswith(" warning: coarse")
+
+
+def test_progress_on_a_terminal_is_a_bar_and_nested_stages_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")  # a dumb one gets no bar
+    stream = io.StringIO()
+    with TerminalProgress(stream, terminal=True) as report:
+        with report.stage("outer", 2) as outer, report.stage("inner", 3, "points") as inner:
+            inner.update(3)
+            report.info("between [brackets]")
+            outer.update(1)
+        report.info("after")
+    text = stream.getvalue()
+    assert "━" in text
+    assert "between [brackets]" in text
+    assert "inner: done in" in text
+    assert text.rstrip().endswith("after")
+
+
+def test_a_stopped_stage_is_logged_as_stopped() -> None:
+    stream = io.StringIO()
+    report = TerminalProgress(stream)
+    with pytest.raises(ZeroDivisionError), report.stage("sweep", 0):
+        raise ZeroDivisionError
+    assert "sweep: stopped in" in stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("left", "told"), [(90.0, ", 1 min 30 s left, two run"), (nan, ", two run"), (None, ", 0.0 s left, two run")]
+)
+def test_a_stage_may_know_better_how_much_time_is_left(left: float | None, told: str) -> None:
+    stream = io.StringIO()
+    with TerminalProgress(stream).stage("batch", 4, "cases") as stage:
+        stage._last -= progress.LINE_SECONDS  # type: ignore[attr-defined]
+        stage.update(2, "two run", left)
+    assert f"batch: 50% (2 of 4 cases){told}\n" in stream.getvalue()
+    bar = io.StringIO()
+    with TerminalProgress(bar, terminal=True).stage("batch", 4, "cases") as stage:
+        stage.update(2, "two run", left)
+        stage._bars.refresh()  # type: ignore[attr-defined]
+    assert "two run" in bar.getvalue()
+    assert ("1 min 30 s left" in bar.getvalue()) == (left == 90.0)
+
+
+def test_time_left_of_a_batch_follows_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [1000.0]
+    monkeypatch.setattr(tally.time, "time", lambda: clock[0])
+    count = Tally(10, begun=1000.0)
+    count.settle(failed=False)  # done before: no pace
+    count.settle(failed=True)
+    assert isnan(count.left({}))
+    clock[0] += 20.0
+    count.settle(failed=False, started=1000.0)
+    assert count.left({}) == 20.0 * 7  # one after the other
+    assert count.left({"b": 1010.0}) == pytest.approx(20.0 * 6.5 / 1.5)  # half of a second one is done, side by side
+    assert count.left({"b": 0.0}) == pytest.approx(20.0 * 6.1 / 1.9)  # a long one is never counted as done
+    assert (count.done, count.failed) == (3, 1)
+
+
+def test_a_batch_names_what_runs_longest_first() -> None:
+    count = Tally(9, failed=2)
+    assert count.note({}) == "2 failed"
+    assert count.note({"b": 2.0, "a": 1.0}) == "2 failed; running a, b"
+    assert Tally(9).note({name: 1.0 * k for k, name in enumerate("abcde")}) == "running a, b, c and 2 more"
