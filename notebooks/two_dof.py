@@ -89,7 +89,7 @@ assert np.pi / 4 * 1.5 < numbers["friction_capacity_at_zeta_max_n"] < 3
 # resonance on their own: there they move alike, and nothing rubs.
 
 # %%
-points = 4 if quick else 7
+points = 3 if quick else 7
 space = wf.run(case.changed({
     "two_dof.friction_capacity": [2, 3, 5],
     "two_dof.omega.points": 50,
@@ -133,7 +133,8 @@ assert found.error < 0.015
 warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)  # fifth harmonic left out; see the notebook on preload
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]
 roll = wf.load_case("../configs/lab_harmonic.yaml", [*mesh, "harmonic.harmonics=3", "excitation.f_start=120"])
-pressures = [1e4, 3e4, 1e5]
+guesses = {1e4: 1.0, 1e5: 4.0} if quick else {1e4: 1.0, 3e4: 2.0, 1e5: 4.0}  # Pa: first guess of the capacity, N
+pressures = list(guesses)
 elements = wf.run_series(roll, {"preload.pressure": pressures})
 
 modal = wf.load_case("../configs/lab_modal.yaml", [*mesh, "modal.count=8"])
@@ -143,7 +144,7 @@ print(f"tube alone {own:.1f} Hz, tip participation {participation:.2f}")
 
 frequency = np.linspace(125, 172, 7 if quick else 12)
 measured = []
-for member, guess in zip(elements, (1.0, 2.0, 4.0), strict=True):
+for member, guess in zip(elements, guesses.values(), strict=True):
     curve = wf.transmissibility(member.data)
     at = np.sort(np.append(frequency, member.data.attrs["f_n_hz"]))
     measured.append(wf.two_dof.Measured(at / own, curve.interp(frequency=at).values / participation, guess))
@@ -166,7 +167,7 @@ for k, member in enumerate(elements):
     ax.plot(own * fitted["omega"], two, "--", color=f"C{k}", label=f"two masses, {fit.capacities[k]:.2f} N")
 ax.set_xlabel("Frequency (Hz)")
 ax.set_ylabel("Transmissibility |T| (–)")
-ax.set_title("Two masses follow the peaks; the roll, which slips from its root upwards, leans more", loc="left")
+ax.set_title("Two masses follow the peaks; the roll, slipping from its root upwards, leans more", loc="left", size=10)
 ax.legend(fontsize=8, ncols=2)
 ax.grid(True, which="both", alpha=0.3)
 plt.show()
@@ -183,4 +184,4 @@ for k, member in enumerate(elements):
           f"damping {100 * zeta_roll:.1f} %, two masses {100 * zeta_two:.1f} %")  # fmt: skip
     assert np.isclose(f_two, f_roll, rtol=0.03)
 assert np.all(np.diff(fit.capacities) > 0)
-assert fit.error < 0.2
+assert fit.error < 0.25

@@ -60,7 +60,7 @@ def run(root, name, monkeypatch, *, quick):
     )
     notebook.cells.insert(1, nbformat.v4.new_code_cell(strict))
     resources = {"metadata": {"path": str(root / "notebooks")}}
-    nbclient.NotebookClient(notebook, timeout=110, kernel_name="python3", resources=resources).execute()
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources=resources).execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert any("image/png" in output.get("data", {}) for output in outputs)
     told = "".join(output.get("text", "") for output in outputs if output.output_type == "stream")
