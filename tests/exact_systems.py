@@ -11,8 +11,8 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.full import FullStepper
-from wroll_fem.dynamics.static import ContactState
-from wroll_fem.dynamics.stepper import NewtonOptions
+from wroll_fem.dynamics.static import ContactState, solve_preload
+from wroll_fem.dynamics.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.dynamics.system import System
 
 STEPPERS = ["full", "condensed"]
@@ -167,3 +167,17 @@ class TwoLeaves:
 
     def deflections(self, states: list[ContactState]) -> np.ndarray:
         return np.array([self.tip @ state.displacement for state in states])
+
+
+def unbalanced(records):
+    """Input less everything it can have become, J per step."""
+    return records[:, INPUT] - records[:, KINETIC : NUMERICAL + 1].sum(axis=1)
+
+
+def rest(system):
+    return solve_preload(system) if system.interfaces else ContactState.unloaded(system)
+
+
+def legs(turning, steps):
+    """Equal steps from each turning point to the next, the very first point left out."""
+    return np.concatenate([np.linspace(a, b, steps + 1)[1:] for a, b in pairwise(turning)])
