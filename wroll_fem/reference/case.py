@@ -18,8 +18,8 @@ from ..report.words import ANALYSES as ANALYSIS_WORDS
 from .markdown import GENERATED, code, prose, table
 
 UNITS = (
-    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m", "s/m",
-    "Pa/m", "m/s^2", "m/s", "rad/s", "Pa", "Hz", "kg", "m", "s", "N",
+    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
+    "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "Pa", "Hz", "kg", "m", "s", "N",
 )  # fmt: skip
 """Units as descriptions spell them."""
 
