@@ -46,7 +46,8 @@ def plot_both_models(evidence: Evidence) -> Axes:
     _, (left, right) = plt.subplots(1, 2, figsize=size, dpi=style.DPI, layout="constrained", sharey=True)
     style.axes(left)
     pressures = sorted({float(m.values[PRESSURE]) for m in members})
-    shades = plt.get_cmap("coolwarm")(np.linspace(0.0, 1.0, len(pressures)))
+    share = np.linspace(0.0, 1.0, len(pressures))  # blue to red, the pale middle left out
+    shades = plt.get_cmap("coolwarm")(np.where(share < 0.5, 0.84 * share, 0.58 + 0.84 * (share - 0.5)))
     for member in sorted(members, key=lambda m: float(m.values[PRESSURE])):
         pressure, data = float(member.values[PRESSURE]), member.data
         size_of = np.hypot(data["transmissibility_real"].values, data["transmissibility_imag"].values)
@@ -63,6 +64,8 @@ def plot_both_models(evidence: Evidence) -> Axes:
     left.legend(title="External pressure", fontsize=8, title_fontsize=8, framealpha=0.9)
     rise = [peak_of(m)[0] / alone for m in (members[0], members[-1])]
     style.title(left, f"Finite elements, lab roll: peaks from {rise[0]:.2f} to {rise[1]:.2f} $f_m$", 60)
+    ends = study.series(evidence)["omega_peak"].values[[0, -1]]
+    style.title(right, f"Two masses: peaks from {ends[0]:.2f} to {ends[1]:.2f}", 60)
     return left
 
 
