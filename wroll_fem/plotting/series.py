@@ -20,6 +20,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.convergence import plot_frequency_convergence, plot_friction_convergence
 from wroll_fem.plotting.history import plot_response
+from wroll_fem.plotting.preload_grid import plot_damping_over_preload
 from wroll_fem.plotting.shear_stiffness import plot_shear_stiffness, plot_shear_stiffness_band
 from wroll_fem.plotting.slip_series import plot_slip_extent, plot_slip_vectors
 from wroll_fem.plotting.study import (
@@ -328,6 +329,7 @@ def _preload(members: Sequence[SeriesMember]) -> Axes:
 FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "transmissibility_over_preload": _preload,
     "damping_over_frequency": plot_damping_over_frequency,
+    "damping_over_preload": plot_damping_over_preload,
     "friction_along_sweep": plot_friction_along_sweep,
     "friction_over_preload": plot_friction_over_preload,
     "friction_over_damping": plot_friction_over_damping,
