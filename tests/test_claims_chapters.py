@@ -157,19 +157,18 @@ GOOD = {
     "peak": (19.0, 22.0, 34.0, 63.0),
     "work": (0.19, 0.16, 0.13, 0.11),
     "skewness": (3.0, 2.0, 1.0, 0.5),
-    "near": (0.9, 0.9, 0.9, 0.9),
 }
-"""A series that meets C64 to C70, one value per preload; `near`: share of the friction work won around f_n."""
+"""A series that meets C64 to C70, one value per preload."""
 
 
-def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float, near: float):
-    """A chirp from 100 to 200 Hz in 10 s with friction work that mostly comes around f_n, or right at the start."""
+def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float = 1.0) -> SeriesMember:
+    """A chirp from 100 to 200 Hz in 10 s; nine tenths of the friction work come around f_n, the rest at the start."""
     time = np.linspace(0.0, 10.0, 20001)
     frequency = 100.0 * 2.0 ** (time / 10.0)
     around = 1.0 / (1.0 + np.exp(-np.clip((frequency - f_n) / 2.0, -50, 50)))
     early = 1.0 - np.exp(-time / 0.05)
     data = {
-        "friction_energy": ("time", work * (near * around + (1.0 - near) * early)),
+        "friction_energy": ("time", work * (0.9 * around + 0.1 * early)),
         "input_work": ("time", work * np.ones_like(time)),
         "numerical_dissipation": ("time", 1e-3 * work * np.ones_like(time)),
         "transmissibility_real": ("frequency", np.ones(3)),
@@ -186,7 +185,7 @@ def roll(folder: Path, **changed: Sequence[float]) -> Pretend:
     """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed."""
     series = GOOD | changed
     free = [sweep(p, **{key: values[k] for key, values in series.items()}) for k, p in enumerate(PRELOADS)]
-    stiff = [sweep(p, 167.3 + 1e-7 * p, 0.02 - 1e-9 * p, 398.0, 0.05 + 1e-8 * p, 6.0, 0.9) for p in PRELOADS]
+    stiff = [sweep(p, 167.3 + 1e-7 * p, 0.02 - 1e-9 * p, 398.0, 0.05 + 1e-8 * p, 6.0) for p in PRELOADS]
     bounds = [
         member(bending_at(f, mass_total_kg=0.37), modal__interface=interface, coil__base=base)
         for interface, base, f in (
@@ -219,8 +218,6 @@ def test_a_series_as_the_source_has_it_is_met(name: str, tmp_path: Path) -> None
         ("C66", {"f_n": (134.0, 144.0, 148.0, 149.0)}),
         ("C66", {"f_n": (151.0, 152.0, 153.0, 159.0)}),
         ("C67", {"zeta": (0.024, 0.035, 0.025, 0.014)}),
-        ("C68", {"near": (0.2, 0.9, 0.9, 0.9)}),
-        ("C68", {"near": (0.9, 0.9, 0.9, 0.2)}),
         ("C69", {"work": (0.19, 0.20, 0.13, 0.11)}),
         ("C70", {"work": (0.11, 0.13, 0.16, 0.19)}),
         ("C59", {"f_n": (134.0, 144.0, 153.0, 158.0)}),
@@ -229,6 +226,18 @@ def test_a_series_as_the_source_has_it_is_met(name: str, tmp_path: Path) -> None
 )
 def test_a_series_that_turns_is_not_met(name: str, changed: dict[str, Sequence[float]], tmp_path: Path) -> None:
     assert SERIES[name](roll(tmp_path, **changed)).word == NOT_MET
+
+
+@pytest.mark.parametrize("end", [0, -1])
+@pytest.mark.parametrize("share", [0.15, 0.6])
+def test_friction_must_work_most_and_fastest_around_resonance(end: int, share: float, tmp_path: Path) -> None:
+    """0.15 of it there and the rest evenly: fastest, not most; 0.6 there and the rest at once: most, not fastest."""
+    evidence = roll(tmp_path)
+    m = evidence.given["preload"][end]
+    time, work = m.data["time"].values, m.data["friction_energy"].values
+    rest = time / time[-1] if share < 0.5 else np.minimum(time / 0.05, 1.0)
+    m.data["friction_energy"] = "time", share * work + (1.0 - share) * work[-1] * rest
+    assert preload_series.c68(evidence).word == NOT_MET
 
 
 def test_a_clamped_roll_that_spans_a_lot_needs_an_explanation(tmp_path: Path) -> None:
@@ -257,7 +266,7 @@ def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_
         for around, along, f in ((16, 5, 150.0), (30, 10, coarse), (30, 40, 162.0), (16, 40, 140.0))
     ]
     friction = [
-        member(sweep(1e5, f, 0.02, 30.0, 0.1, 1.0, 0.9).data, mesh__grading=grading, mesh__axial=along)
+        member(sweep(1e5, f, 0.02, 30.0, 0.1).data, mesh__grading=grading, mesh__axial=along)
         for grading, along, f in ((1, 10, 152.0), (6, 10, 153.0), (6, 20, 154.0))
     ]
     evidence = Pretend(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
@@ -306,9 +315,15 @@ def test_layers_that_slip_otherwise_are_not_met(tmp_path: Path) -> None:
         m.data["peak_slip_hoop"], m.data["peak_slip_axial"] = m.data["peak_slip_axial"], m.data["peak_slip_hoop"]
     assert layers.c73(sideways).word == NOT_MET
     outside = stack(tmp_path)
-    for m in outside.given["dwell_layers"]:
-        m.data["slipped"] = ("interface", "point"), m.data["slipped"].values[::-1]
+    slipped = outside.given["dwell_layers"][0].data["slipped"]
+    slipped.values[:2] = slipped.values[1::-1]
     assert layers.c72(outside).word == NOT_MET
+    stuck = stack(tmp_path)
+    less, more = stuck.given["dwell_layers"][:2]
+    more.data["slipped"].values[0] &= more.data["z_m"].values > 0.8 * layers.top(more)
+    assert layers.areas(more).sum() < layers.areas(less).sum()
+    assert np.count_nonzero(layers.areas(more)) >= np.count_nonzero(layers.areas(less))
+    assert layers.c74(stuck).word == NOT_MET
 
 
 def test_slipped_area_and_height_are_those_of_the_points(tmp_path: Path) -> None:
@@ -324,7 +339,7 @@ def test_slipped_area_and_height_are_those_of_the_points(tmp_path: Path) -> None
 @pytest.mark.parametrize(("two", "word"), [(0.03, MET), (0.02, NOT_MET)])
 def test_one_interface_is_compared_with_two(two: float, word: str, tmp_path: Path) -> None:
     members = [
-        member(sweep(p, 140.0, zeta, 20.0, 0.1, 1.0, 0.9).data, preload__pressure=p, coil__layers=n)
+        member(sweep(p, 140.0, zeta, 20.0, 0.1).data, preload__pressure=p, coil__layers=n)
         for n, p, zeta in ((1, 1e4, 0.03), (1, 3e4, 0.04), (2, 1e4, two), (2, 3e4, 0.5 * two))
     ]
     assert layers.c75(Pretend(tmp_path, {"layer_count": members})).word == word
@@ -337,7 +352,7 @@ def test_rate_dependent_friction_is_compared_preload_by_preload(
     f_n: float, zeta: float, word: str, tmp_path: Path
 ) -> None:
     members = [
-        member(sweep(p, f, z, 20.0, 0.1, 1.0, 0.9).data, preload__pressure=p, case=case)
+        member(sweep(p, f, z, 20.0, 0.1).data, preload__pressure=p, case=case)
         for p in (1e4, 1e5)
         for case, f, z in (("lab_sweep", 140.0, 0.03), ("lab_sweep_rate", f_n, zeta))
     ]
@@ -387,8 +402,8 @@ def test_heavy_modes_below_bending_are_noticed(tmp_path: Path) -> None:
     assert coiled_stiff.c17(Pretend(tmp_path, {"shear_stiffness": members})).word == NOT_MET
 
 
-def kapton(folder: Path, loose: float, tight: float, mandrel: float = 153.0) -> Pretend:
-    """Rolls whose frequency rises with ln G from `loose` to `tight`, 4 GPa 4 % above 2.5 GPa."""
+def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mandrel: float = 153.0) -> Pretend:
+    """Rolls whose frequency rises with ln G from `loose` to `tight`; those of 4 GPa have `stiffer` times as much."""
 
     def answer(config: str, *overrides: str) -> xr.Dataset:
         given = dict(text.split("=") for text in overrides)
@@ -398,7 +413,7 @@ def kapton(folder: Path, loose: float, tight: float, mandrel: float = 153.0) -> 
             return bending_at(1.1 * mandrel)
         modulus, G = (float(given[key]) for key in ("coil.material.E_theta", "coil.material.G_r_theta"))
         share = np.log(G / 700.0) / np.log(1e9 / 700.0)
-        return bending_at((1.0 if modulus < 3e9 else 1.04) * (loose + (tight - loose) * share))
+        return bending_at((1.0 if modulus < 3e9 else stiffer) * (loose + (tight - loose) * share))
 
     members = [
         member(
@@ -414,11 +429,12 @@ def kapton(folder: Path, loose: float, tight: float, mandrel: float = 153.0) -> 
     ("ends", "words"),
     [
         ((130.0, 175.0), {"C28": MET, "C29": MET, "C30": MET}),
+        ((130.0, 175.0, 0.9), {"C28": NOT_MET}),
         ((140.0, 150.0), {"C28": NOT_MET, "C30": NOT_MET}),
         ((100.0, 160.0), {"C28": NOT_MET, "C29": NOT_MET, "C30": MET}),
     ],
 )
-def test_kapton_roll_against_its_mandrel(ends: tuple[float, float], words: dict[str, str], tmp_path: Path) -> None:
+def test_kapton_roll_against_its_mandrel(ends: tuple[float, ...], words: dict[str, str], tmp_path: Path) -> None:
     evidence = kapton(tmp_path, *ends)
     for name, word in words.items():
         verdict = coiled_stiff.FAMILY.judges[name](evidence)
