@@ -7,6 +7,7 @@ import itertools
 import json
 import re
 import sys
+from concurrent.futures import Future
 from pathlib import Path
 
 import numpy as np
@@ -291,6 +292,16 @@ def test_a_process_that_dies_is_a_failed_case(tmp_path: Path, monkeypatch: pytes
     path = grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")
     outcomes = run_grid(load_grid(path), tmp_path / "out")
     assert [(o.status, o.error, o.exit_code) for o in outcomes] == [("failed", "the process ended with code -9", 1)] * 2
+
+
+def test_a_case_that_the_cluster_gave_up_names_the_scheduler(tmp_path: Path) -> None:
+    """As distributed tells that a scheduler has died (tried with a real one): the futures are cancelled."""
+    member = load_grid(grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")).members[0]
+    lost: Future[Ended] = Future()
+    lost.cancel()
+    outcome = batch._outcome(member, lost)
+    assert (outcome.status, outcome.exit_code) == ("failed", 1)
+    assert "is the scheduler still there?" in outcome.error
 
 
 # ---- tables and figures ----------------------------------------------------------------------------

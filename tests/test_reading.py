@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +85,9 @@ def test_the_default_changes_no_hash_and_another_method_does() -> None:
         load_case(OSCILLATOR, words) for words in ((), ["output.damping=half_power"], ["output.damping=choose"])
     )
     assert plain.hash() == named.hash() != other.hash()
+    masses = load_case(CONFIGS / "two_dof.yaml")  # no files, no solver: all that can change a number as it stands
+    before = {key: value for key, value in masses.resolved().items() if key != "output"}
+    assert masses.hash() == hashlib.sha256(json.dumps(before, sort_keys=True).encode()).hexdigest()
     for words in ("output.figures=false", "output.every=7"):
         assert load_case(OSCILLATOR, [words]).hash() == plain.hash()
         assert load_case(OSCILLATOR, [words, "output.damping=choose"]).hash() == other.hash()

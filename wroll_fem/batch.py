@@ -173,7 +173,11 @@ def _words(member: Member, out: Path) -> list[str]:
 def _outcome(member: Member, future: Future[Ended]) -> Outcome:
     try:
         code, said = future.result()
-    except (CancelledError, Exception) as error:  # a worker lost for good must not stop the other cases
+    except CancelledError:
+        return Outcome(
+            member, "failed", "the cluster gave it up (is the scheduler still there?); run the batch again", 1
+        )
+    except Exception as error:  # a worker lost for good must not stop the other cases
         return Outcome(member, "failed", f"its worker failed: {type(error).__name__}: {error}".splitlines()[0], 1)
     return Outcome(member, "complete") if code == 0 else Outcome(member, "failed", said, code)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import fcntl
+import logging
 import os
 import signal
 import subprocess
@@ -152,6 +153,11 @@ class ClusterPool:
         except ImportError:
             remedy = "install it into .venv: pip install distributed"
             raise InputError("needs dask.distributed", key="--scheduler", remedy=remedy) from None
+        for name in (
+            "distributed",
+            "distributed.client",
+        ):  # a lost scheduler is told as failed cases, without traceback
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             self._client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
