@@ -13,7 +13,8 @@ from ..case.winding import completed
 from ..errors import InputError
 from ..shear import ShearModes
 from ..winding import WoundRoll, wound_roll
-from .modal_transient import CoilShape, remarks, shear_modes, transient_dataset
+from . import modal_transient
+from .modal_transient import CoilShape, remarks, transient_dataset
 
 if TYPE_CHECKING:
     from ..case import Case
@@ -62,7 +63,7 @@ class SlipModel:
             roll = wound_roll(completed(case))
             stage.update(1)
         with progress.stage("modes and their stress", 1) as stage:
-            modes = shear_modes(case)
+            modes = modal_transient.shear_modes(case)
             stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
         return cls(case, modes, roll)
 
