@@ -95,5 +95,5 @@ def test_time_left_of_a_batch_follows_its_pace(monkeypatch: pytest.MonkeyPatch) 
 def test_a_batch_names_what_runs_longest_first() -> None:
     count = Tally(9, failed=2)
     assert count.note({}) == "2 failed"
-    assert count.note({"b": 2.0, "a": 1.0}) == "2 failed; running a, b"
+    assert count.note({"a": 2.0, "b": 1.0}) == "2 failed; running b, a"
     assert Tally(9).note({name: 1.0 * k for k, name in enumerate("abcde")}) == "running a, b, c and 2 more"
