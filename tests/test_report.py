@@ -315,6 +315,10 @@ def test_a_screen_reader_and_a_printer_find_their_way(run: RunFolder, batch: Pat
             width = len(table.findall("thead/tr/th"))
             assert all(th.get("scope") == "col" and words(th) for th in table.iter("th"))
             assert all(len(row) == width for row in table.findall("tbody/tr"))
+            for row in table.findall("tbody/tr"):  # heads stand over their numbers
+                assert all(
+                    th.get("class") == "n" for th, td in zip(table.iter("th"), row, strict=True) if td.get("class")
+                )
         assert all(e.get("tabindex") == "0" for e in root.iter("div") if e.get("class") == "wide")
         captions = [words(figure.find("figcaption")) for figure in root.iter("figure")]  # type: ignore[arg-type]
         assert [image.get("alt") for image in root.iter("img")] == captions

@@ -192,7 +192,7 @@ def load_grid(path: str | Path) -> Grid:
         raise input_error(error, GridFile, file=str(path)) from None
     files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
     keys = list(given.grid)
-    shown = _short_names([key for key in keys if len(given.grid[key]) > 1])
+    shown = short_names([key for key in keys if len(given.grid[key]) > 1])
     samples = given.samples.values() if given.samples is not None else [{}]
     numbered = list(enumerate(samples, 1))
     members = []
@@ -246,7 +246,7 @@ def _value(case: Case, key: str) -> Any:
     return here
 
 
-def _short_names(keys: Sequence[str]) -> dict[str, str]:
+def short_names(keys: Sequence[str]) -> dict[str, str]:
     """Last word of each dotted key, or the whole key where last words agree."""
     last = [key.rsplit(".", 1)[-1] for key in keys]
     return {key: word if last.count(word) == 1 else key for key, word in zip(keys, last, strict=True)}

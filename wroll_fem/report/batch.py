@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 
 from ..errors import InputError
-from ..grid import REFERENCE
+from ..grid import REFERENCE, short_names
 from ..run_folder import RunFolder
 from . import html
 from .run import caption, logged, origin_table
@@ -126,7 +126,7 @@ def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, 
 
 def _cases(rows: list[Row], varied: list[str]) -> str:
     main = [name for name in _MAIN if any(row.get(name) for row in rows)]
-    head = ["case", "status", *varied, *map(label, main)]
+    head = ["case", "status", *short_names(varied).values(), *map(label, main)]
     lines = [
         [row["name"], row["status"], *(_value(name, row.get(name, "")) for name in (*varied, *main))] for row in rows
     ]

@@ -20,11 +20,11 @@ h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; padding-bottom: .25rem; border-
 h3 { font-size: 1rem; margin: 1.2rem 0 .4rem; }
 .lead { color: var(--soft); margin: .2rem 0 0; }
 nav { margin: .8rem 0 0; } nav a { margin-right: 1rem; color: var(--accent); }
-dl { display: grid; grid-template-columns: 9rem 1fr; gap: .3rem 1rem; margin: .6rem 0; }
-dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
+dl { display: grid; grid-template-columns: fit-content(16rem) 1fr; gap: .3rem 1rem; margin: .6rem 0; }
+dt { color: var(--soft); min-width: 8rem; } dd { margin: 0; overflow-wrap: anywhere; }
 p, li, figcaption, summary { overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; font-size: .93rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .25rem .9rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; vertical-align: bottom; }
 td.n, th.n { text-align: right; } td.n { white-space: nowrap; }
@@ -94,7 +94,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Iterab
     right = set(numbers)
 
     def line(cells: Sequence[str], tag: str, scope: str = "") -> str:
-        number = [' class="n"' if k in right and len(cell) < 40 else "" for k, cell in enumerate(cells)]
+        number = [' class="n"' if k in right and (scope or len(cell) < 40) else "" for k, cell in enumerate(cells)]
         return "".join(f"<{tag}{scope}{n}>{text(cell)}</{tag}>" for n, cell in zip(number, cells, strict=True))
 
     top = line(head, "th", ' scope="col"')
