@@ -9,7 +9,7 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -23,6 +23,7 @@ import typer
 
 from . import __version__
 from .case import RESUMABLE, load_case, schema_text
+from .closing import closing_lines
 from .errors import ConvergenceError, InputError, WrollError
 from .progress import TerminalProgress
 
@@ -36,25 +37,6 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a dotted key, e.g. contact.friction.mu=0.5. Repeatable."),
 ]
-
-#: Lines of the table at the end of a run: key of summary.json, what is printed, format.
-_TABLE = (
-    ("f_n_hz", "resonance f_n", "{:.2f} Hz"),
-    ("zeta", "damping ratio zeta", "{:.4f}"),
-    ("peak_transmissibility", "peak transmissibility", "{:.2f}"),
-    ("transmissibility", "transmissibility", "{:.2f}"),
-    ("slip_statement", "coil", "{}"),
-    ("energy_balance_error", "energy balance error", "{:.2%}"),
-    ("friction_energy_j", "friction energy", "{:.4g} J"),
-    ("pressure_mandrel_pa", "pressure at the mandrel", "{:.4g} Pa"),
-    ("pressure_mandrel_wrap_grid_pa", "same, source's grid", "{:.4g} Pa"),
-    ("capacity_mandrel_pa", "capacity at the mandrel", "{:.4g} Pa"),
-    ("mandrel_stiffness_pa", "mandrel stiffness", "{:.4g} Pa"),
-    ("interface_pressure_mean_pa", "mean interface pressure", "{:.4g} Pa"),
-    ("dofs", "degrees of freedom", "{:d}"),
-    ("steps", "time steps", "{:d}"),
-    ("wall_time_s", "wall time", "{:.1f} s"),
-)
 
 
 @contextmanager
@@ -111,7 +93,8 @@ def run(
             raise typer.Exit(130) from None
         if done.already_done:
             typer.echo(f"{target}: this case is already done; delete the folder to run it again")
-        _print_summary(done.summary)
+        for line in closing_lines(done.summary):
+            typer.echo(line)
         typer.echo(f"run folder  {done.folder.path}")
         for figure in done.figures:
             typer.echo(f"figure      {figure}")
@@ -355,18 +338,6 @@ def _print_estimate(case: Any) -> None:
     for key, value in analyses.estimate(case).items():
         shown = f"{value:.3g}" if isinstance(value, float) else str(value)
         typer.echo(f"{key.replace('_', ' '):<24} {shown}")
-
-
-def _print_summary(summary: Mapping[str, Any]) -> None:
-    for key, name, form in _TABLE:
-        value = summary.get(key)
-        values = value if isinstance(value, list) else [value]
-        if key in summary and values and None not in values:
-            typer.echo(f"{name:<24} {', '.join(form.format(v) for v in values)}")
-    modes, kinds = summary.get("modes_hz") or [], summary.get("mode_kinds") or []
-    for number, frequency in enumerate(modes, start=1):
-        kind = kinds[number - 1] if number <= len(kinds) else ""
-        typer.echo(f"{f'mode {number}':<24} {frequency:.2f} Hz  {kind}".rstrip())
 
 
 def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> None:
