@@ -294,6 +294,16 @@ def test_a_process_that_dies_is_a_failed_case(tmp_path: Path, monkeypatch: pytes
     assert [(o.status, o.error, o.exit_code) for o in outcomes] == [("failed", "the process ended with code -9", 1)] * 2
 
 
+def test_a_figure_that_lacks_failed_cases_does_not_hide_them(
+    finished: tuple[Path, Path, Result], tmp_path: Path
+) -> None:
+    path, out, first = finished
+    again = wroll("batch", grid_file(tmp_path, f"{path.read_text()}figure: layer_count\n"), "--out", out)
+    assert again.exit_code == first.exit_code == 3
+    assert "2 of 4 cases failed" in again.stderr
+    assert "the figure layer_count needs cases over preload.pressure and coil.layers" in again.stderr.splitlines()[-1]
+
+
 def test_a_case_that_the_cluster_gave_up_names_the_scheduler(tmp_path: Path) -> None:
     """As distributed tells that a scheduler has died (tried with a real one): the futures are cancelled."""
     member = load_grid(grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")).members[0]

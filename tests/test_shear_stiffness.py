@@ -58,6 +58,8 @@ def test_curve_over_shear_stiffness_is_drawn_over_mass_alone():
     hollow = next(line for line in ax.lines if line.get_label() == "other modes lie lower")
     np.testing.assert_allclose(hollow.get_xdata(), [1e4])
     assert "1.44 and 1.94 times mass alone" in ax.get_title(loc="left").replace("\n", " ")
+    with pytest.raises(InputError, match="one finished case makes no curve"):
+        FIGURES["shear_stiffness"]([grid[0], member(50.0, reference=True)])
     style.plt.close(ax.figure)
     with pytest.raises(InputError, match="compares with the coil as mass without stiffness"):
         FIGURES["shear_stiffness"](grid)

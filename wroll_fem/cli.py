@@ -135,8 +135,13 @@ def batch(
             typer.echo(f"{before} failed in an earlier call and stay so; --retry tries them again", err=True)
         if failed:
             typer.echo(f"{len(failed)} of {len(outcomes)} cases failed", err=True)
-        for figure in draw_figures(grid, outcomes, target):
-            typer.echo(f"figure      {figure}")
+        try:
+            for figure in draw_figures(grid, outcomes, target):
+                typer.echo(f"figure      {figure}")
+        except InputError as error:
+            if not failed:
+                raise
+            typer.echo(str(error), err=True)  # the figure may lack the cases that failed
         if failed:
             raise typer.Exit(max(outcome.exit_code for outcome in failed))
 

@@ -68,6 +68,9 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
     mass_alone = _reference(members, "shear_stiffness", "the coil as mass without stiffness")
     ax = style.axes(ax, 4.2)
     x, f, number = _curve(grid)
+    if x.size < 2:
+        problem, remedy = "one finished case makes no curve", "give two or more values of the key"
+        raise InputError(problem, key=f"grid.{SHEAR}", remedy=remedy)
     ax.plot(x, f / mass_alone, color=style.BLUE, lw=1.4, zorder=2)
     lowest = np.array(number) == 1
     for mask, face, text in (
