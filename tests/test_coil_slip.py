@@ -44,6 +44,19 @@ def dataset():
     return computed()
 
 
+def test_modes_and_capacity_are_in_the_results_as_given(dataset):
+    modes = beam()
+    np.testing.assert_array_equal(dataset["mode_frequency"], modes.frequencies_hz)
+    np.testing.assert_array_equal(dataset["effective_mass_fraction"], np.square(modes.participation) / modes.mass_total)
+    np.testing.assert_allclose(dataset["capacity_profile"], falling(dataset["capacity_radius"].values))
+    ends = dataset["capacity_radius"].values[[0, -1]]
+    np.testing.assert_allclose(ends, [SHAPE.mandrel_radius, SHAPE.outer_radius])
+    assert dataset.attrs["capacity_mandrel_pa"] == pytest.approx(CAPACITY)
+    assert dataset.attrs["participating_mass_fraction"] == pytest.approx(
+        float(dataset["effective_mass_fraction"].sum())
+    )
+
+
 # ---- stress over a cycle, slip, onset -------------------------------------------------------------
 
 

@@ -74,6 +74,15 @@ def test_results_survive_save_and_load(sweep, tmp_path):
         assert type(back.attrs[key]) is type(value), key
 
 
+def test_a_lazy_reader_takes_what_it_is_asked_for(sweep, tmp_path):
+    save_dataset(sweep, tmp_path / "results.nc")
+    whole, lazy = (load_dataset(tmp_path / "results.nc", lazy=wanted) for wanted in (False, True))
+    assert whole["tip_displacement"].variable._in_memory
+    assert not lazy["tip_displacement"].variable._in_memory
+    xr.testing.assert_identical(lazy, whole)
+    lazy.close()
+
+
 def test_saving_replaces_a_file_only_when_the_new_one_is_complete(sweep, tmp_path):
     path = save_dataset(sweep, tmp_path / "results.nc")
     before = path.read_bytes()
