@@ -20,6 +20,7 @@ import wroll_fem as wf
 from wroll_fem.case import ANALYSES
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results import FIELDS, annotate
+from wroll_fem.run_folder import RunFolder
 
 ROOT = Path(__file__).parents[1]
 TWO = {"friction_capacity": [2, 20], "omega": {"start": 0.8, "stop": 1.2, "points": 9}}
@@ -214,8 +215,14 @@ def test_a_grid_is_run_and_read_from_python(tmp_path: Path) -> None:
     assert [member.values["two_dof.m2"] for member in members] == [0.5, 1.0]
     for member, zeta in zip(members, table["zeta_max"].values, strict=True):
         assert wf.summarise(member.data)["zeta_max"] == zeta
-    (tmp_path / "out" / "m2_0.5" / "results.nc").unlink()
+    folder = RunFolder(tmp_path / "out" / "m2_0.5")
+    folder.results_file.unlink()
     assert len(wf.load_series(grid, tmp_path / "out")) == 1
+    folder.record("failed", error="no luck", exit_code=1)
+    with pytest.warns(wf.CaseWarning, match=r"1 of 2 cases failed; m2_0\.5: no luck"):
+        assert [outcome.status for outcome in wf.run_grid(grid, tmp_path / "out")] == ["failed", "already done"]
+    outcomes = wf.run_grid(grid, tmp_path / "out", retry=True)
+    assert [outcome.status for outcome in outcomes] == ["complete", "already done"]
 
 
 def test_a_slip_model_answers_as_the_analysis_does() -> None:

@@ -249,6 +249,7 @@ def run_grid(
     *,
     workers: int = 1,
     scheduler: str | None = None,
+    retry: bool = False,
     progress: ShowProgress = None,
 ) -> list[Outcome]:
     """Run every case of a grid that is not yet done, as `wroll batch` does; see `wroll_fem.batch.run_grid`.
@@ -261,6 +262,8 @@ def run_grid(
         Folder that gets one run folder per case, and the table that `batch_table` reads.
     workers, scheduler
         Cases at a time on this machine, or the address of a Dask scheduler.
+    retry
+        Try cases again that failed in an earlier call; without it they stay failed and are reported.
 
     Returns
     -------
@@ -277,7 +280,7 @@ def run_grid(
 
     grid = grid if isinstance(grid, Grid) else load_grid(grid)
     with _reporting(progress) as reporter:
-        outcomes = run_all(grid, out, workers=workers, scheduler=scheduler, progress=reporter)
+        outcomes = run_all(grid, out, workers=workers, scheduler=scheduler, retry=retry, progress=reporter)
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
     if failed and isinstance(reporter, _Quiet):
         _warn(f"{len(failed)} of {len(outcomes)} cases failed; {failed[0].member.name}: {failed[0].error}")
