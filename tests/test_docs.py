@@ -127,6 +127,7 @@ def test_equations_are_numbered_once_and_references_find_them() -> None:
     assert used <= set(labels), used - set(labels)
 
 
+@pytest.mark.filterwarnings("ignore:the mesh does not resolve")  # the example is coarse, and says so
 @pytest.mark.parametrize("page", ["install.md", "damping-estimators.md", "bench-tests.md"])
 def test_the_python_of_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (DOCS / page).read_text(encoding="utf-8")
