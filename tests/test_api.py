@@ -152,7 +152,8 @@ def test_doubts_are_python_warnings_that_point_to_the_callers_line(dwell: wf.Cas
     narrow = two_masses(omega={"start": 0.4, "stop": 0.7, "points": 9})
     with pytest.warns(wf.CaseWarning, match="friction capacity 2 N: .*no resonance inside") as told:
         wf.run(narrow)
-    assert {Path(one.filename) for one in told} == {Path(__file__)}
+    doubts = [one for one in told if issubclass(one.category, wf.CaseWarning)]  # Python 3.12 has doubts about fork, too
+    assert {Path(one.filename) for one in doubts} == {Path(__file__)}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         wf.run(narrow, progress=True)  # printed, not warned of

@@ -220,7 +220,7 @@ def test_energies_of_a_family_of_curves_are_taken_at_each_peak() -> None:
 def test_lists_of_one_length_share_a_table() -> None:
     shown_tables = metrics({"amplitude_g": [1.0, 5.0], "slip_zone_height_m": [0.0065, 0.022], "other": [1, 2, 3]})
     tables = list(ElementTree.fromstring(f"<div>{shown_tables}</div>").iter("table"))
-    assert [words(t.find("thead") or t) for t in tables] == [
+    assert [words(t if (head := t.find("thead")) is None else head) for t in tables] == [
         "numberBase acceleration (0-peak)Slip zone height", "numberOther",
     ]  # fmt: skip
     assert rows(tables[0]) == {"1": ["1 g", "6.5 mm"], "2": ["5 g", "22 mm"]}
