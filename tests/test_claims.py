@@ -225,3 +225,26 @@ def test_wrong_input_is_one_line(words: list[str], said: str, tmp_path: Path) ->
     assert done.exit_code == 2
     assert said in done.output
     assert not (tmp_path / "new").exists()
+
+
+def test_the_claims_on_winding_from_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reproduce, "FAMILIES", {"ch2": ("winding",)})
+    done = CliRunner().invoke(app, ["reproduce", "ch2", "--fast", "--workers", "1", "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    lines = {line.split()[0]: line for line in done.output.splitlines() if line.startswith("C")}
+    assert "here: 50 mm" in lines["C10"]
+    assert "thesis error: explained" in lines["C5"]
+    assert NOT_YET in lines["C14"]  # its family is left out here
+    page_text = (tmp_path / "claims.md").read_text()
+    assert "### C5: thesis error: explained" in page_text
+    assert (tmp_path / "figures" / "winding_case_study.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_every_claim_gets_a_verdict_from_coarse_runs(tmp_path: Path) -> None:
+    """Ten minutes on two cores."""
+    chapters = ["ch2", "ch4", "ch5", "appendices"]
+    done = reproduce.reproduce(chapters, tmp_path, fast=True)
+    assert [one.claim for one in done.judged] == [claim for name in chapters for claim in of_chapters([name])]
+    assert not {one.verdict.word for one in done.judged} & {NOT_COMPUTED, NOT_YET}
+    assert page.unexplained(done.judged) == []

@@ -1,0 +1,68 @@
+"""Results written down, in place of runs, for the judges of `wroll reproduce`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from wroll_fem.claims import (
+    Evidence,
+)
+from wroll_fem.plotting.study import SeriesMember
+
+
+class Pretend(Evidence):
+    """Evidence that is given: studies and summaries by name, results by a function of (config, override, ...)."""
+
+    def __init__(
+        self,
+        folder: Path,
+        studies: Mapping[str, list[SeriesMember]] | None = None,
+        summaries: Mapping[str, dict] | None = None,
+        answer: Callable[..., xr.Dataset] | None = None,
+    ) -> None:
+        super().__init__(folder, workers=1)
+        self.given, self.summaries, self.answer = dict(studies or {}), summaries or {}, answer
+
+    def study(self, name: str) -> list[SeriesMember]:
+        return self.given[name]
+
+    def summary(self, study: str, member: SeriesMember) -> dict:
+        return self.summaries[member.name]
+
+    def results(self, cases: Sequence[Sequence[str]]) -> list[xr.Dataset]:
+        assert self.answer is not None
+        return [self.answer(*words) for words in cases]
+
+    def kept(self, name: str, compute: Callable[[], xr.Dataset], **inputs: object) -> xr.Dataset:
+        return xr.Dataset({"shear_modulus": 700.0})
+
+
+def bending_at(frequency: float, **more: object) -> xr.Dataset:
+    """Modal results: torsion at 20 Hz, bending at a frequency, axial shear far above; rising."""
+    modes = sorted(
+        [
+            (20.0, "torsion", (1e-9, 0.0, 0.0), 0.0),
+            (frequency, "bending", (0.7, 0.0, 0.0), 1.4),
+            (5e3, "axial", (0.0, 0.0, 0.6), 0.0),
+        ]
+    )
+    frequencies, kinds, shares, tips = zip(*modes, strict=True)
+    data = {
+        "mode_frequency": ("mode", list(frequencies)),
+        "mode_kind": ("mode", list(kinds)),
+        "effective_mass_fraction": (("mode", "component"), np.array(shares)),
+        "tip_participation": ("mode", list(tips)),
+    }
+    return xr.Dataset(data, coords={"component": ["x", "y", "z"]}, attrs=more)
+
+
+def member(data: xr.Dataset, name: str = "m", **values: object) -> SeriesMember:
+    return SeriesMember(name, {key.replace("__", "."): value for key, value in values.items()}, data)
+
+
+def reference(data: xr.Dataset) -> SeriesMember:
+    return SeriesMember("reference", {}, data, reference=True)
