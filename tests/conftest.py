@@ -42,3 +42,11 @@ def wroll(analyses: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         return runner.invoke(cli.app, [str(word) for word in words])
 
     return call
+
+
+@pytest.fixture
+def evidence(tmp_path):
+    """Evidence for the judges of `wroll reproduce`, nothing kept yet."""
+    from wroll_fem.claims import Evidence
+
+    return Evidence(tmp_path, workers=1)

@@ -8,10 +8,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from wroll_fem.claims import (
-    Evidence,
-)
+from wroll_fem.claims import Evidence, Verdict
+from wroll_fem.claims.reproduce import families
 from wroll_fem.plotting.study import SeriesMember
+
+
+def judges(*chapters: str) -> dict[str, Callable[[Evidence], Verdict]]:
+    """Judges of some chapters by claim."""
+    return {name: one for chapter in chapters for f in families(chapter) for name, one in f.judges.items()}
 
 
 class Pretend(Evidence):

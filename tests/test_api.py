@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -275,13 +276,18 @@ def test_the_page_runs_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     (tmp_path / "configs").symlink_to(ROOT / "configs")
     monkeypatch.chdir(tmp_path)
     first, many, models = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    names: dict[str, Any] = {}
     for block in (first, models):
-        exec(compile(block, "docs/api.md", "exec"), {})
+        exec(compile(block, "docs/api.md", "exec"), names)
+    assert wf.load_result("loose.nc").identical(wf.load_result(wf.save_result(names["result"], "again.nc")))
+    assert 0.0 < float(names["onset"]) < 1.0
     # minutes: its cases are run by other tests, here only its calls are made
-    for name, answer in (("run_series", []), ("run_grid", []), ("batch_table", xr.Dataset()), ("load_series", [])):
-        monkeypatch.setattr(wf, name, lambda *args, answer=answer, **keywords: answer)
+    called: list[str] = []
+    for name in ("run_series", "run_grid", "batch_table", "load_series"):
+        monkeypatch.setattr(wf, name, lambda *args, name=name, **keywords: called.append(name))
     monkeypatch.setattr(wf.plot, "damping_over_frequency", lambda members: None)
     exec(compile(many, "docs/api.md", "exec"), {})
+    assert called == ["run_series", "run_grid", "batch_table", "load_series"]
     plt.close("all")
 
 

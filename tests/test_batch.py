@@ -8,6 +8,7 @@ import json
 import re
 import sys
 from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import xarray as xr
 from typer.testing import CliRunner, Result
 
 from wroll_fem import batch, cli
-from wroll_fem.batch import draw_figures, run_grid, table_dataset, write_tables
+from wroll_fem.batch import draw_figures, load_series, run_grid, table_dataset, write_tables
 from wroll_fem.errors import InputError
 from wroll_fem.grid import load_grid
 from wroll_fem.pools import Ended, LocalPool
@@ -338,13 +339,22 @@ def test_an_empty_table_is_written(tmp_path: Path) -> None:
 def test_nothing_is_drawn_from_nothing(tmp_path: Path) -> None:
     text = f"base: {TINY}\ngrid: {{preload.pressure: [1, 2]}}\nfigure: friction_over_preload"
     grid = load_grid(grid_file(tmp_path, text))
-    failed = [batch.Outcome(m, "failed", "x", 3) for m in grid.members]
-    assert draw_figures(grid, failed, tmp_path) == []
+    assert draw_figures(grid, tmp_path) == []
 
 
 def test_a_figure_that_the_results_cannot_fill_says_so(finished: tuple[Path, Path, Result]) -> None:
     path, out, _ = finished
     grid = load_grid(path)
-    outcomes = [batch.Outcome(m, "already done") for m in grid.members[:2]]
     with pytest.raises(InputError, match=r"over preload\.pressure and coil\.layers"):
-        draw_figures(batch.Grid(path, grid.members, ["layer_count"]), outcomes, out)
+        draw_figures(batch.Grid(path, grid.members, ["layer_count"]), out)
+
+
+def test_results_of_another_case_are_no_part_of_a_series(finished: tuple[Path, Path, Result]) -> None:
+    path, out, _ = finished
+    grid = load_grid(path)
+    done = load_series(grid, out)
+    assert done
+    first = next(member for member in grid.members if member.name == done[0].name)
+    other = replace(first, case=first.case.changed("contact.friction.mu=0.4"))  # the folder's name is the same
+    changed = replace(grid, members=[other if member is first else member for member in grid.members])
+    assert [one.name for one in load_series(changed, out)] == [one.name for one in done[1:]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,13 @@ from typer.testing import CliRunner
 
 from wroll_fem.claims import CHAPTERS, Evidence, Family, Verdict, checklist, evidence, page, reproduce
 from wroll_fem.claims.checklist import explanations, of_chapters
-from wroll_fem.claims.verdict import MET, NOT_COMPUTED, NOT_YET, VERDICTS
+from wroll_fem.claims.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
 from wroll_fem.cli import app
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.plotting import style
+from wroll_fem.progress import SilentProgress
+
+REPRODUCED = list(reproduce.FAMILIES)
 
 
 def test_checklist_is_complete_and_in_order() -> None:
@@ -37,6 +41,31 @@ def test_chapters_are_chosen_by_name() -> None:
 def test_explanations_belong_to_claims() -> None:
     assert set(explanations()) <= set(checklist())
     assert all(len(text) > 80 for text in explanations().values())
+
+
+@pytest.mark.parametrize("chapter", REPRODUCED)
+def test_every_claim_of_a_chapter_has_one_judge(chapter: str) -> None:
+    names = [name for family in reproduce.families(chapter) for name in family.judges]
+    assert sorted(names) == sorted(claim.id for claim in of_chapters([chapter]))
+
+
+def test_every_figure_has_a_name_of_its_own() -> None:
+    names = [name for chapter in REPRODUCED for family in reproduce.families(chapter) for name in family.figures]
+    assert len(names) == len(set(names)) > 30
+
+
+def test_claims_that_are_not_met_or_name_an_error_are_explained() -> None:
+    """By the verdicts on the page."""
+    text = (Path(__file__).parents[1] / "docs" / "claims.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| (C\d+) \|.*\*\*(.+)\*\* \|$", text, re.MULTILINE))
+    assert list(rows) == list(checklist())
+    needed = [name for name, word in rows.items() if word in (NOT_MET, THESIS_ERROR)]
+    assert len(needed) > 15
+    for name in needed:
+        assert name in explanations()
+        if rows[name] == NOT_MET:
+            assert "computed" in explanations()[name].lower(), name
+            assert "cause" in explanations()[name].lower(), name
 
 
 def test_a_verdict_that_the_checklist_does_not_know_is_refused() -> None:
@@ -172,7 +201,8 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> None:
     real = reproduce.families
     monkeypatch.setattr(reproduce, "families", lambda name: [family] if name == "ch6" else real(name))
     monkeypatch.setattr(page, "families", lambda name: [family] if name == "ch6" else real(name))
-    monkeypatch.setattr(page, "explanations", lambda: {"C92": "Because of the sign."})
+    texts = {"C92": "Because of the sign."}
+    monkeypatch.setattr(page, "explanations", lambda: texts)
 
 
 @pytest.mark.usefixtures("pretend")
@@ -180,6 +210,7 @@ def test_page_table_and_exit_code(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["reproduce", "ch6", "--out", str(tmp_path)])
     assert done.exit_code == 3
     assert "C93" in done.output
+    assert "warning: figure none is not drawn: study x has no finished case" in done.output
     with (tmp_path / "claims.csv").open() as stream:
         rows = {row["id"]: row for row in csv.DictReader(stream)}
     assert len(rows) == len(of_chapters(["ch6"]))
@@ -199,6 +230,10 @@ def test_page_table_and_exit_code(tmp_path: Path) -> None:
 def test_claims_without_an_explanation_are_named(tmp_path: Path) -> None:
     judged = reproduce.judge(["ch6"], Evidence(tmp_path), Evidence(tmp_path).progress)
     assert page.unexplained(judged) == []
+    page.explanations().clear()
+    told = SilentProgress()
+    reproduce.reproduce(["ch6"], tmp_path, progress=told)
+    assert told.warnings[0].startswith("no explanation of C92:")
     judged = [reproduce.Judged(checklist()["C94"], Verdict("", False), 0.0)]
     assert page.unexplained(judged) == ["C94"]
 

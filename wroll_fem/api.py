@@ -312,21 +312,13 @@ def load_series(grid: Grid | str | Path, out: str | Path) -> list[SeriesMember]:
     Returns
     -------
     list of SeriesMember
-        In the order of the grid; cases without results are left out.
+        In the order of the grid; cases without results, or with those of another case, are left out.
 
     Raises
     ------
     InputError
         For a grid that is wrong.
     """
-    from .plotting.study import SeriesMember
-    from .run_folder import RunFolder
+    from .batch import load_series as load
 
-    grid = grid if isinstance(grid, Grid) else load_grid(grid)
-    found = []
-    for member in grid.members:
-        folder = RunFolder(Path(out) / member.name)
-        if folder.results_file.is_file() and folder.status() == "complete":
-            data = load_result(folder.path)
-            found.append(SeriesMember(member.name, member.values, data, reference=member.name == REFERENCE))
-    return found
+    return load(grid if isinstance(grid, Grid) else load_grid(grid), out)

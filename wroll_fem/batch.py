@@ -24,6 +24,8 @@ from .tally import Tally
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .plotting.study import SeriesMember
+
 STOP_SECONDS = 30.0
 """How long cases may take to save themselves when a batch is interrupted."""
 
@@ -278,7 +280,32 @@ def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
     return xr.Dataset(data, coords={"case_number": ("case", np.arange(1, len(rows) + 1))})
 
 
-def draw_figures(grid: Grid, outcomes: Sequence[Outcome], out: str | Path) -> list[Path]:
+def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[SeriesMember]:
+    """Read the finished cases of a grid from the folder of its batch, in the order of the grid.
+
+    Parameters
+    ----------
+    lazy
+        Read each variable when it is asked for.
+
+    Notes
+    -----
+    A folder whose results are those of another case (another hash) does not count.
+    """
+    from .plotting.study import SeriesMember
+    from .results import load_dataset
+
+    out = Path(out)
+    series = []
+    for member in grid.members:
+        done = _found(member, out, retry=False)
+        if done is not None and done.status != "failed":
+            data = load_dataset(RunFolder(out / member.name).results_file, lazy=lazy)
+            series.append(SeriesMember(member.name, member.values, data, reference=member.name == REFERENCE))
+    return series
+
+
+def draw_figures(grid: Grid, out: str | Path) -> list[Path]:
     """Draw the figures that the grid file names from the finished cases, into `out`/figures.
 
     Raises
@@ -288,17 +315,8 @@ def draw_figures(grid: Grid, outcomes: Sequence[Outcome], out: str | Path) -> li
     """
     from .plotting import save_figure
     from .plotting.series import FIGURES
-    from .plotting.study import SeriesMember
-    from .results import load_dataset
 
-    finished = [
-        SeriesMember(
-            o.member.name, o.member.values, load_dataset(RunFolder(Path(out) / o.member.name).results_file, lazy=True),
-            reference=o.member.name == REFERENCE,
-        )
-        for o in outcomes
-        if o.status != "failed"
-    ]  # fmt: skip
+    finished = load_series(grid, out, lazy=True)
     if not any(not member.reference for member in finished):
         return []
     return [save_figure(FIGURES[name](finished), Path(out) / "figures" / f"{name}.png") for name in grid.figures]

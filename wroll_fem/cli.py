@@ -136,7 +136,7 @@ def batch(
         if failed:
             typer.echo(f"{len(failed)} of {len(outcomes)} cases failed", err=True)
         try:
-            for figure in draw_figures(grid, outcomes, target):
+            for figure in draw_figures(grid, target):
                 typer.echo(f"figure      {figure}")
         except InputError as error:
             if not failed:
@@ -282,7 +282,10 @@ def reproduce(
     ] = None,
     fast: Annotated[bool, typer.Option("--fast", help="Coarse meshes, fewer values: a quarter of an hour.")] = False,
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for runs, table and page; default runs/reproduce.")
+        Path | None,
+        typer.Option(
+            "--out", help="Folder for runs, table and page; delete it to run all anew. Default runs/reproduce."
+        ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 2,
     page: Annotated[

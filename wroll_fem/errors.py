@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
@@ -71,3 +72,18 @@ class ConvergenceError(WrollError):
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
         when = "" if time_s is None else f" at t = {time_s:.6g} s"
         super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")
+
+
+def require_positive(owner: object, names: Sequence[str], *, section: str = "") -> None:
+    """Refuse attributes that are not finite numbers above 0; ``section`` stands before their names in the message.
+
+    Raises
+    ------
+    InputError
+        For the first that is not.
+    """
+    for name in names:
+        value = getattr(owner, name)
+        if not 0.0 < value < math.inf:
+            key = f"{section}.{name}" if section else name
+            raise InputError(f"{name} = {value}", key=key, remedy="give a positive number")

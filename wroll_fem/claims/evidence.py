@@ -18,7 +18,7 @@ import xarray as xr
 import yaml
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.batch import run_grid
+from wroll_fem.batch import load_series, run_grid
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
 from wroll_fem.grid import REFERENCE, Grid, Member, load_grid
@@ -154,14 +154,7 @@ class Evidence:
             grid = self.grid(name)
             out = self.folder / "studies" / name
             outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress, retry=True)
-            self._studies[name] = [
-                SeriesMember(
-                    o.member.name, o.member.values, load_dataset(RunFolder(out / o.member.name).results_file),
-                    reference=o.member.name == REFERENCE,
-                )
-                for o in outcomes
-                if o.status != "failed"
-            ]  # fmt: skip
+            self._studies[name] = load_series(grid, out, lazy=True)
             failed = [o for o in outcomes if o.status == "failed"]
             if failed:
                 self.progress.warning(f"study {name}: {len(failed)} cases failed, the first with: {failed[0].error}")

@@ -83,6 +83,7 @@ def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], li
             try:
                 paths.append(save_figure(drawing(evidence), folder / f"{name}.png"))
             except WrollError as error:
+                evidence.progress.warning(f"figure {name} is not drawn: {error}")
                 lines += [f"*{caption}: not drawn ({error}).*", ""]
                 continue
             lines += [f"![{caption}](figures/{name}.png)", "", f"*{caption}*", ""]

@@ -142,7 +142,7 @@ def reproduce(
     Parameters
     ----------
     folder
-        Keeps every run; what is there is not computed again.
+        Keeps every run by the hash of its case; what is there is not computed again, also when the code has changed.
     fast
         Coarse meshes and fewer values (fast.yaml); verdicts on the shipped cases are those without.
     workers
@@ -157,7 +157,7 @@ def reproduce(
     InputError
         For an unknown chapter, or where the project's configs/ are missing.
     """
-    from .page import write_page
+    from .page import unexplained, write_page
 
     progress = progress if progress is not None else SilentProgress()
     of_chapters(chapters)  # before any work
@@ -168,5 +168,7 @@ def reproduce(
         judged = judge(chapters, evidence, progress)
         table = folder / "claims.csv"
         write_table(judged, table)
+        if missing := unexplained(judged):
+            progress.warning(f"no explanation of {', '.join(missing)}: write one into wroll_fem/claims/explanations")
         written = write_page(judged, evidence, page if page is not None else folder / "claims.md", command)
     return Reproduction(judged, [table, *written])

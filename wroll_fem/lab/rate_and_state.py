@@ -29,7 +29,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from ..body import FloatArray
-from ..errors import InputError
+from ..errors import InputError, require_positive
 from ..results import annotate
 
 StateLaw = Literal["ageing", "slip"]
@@ -67,10 +67,7 @@ class RateAndState:
     law: StateLaw = "ageing"
 
     def __post_init__(self) -> None:
-        for name in ("mu", "rate", "distance"):
-            value = getattr(self, name)
-            if not (value > 0.0 and np.isfinite(value)):
-                raise InputError(f"{name} = {value}", key=name, remedy="give a positive number")
+        require_positive(self, ("mu", "rate", "distance"))
         for name in ("a", "b"):
             if not getattr(self, name) >= 0.0:
                 raise InputError(f"{name} = {getattr(self, name)}", key=name, remedy="give 0 or more")

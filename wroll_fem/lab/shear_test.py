@@ -25,7 +25,7 @@ from ..body import FloatArray
 from ..contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from ..dynamics.static import solve_load_path
 from ..dynamics.system import System
-from ..errors import InputError
+from ..errors import InputError, require_positive
 from ..results import annotate
 
 EDGE = 0.05
@@ -75,12 +75,8 @@ class ShearTest:
     def __post_init__(self) -> None:
         if self.interfaces < 1:
             raise InputError(f"interfaces = {self.interfaces}", key="interfaces", remedy="give 1 or more")
-        for name in (
-            "normal_force", "mu", "elastic_slip", "area", "layer_thickness", "layer_shear_modulus", "machine_stiffness",
-        ):  # fmt: skip
-            value = getattr(self, name)
-            if not (value > 0.0 and np.isfinite(value)):
-                raise InputError(f"{name} = {value}", key=name, remedy="give a positive number")
+        names = ("normal_force", "mu", "elastic_slip", "area", "layer_thickness", "layer_shear_modulus")
+        require_positive(self, (*names, "machine_stiffness"))
 
     @property
     def layers(self) -> int:

@@ -34,7 +34,7 @@ import numpy.typing as npt
 
 from ..body import FloatArray
 from ..contact.smoothed_coulomb import logistic_sign
-from ..errors import InputError
+from ..errors import InputError, require_positive
 
 Arrangement = Literal["both_on_base", "secondary_isolated", "secondary_on_primary"]
 ARRANGEMENTS: tuple[str, ...] = get_args(Arrangement)
@@ -150,10 +150,8 @@ class TwoMasses:
     preload_dependent: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing"):
-            value = getattr(self, name)
-            if not (value > 0.0 and np.isfinite(value)):
-                raise InputError(f"{name} = {value}", key=f"two_dof.{name}", remedy="give a positive number")
+        names = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
+        require_positive(self, names, section="two_dof")
         if self.arrangement not in ARRANGEMENTS:
             raise InputError(
                 f"no arrangement {self.arrangement!r}",
