@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from . import plot, two_dof
-    from .analyses import case_warnings, estimate
-    from .analyses.slip_model import SlipModel
-    from .api import (
+    from wroll_fem import plot, two_dof
+    from wroll_fem.analyses import case_warnings, estimate
+    from wroll_fem.analyses.slip_model import SlipModel
+    from wroll_fem.api import (
         CaseWarning,
         batch_table,
         case_of,
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
         summarise,
         transmissibility,
     )
-    from .case import Case, example_case, load_case
-    from .errors import ConvergenceError, InputError, WrollError
-    from .grid import load_grid
-    from .plotting.study import SeriesMember
-    from .report import write_report
-    from .results import save_dataset as save_result
-    from .signals import estimators
-    from .signals.damping import half_power
+    from wroll_fem.case import Case, example_case, load_case
+    from wroll_fem.errors import ConvergenceError, InputError, WrollError
+    from wroll_fem.grid import load_grid
+    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.report import write_report
+    from wroll_fem.results import save_dataset as save_result
+    from wroll_fem.signals import estimators
+    from wroll_fem.signals.damping import half_power
 
 _WHERE = {
     "Case": "case", "example_case": "case", "load_case": "case",

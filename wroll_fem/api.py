@@ -11,18 +11,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .case import Case
-from .case.loader import build_case
-from .errors import InputError
-from .grid import REFERENCE, Grid, load_grid
-from .progress import Progress, TerminalProgress
+from wroll_fem.case import Case
+from wroll_fem.case.loader import build_case
+from wroll_fem.errors import InputError
+from wroll_fem.grid import REFERENCE, Grid, load_grid
+from wroll_fem.progress import Progress, TerminalProgress
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .analyses.slip_model import SlipModel
-    from .batch import Outcome
-    from .plotting.study import SeriesMember
+    from wroll_fem.analyses.slip_model import SlipModel
+    from wroll_fem.batch import Outcome
+    from wroll_fem.plotting.study import SeriesMember
 
 ShowProgress = bool | Progress | None
 
@@ -95,13 +95,13 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     if not isinstance(case, Case):
         remedy = "load it first: run(load_case(path))"
         raise InputError(f"is not a case but a {type(case).__name__}", key="case", remedy=remedy)
-    from .runner import run_case, with_origin
+    from wroll_fem.runner import run_case, with_origin
 
     with _reporting(progress) as reporter:
         if out is not None:
             done = run_case(case, out, progress=reporter, resume=True, command=f"wroll_fem.run(case, out={str(out)!r})")
             return load_result(done.folder.path)
-        from . import analyses
+        from wroll_fem import analyses
 
         for text in analyses.case_warnings(case):
             reporter.warning(text)
@@ -116,7 +116,7 @@ def load_result(path: str | Path) -> xr.Dataset:
     InputError
         When there are none.
     """
-    from .results import load_dataset
+    from wroll_fem.results import load_dataset
 
     path = Path(path)
     dataset = load_dataset(path / "results.nc" if path.is_dir() else path)
@@ -153,7 +153,7 @@ def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
     InputError
         When neither says.
     """
-    from . import analyses
+    from wroll_fem import analyses
 
     return analyses.summarise(result, case if case is not None else case_of(result))
 
@@ -171,7 +171,7 @@ def transmissibility(result: xr.Dataset) -> xr.DataArray:
     InputError
         When the result holds no such curve.
     """
-    from .signals.transmissibility import magnitude
+    from wroll_fem.signals.transmissibility import magnitude
 
     if "omega" in result.dims and "transmissibility" in result:
         return result["transmissibility"]
@@ -195,7 +195,7 @@ def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
     InputError
         For a case of another analysis.
     """
-    from .analyses.slip_model import SlipModel
+    from wroll_fem.analyses.slip_model import SlipModel
 
     with _reporting(progress) as reporter:
         return SlipModel.of(case, progress=reporter)
@@ -231,7 +231,7 @@ def run_series(
     -----
     `run_grid` takes longer series: in processes of their own, with what is done kept.
     """
-    from .plotting.study import SeriesMember, shown
+    from wroll_fem.plotting.study import SeriesMember, shown
 
     members = []
     for combination in itertools.product(*keys.values()):
@@ -276,7 +276,7 @@ def run_grid(
     InputError
         For a grid that is wrong, or a folder that holds another batch.
     """
-    from .batch import run_grid as run_all
+    from wroll_fem.batch import run_grid as run_all
 
     grid = grid if isinstance(grid, Grid) else load_grid(grid)
     with _reporting(progress) as reporter:
@@ -319,6 +319,6 @@ def load_series(grid: Grid | str | Path, out: str | Path) -> list[SeriesMember]:
     InputError
         For a grid that is wrong.
     """
-    from .batch import load_series as load
+    from wroll_fem.batch import load_series as load
 
     return load(grid if isinstance(grid, Grid) else load_grid(grid), out)

@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .errors import ConvergenceError, InputError
-from .grid import REFERENCE, Grid, Member
-from .pools import ClusterPool, Ended, LocalPool, Pool
-from .progress import Progress, SilentProgress
-from .report.values import split_unit
-from .run_folder import RunFolder, plain
-from .tally import Tally
+from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.grid import REFERENCE, Grid, Member
+from wroll_fem.pools import ClusterPool, Ended, LocalPool, Pool
+from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.report.values import split_unit
+from wroll_fem.run_folder import RunFolder, plain
+from wroll_fem.tally import Tally
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .plotting.study import SeriesMember
+    from wroll_fem.plotting.study import SeriesMember
 
 STOP_SECONDS = 30.0
 """How long cases may take to save themselves when a batch is interrupted."""
@@ -292,8 +292,8 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Seri
     -----
     A folder whose results are those of another case (another hash) does not count.
     """
-    from .plotting.study import SeriesMember
-    from .results import load_dataset
+    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.results import load_dataset
 
     out = Path(out)
     series = []
@@ -313,8 +313,8 @@ def draw_figures(grid: Grid, out: str | Path) -> list[Path]:
     InputError
         When the results lack what a figure needs.
     """
-    from .plotting import save_figure
-    from .plotting.series import FIGURES
+    from wroll_fem.plotting import save_figure
+    from wroll_fem.plotting.series import FIGURES
 
     finished = load_series(grid, out, lazy=True)
     if not any(not member.reference for member in finished):

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .body import FloatArray
-from .errors import InputError
+from wroll_fem.body import FloatArray
+from wroll_fem.errors import InputError
 
 
 @dataclass(frozen=True)

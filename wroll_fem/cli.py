@@ -21,11 +21,11 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 
 import typer
 
-from . import __version__
-from .case import RESUMABLE, load_case, schema_text
-from .closing import closing_lines
-from .errors import ConvergenceError, InputError, WrollError
-from .progress import TerminalProgress
+from wroll_fem import __version__
+from wroll_fem.case import RESUMABLE, load_case, schema_text
+from wroll_fem.closing import closing_lines
+from wroll_fem.errors import ConvergenceError, InputError, WrollError
+from wroll_fem.progress import TerminalProgress
 
 app = typer.Typer(
     name="wroll", help="Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps.",
@@ -80,7 +80,7 @@ def run(
         if dry_run:
             _print_estimate(case)
             return
-        from .runner import run_case
+        from wroll_fem.runner import run_case
 
         target = out if out is not None else Path("runs") / case_file.stem
         command = ["wroll", "run", str(case_file), "--out", str(target)]
@@ -115,8 +115,8 @@ def batch(
 ) -> None:
     """Run a grid of cases: only what is not yet done; one table and the study's figures at the end."""
     with _reporting():
-        from .batch import draw_figures, run_grid
-        from .grid import load_grid
+        from wroll_fem.batch import draw_figures, run_grid
+        from wroll_fem.grid import load_grid
 
         grid = load_grid(grid_file)
         target = out if out is not None else Path("runs") / grid_file.stem
@@ -155,7 +155,7 @@ def validate(
     for path in case_files:
         try:
             case = load_case(path)
-            from . import analyses
+            from wroll_fem import analyses
 
             warnings = analyses.case_warnings(case)  # reads the file of `structure`
         except InputError as error:
@@ -197,8 +197,8 @@ def mesh(
     """Mesh a case and write it as .msh (named groups) and .vtu."""
     with _reporting():
         case = load_case(case_file, overrides or ())
-        from .mesh_file import write_mesh
-        from .meshing import build_mesh
+        from wroll_fem.mesh_file import write_mesh
+        from wroll_fem.meshing import build_mesh
 
         _refuse_winding(case, case_file)
         if case.structure is not None:
@@ -208,7 +208,7 @@ def mesh(
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
         built, coil = build_mesh(case), None
         if case.coil.model == "solid":
-            from .fem.coil import coil_hexes
+            from wroll_fem.fem.coil import coil_hexes
 
             coil = coil_hexes(case, built)
         try:
@@ -230,11 +230,11 @@ def export(
     with _reporting():
         case = load_case(case_file, overrides or ())
         _refuse_winding(case, case_file)
-        from .dynamics.matrix_file import check_suffix
+        from wroll_fem.dynamics.matrix_file import check_suffix
 
         check_suffix(out)  # before the work
-        from .analyses.preparation import prepare
-        from .dynamics.system_io import save_system
+        from wroll_fem.analyses.preparation import prepare
+        from wroll_fem.dynamics.system_io import save_system
 
         with TerminalProgress() as progress:
             system, state = prepare(case, progress)
@@ -249,11 +249,11 @@ def plot(
 ) -> None:
     """Draw the figures of a run again from its results."""
     with _reporting():
-        from .run_folder import RunFolder
+        from wroll_fem.run_folder import RunFolder
 
         folder = RunFolder(run_dir)
         case, dataset = folder.load()
-        from . import analyses
+        from wroll_fem import analyses
 
         folder.figures.mkdir(exist_ok=True)
         for path in analyses.write_figures(dataset, case, folder.figures):
@@ -267,7 +267,7 @@ def report(
 ) -> None:
     """Write one self-contained HTML file about a run or a batch."""
     with _reporting():
-        from .report import write_report
+        from wroll_fem.report import write_report
 
         typer.echo(str(write_report(folder, out)))
 
@@ -294,7 +294,7 @@ def reproduce(
 ) -> None:
     """Judge the claims of the source, one line each, from stored or fresh runs."""
     with _reporting():
-        from .claims.reproduce import reproduce as judge_all
+        from wroll_fem.claims.reproduce import reproduce as judge_all
 
         folder = out if out is not None else Path("runs") / ("reproduce_fast" if fast else "reproduce")
         command = ["wroll", "reproduce", *(chapters or ()), *(["--fast"] if fast else [])]
@@ -318,7 +318,7 @@ def reproduce(
 @app.command()
 def info() -> None:
     """Print the version of every library underneath, and whether it works."""
-    from .environment import OPTIONAL, check_environment
+    from wroll_fem.environment import OPTIONAL, check_environment
 
     typer.echo(f"{'wroll_fem':<10} {__version__}")
     broken = False
@@ -339,7 +339,7 @@ def _refuse_winding(case: Any, file: Path) -> None:
 
 
 def _print_estimate(case: Any) -> None:
-    from . import analyses
+    from wroll_fem import analyses
 
     for text in analyses.case_warnings(case):
         typer.echo(f"warning: {text}")
@@ -349,7 +349,7 @@ def _print_estimate(case: Any) -> None:
 
 
 def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> None:
-    from .run_folder import RunFolder
+    from wroll_fem.run_folder import RunFolder
 
     if RunFolder(target).checkpoint_file.is_file():
         typer.echo(f"interrupted; go on with: {shlex.join([*command, '--resume'])}", err=True)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .dynamics.modal_transient import ComplexArray, FloatArray, Oscillators
-from .shear import ShearModes
-from .units import GRAVITY
+from wroll_fem.dynamics.modal_transient import ComplexArray, FloatArray, Oscillators
+from wroll_fem.shear import ShearModes
+from wroll_fem.units import GRAVITY
 
 
 class ShearPerG(NamedTuple):

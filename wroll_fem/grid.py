@@ -12,12 +12,12 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from .case import Case, load_case
-from .case.base import Real, Section, Whole, wrong
-from .case.loader import read_yaml
-from .case.messages import input_error
-from .errors import InputError
-from .run_folder import plain
+from wroll_fem.case import Case, load_case
+from wroll_fem.case.base import Real, Section, Whole, wrong
+from wroll_fem.case.loader import read_yaml
+from wroll_fem.case.messages import input_error
+from wroll_fem.errors import InputError
+from wroll_fem.run_folder import plain
 
 REFERENCE = "reference"
 """Name of the one case outside the grid."""
@@ -118,7 +118,7 @@ class GridFile(Section):
     @field_validator("figure")
     @classmethod
     def _known(cls, value: str | list[str]) -> list[str]:
-        from .plotting.series import FIGURES
+        from wroll_fem.plotting.series import FIGURES
 
         names = [value] if isinstance(value, str) else value
         for name in names:

@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Protocol
 
-from .errors import InputError
+from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:  # cases are checked without numpy
     import numpy as np

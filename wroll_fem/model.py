@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .body import Body
-from .case.contact import RateFriction, SmoothedFriction
-from .contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from .dynamics.system import System
+from wroll_fem.body import Body
+from wroll_fem.case.contact import RateFriction, SmoothedFriction
+from wroll_fem.contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from wroll_fem.dynamics.system import System
 
 if TYPE_CHECKING:
-    from .case.case import Case
+    from wroll_fem.case.case import Case
 
 DIRECTIONS = {"x": 0, "y": 1}
 
@@ -41,9 +41,9 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
 
     A user's mesh that is not symmetric about the x-z plane is taken whole.
     """
-    from .fem.body import assemble_bodies
-    from .mesh import mirror_nodes
-    from .meshing import build_mesh
+    from wroll_fem.fem.body import assemble_bodies
+    from wroll_fem.mesh import mirror_nodes
+    from wroll_fem.meshing import build_mesh
 
     mesh = build_mesh(case)
     half = uses_symmetry(case) if symmetric is None else symmetric
@@ -68,7 +68,7 @@ def build_system(case: Case, bodies: Sequence[Body]) -> System:
 
     With ``preload.kind: winding_tension`` the load is found here, by static solutions, where the analysis needs it.
     """
-    from .winding.interface import external_pressures
+    from wroll_fem.winding.interface import external_pressures
 
     layers = len(bodies) - 1
     system = System.from_bodies(
@@ -86,8 +86,8 @@ def build_system(case: Case, bodies: Sequence[Body]) -> System:
 
 def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
     """System whose mean interface pressures are those of the wound roll."""
-    from .dynamics.pressing import press_to
-    from .winding.interface import refuse_pull, ring_split, target_pressures
+    from wroll_fem.dynamics.pressing import press_to
+    from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
 
     unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs
     for load, body in zip(unit_loads, bodies[1:], strict=True):

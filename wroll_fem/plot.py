@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from . import plotting
-from .errors import InputError
-from .plotting import coil_slip, coil_slip_space, scene, series, shear_stiffness, study, style
-from .plotting import two_dof as _two_dof
+from wroll_fem import plotting
+from wroll_fem.errors import InputError
+from wroll_fem.plotting import coil_slip, coil_slip_space, scene, series, shear_stiffness, study, style
+from wroll_fem.plotting import two_dof as _two_dof
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,8 +17,8 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from .errors import InputError
-from .run_folder import RunFolder
+from wroll_fem.errors import InputError
+from wroll_fem.run_folder import RunFolder
 
 CONNECT_SECONDS = 10.0
 """How long a scheduler may take to answer."""

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from . import __version__
-from .case import Case, load_case
-from .errors import InputError
+from wroll_fem import __version__
+from wroll_fem.case import Case, load_case
+from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,7 +120,7 @@ class RunFolder:
         InputError
             If the folder holds no run or no results.
         """
-        from .results import load_dataset
+        from wroll_fem.results import load_dataset
 
         if not self.case_file.is_file():
             raise self._refuse("is not a run folder (no case.yaml)", "give the folder of a finished `wroll run`")
@@ -155,7 +155,7 @@ class RunFolder:
 
     def record(self, status: Status, **entries: Any) -> None:
         """Write provenance.json: versions, git revision, machine, status and further entries (kept from before)."""
-        from .results import provenance
+        from wroll_fem.results import provenance
 
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})

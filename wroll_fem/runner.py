@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .case import Case
-from .errors import ConvergenceError, WrollError
-from .progress import Progress, SilentProgress, TerminalProgress
-from .run_folder import RunFolder, Status
+from wroll_fem.case import Case
+from wroll_fem.errors import ConvergenceError, WrollError
+from wroll_fem.progress import Progress, SilentProgress, TerminalProgress
+from wroll_fem.run_folder import RunFolder, Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +77,7 @@ def run_case(
 
 
 def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> Run:
-    from . import analyses
+    from wroll_fem import analyses
 
     started = time.perf_counter()
     status: Status = "failed"
@@ -119,7 +119,7 @@ def _told(error: Exception) -> dict[str, Any]:
 def _save(
     case: Case, folder: RunFolder, dataset: xr.Dataset, progress: Progress, seconds: float
 ) -> tuple[dict[str, Any], list[Path]]:
-    from . import analyses
+    from wroll_fem import analyses
 
     _save_dataset(case, folder, dataset, complete=True)
     summary = {"analysis": case.analysis, **analyses.summarise(dataset, case)}
@@ -138,7 +138,7 @@ def _save(
 
 def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
     """Copy with its own provenance in the attributes: case text and hash, versions, whether it is complete."""
-    from .results import provenance
+    from wroll_fem.results import provenance
 
     origin = {
         "case_yaml": case.resolved_yaml(),
@@ -150,6 +150,6 @@ def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr
 
 
 def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
-    from .results import save_dataset
+    from wroll_fem.results import save_dataset
 
     save_dataset(with_origin(dataset, case, complete=complete), folder.results_file)

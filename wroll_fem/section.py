@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case import Case
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -131,7 +131,7 @@ def plain_section(case: Case) -> RollSection:
 
     A bonded coil gets a cell per layer.
     """
-    from .meshing import axial_stations
+    from wroll_fem.meshing import axial_stations
 
     g, coil, mesh = case.geometry, case.coil, case.mesh
     outer = 0.5 * g.mandrel_outer_diameter

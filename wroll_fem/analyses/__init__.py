@@ -7,14 +7,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..case import RESUMABLE
-from .advice import case_warnings, estimate
+from wroll_fem.analyses.advice import case_warnings, estimate
+from wroll_fem.case import RESUMABLE
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 __all__ = ["ANALYSES", "case_warnings", "estimate", "run_analysis", "summarise", "write_fields", "write_figures"]
 
@@ -75,20 +75,20 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
 
 def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     """Flat summary in SI, the unit in the name (summary.json)."""
-    from .outputs import summarise as summary
+    from wroll_fem.analyses.outputs import summarise as summary
 
     return summary(dataset, case)
 
 
 def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Slip maps, kept fields and mode shapes as .vtu."""
-    from .outputs import write_fields as write
+    from wroll_fem.analyses.outputs import write_fields as write
 
     return write(dataset, case, folder)
 
 
 def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Figures of the analysis as .png."""
-    from .outputs import write_figures as write
+    from wroll_fem.analyses.outputs import write_figures as write
 
     return write(dataset, case, folder)

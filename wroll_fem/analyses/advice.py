@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..case.material import IsotropicMaterial, OrthotropicMaterial
+    from wroll_fem.case import Case
+    from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
 """Time per step: `reduced` x points, `condensed` x points x modes per harmonic, `full` x DOFs; one 2.5 GHz core."""
@@ -80,7 +80,7 @@ def interface_pressures(case: Case) -> list[float]:
     """
     g, coil = case.geometry, case.coil
     if case.preload.kind == "winding_tension":
-        from ..winding.interface import target_pressures
+        from wroll_fem.winding.interface import target_pressures
 
         return target_pressures(case).tolist()
     pressures = case.preload.per_layer(coil.layers)
@@ -143,7 +143,7 @@ def _scheme_warnings(case: Case) -> list[str]:
 
 def _structure_warnings(case: Case) -> list[str]:
     """What is doubtful in a file of matrices."""
-    from .preparation import read_structure
+    from wroll_fem.analyses.preparation import read_structure
 
     system, state = read_structure(case)
     warnings = []
@@ -192,7 +192,7 @@ def _contact_warnings(case: Case) -> list[str]:
             "contact.friction.law smoothed_coulomb holds nothing at rest: the preload is frictionless, and below "
             "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
-    from ..winding.interface import external_pressures
+    from wroll_fem.winding.interface import external_pressures
 
     total, limit = sum(external_pressures(case)), buckling_pressure(case)
     if total > limit:
@@ -219,14 +219,14 @@ def estimate(case: Case) -> dict[str, Any]:
         included).
     """
     if case.two_dof is not None:
-        from .two_dof import estimate_two_dof
+        from wroll_fem.analyses.two_dof import estimate_two_dof
 
         return estimate_two_dof(case.two_dof)
     if case.winding is not None and case.analysis == "winding":
         cells, wraps = case.winding.cells, case.winding.wraps
         return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
     if case.structure is not None:
-        from ..dynamics.system_io import system_size
+        from wroll_fem.dynamics.system_io import system_size
 
         dofs, points = system_size(case.structure.file)
         return {"dofs": dofs, "interface_points": points} | _time_steps(case)
@@ -259,7 +259,7 @@ def estimate(case: Case) -> dict[str, Any]:
 
 def _harmonics(case: Case) -> dict[str, Any]:
     """Unknowns of one harmonic around the axis, and a time: 3e-5 s per unknown and eigenproblem."""
-    from ..section import make_section
+    from wroll_fem.section import make_section
 
     n_r, n_z = make_section(case).shape
     dofs = 3 * (3 * n_r + 1) * (3 * n_z + 1)
@@ -273,7 +273,7 @@ def _time_steps(case: Case) -> dict[str, Any]:
     """Steps, step and length of a time history; nothing for other analyses."""
     if case.analysis not in ("sweep", "dwell"):
         return {}
-    from ..signals.base_motion import base_motion
+    from wroll_fem.signals.base_motion import base_motion
 
     duration = base_motion(case.excitation).duration
     steps = math.ceil(duration / case.time_step - 1e-9)

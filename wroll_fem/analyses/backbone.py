@@ -9,19 +9,19 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from ..dynamics.backbone import BackboneCurve
-from ..dynamics.enrichment import trained_backbone
-from ..dynamics.harmonic_fields import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
-from ..dynamics.reduction import ReducedModel
-from ..dynamics.system import System
-from ..errors import ConvergenceError
-from ..results import annotate
-from .harmonic import condensed_structure, memory_remark
-from .preparation import prepare
+from wroll_fem.analyses.harmonic import condensed_structure, memory_remark
+from wroll_fem.analyses.preparation import prepare
+from wroll_fem.dynamics.backbone import BackboneCurve
+from wroll_fem.dynamics.enrichment import trained_backbone
+from wroll_fem.dynamics.harmonic_fields import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
+from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.results import annotate
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 
 def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:

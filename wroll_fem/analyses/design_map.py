@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..case.coil import Coil
-from ..case.geometry import Geometry
-from ..results import annotate
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.results import annotate
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..fem.fourier import FourierModel
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.fem.fourier import FourierModel
+    from wroll_fem.progress import Progress
 
 _NUMBERS = ("frequency_tightest", "frequency_loosest", "frequency_mandrel", "loosest_shear_modulus")
 
@@ -51,9 +51,9 @@ class _Models:
 
     def design(self, case: Case) -> Design:
         """Frequencies of a case's mandrel."""
-        from ..fem.fourier_modes import family_modes
-        from ..fem.fourier_roll import BENDING, FourierRoll
-        from ..fem.loosest import fundamental, loosest_coil, with_shear_modulus
+        from wroll_fem.fem.fourier_modes import family_modes
+        from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
+        from wroll_fem.fem.loosest import fundamental, loosest_coil, with_shear_modulus
 
         assert case.design_map is not None
         bare = FourierRoll(case.model_copy(update={"coil": Coil(model="none")}), self._without)

@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from ..results import annotate
-from ..revolve import cartesian, revolve
+from wroll_fem.results import annotate
+from wroll_fem.revolve import cartesian, revolve
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..fem.fourier import FourierModel
-    from ..fem.fourier_modes import FourierMode
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.fem.fourier import FourierModel
+    from wroll_fem.fem.fourier_modes import FourierMode
+    from wroll_fem.progress import Progress
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -26,8 +26,8 @@ def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
     Modes of harmonics m >= 1 come in pairs, that along x first. Shapes are those of the skin of the revolved section,
     with `mesh.circumferential` cells around.
     """
-    from ..fem.fourier_modes import lowest_modes
-    from ..fem.fourier_roll import FourierRoll
+    from wroll_fem.fem.fourier_modes import lowest_modes
+    from wroll_fem.fem.fourier_roll import FourierRoll
 
     with progress.stage("mesh and matrices", 1) as stage:
         roll = FourierRoll(case)

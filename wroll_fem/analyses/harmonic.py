@@ -9,22 +9,22 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from ..dynamics.condensation import Condensation, condense
-from ..dynamics.enrichment import trained_response
-from ..dynamics.harmonic import HarmonicCurve
-from ..dynamics.harmonic_fields import curve_dataset, cycle_balance_error
-from ..dynamics.hht import Scheme
-from ..dynamics.reduction import ReducedModel
-from ..dynamics.static import ContactState, stick_springs
-from ..dynamics.system import System
-from ..errors import ConvergenceError
-from ..results import annotate
-from ..signals.estimators import Reading, read_curve
-from .preparation import prepare
+from wroll_fem.analyses.preparation import prepare
+from wroll_fem.dynamics.condensation import Condensation, condense
+from wroll_fem.dynamics.enrichment import trained_response
+from wroll_fem.dynamics.harmonic import HarmonicCurve
+from wroll_fem.dynamics.harmonic_fields import curve_dataset, cycle_balance_error
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.static import ContactState, stick_springs
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.results import annotate
+from wroll_fem.signals.estimators import Reading, read_curve
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
 """A mode within this relative distance of an odd multiple of the resonance, up to this order, is worth a word if its

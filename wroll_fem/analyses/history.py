@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ..contact.laws import SMOOTHED
-from ..dynamics.condensed import CondensedStepper
-from ..dynamics.fields import interface_fields
-from ..dynamics.hht import Scheme
-from ..dynamics.reduced import ReducedStepper
-from ..dynamics.simulate import Checkpointing, make_stepper, simulate
-from ..dynamics.stepper import NewtonOptions, Stepper
-from ..errors import ConvergenceError
-from ..results import annotate
-from ..signals.base_motion import base_motion
-from ..signals.damping import sweep_warning
-from ..signals.estimators import read_curve
-from ..signals.transmissibility import dwell_response, transmissibility
-from .preparation import prepare
+from wroll_fem.analyses.preparation import prepare
+from wroll_fem.contact.laws import SMOOTHED
+from wroll_fem.dynamics.condensed import CondensedStepper
+from wroll_fem.dynamics.fields import interface_fields
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduced import ReducedStepper
+from wroll_fem.dynamics.simulate import Checkpointing, make_stepper, simulate
+from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.results import annotate
+from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.damping import sweep_warning
+from wroll_fem.signals.estimators import read_curve
+from wroll_fem.signals.transmissibility import dwell_response, transmissibility
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 
 LOOSE_SPAN = 0.01

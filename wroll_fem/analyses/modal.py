@@ -9,17 +9,17 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
-from ..body import Body, FloatArray
-from ..dynamics.static import ContactState, solve_preload, stick_springs
-from ..dynamics.system import System
-from ..model import build_bodies, build_system
-from ..modes import align_pairs, classify_mode, effective_mass_fractions
-from ..results import annotate
-from .preparation import prepare, read_structure
+from wroll_fem.analyses.preparation import prepare, read_structure
+from wroll_fem.body import Body, FloatArray
+from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.system import System
+from wroll_fem.model import build_bodies, build_system
+from wroll_fem.modes import align_pairs, classify_mode, effective_mass_fractions
+from wroll_fem.results import annotate
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 TIE_FACTOR = 100.0
 """Bonded: springs of this many times the normal penalty in all directions; tied to 1e-4 in frequency."""
@@ -53,7 +53,7 @@ def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         `mode_frequency`, `mode_kind`, `mode_harmonic`, `effective_mass_fraction` (mode, component), `mode_residual`,
         `tip_participation`, `mode_shape` (mode, node, component) with the mesh it lives on.
     """
-    from ..fem.eigen import solve_pairs
+    from wroll_fem.fem.eigen import solve_pairs
 
     if case.structure is not None:
         return _structure_modes(case, progress)
@@ -121,7 +121,7 @@ def _structure_modes(case: Case, progress: Progress) -> xr.Dataset:
             scale = np.linalg.norm(stiffness @ vectors, axis=0) + np.linalg.norm(product * values, axis=0)
             residuals = np.linalg.norm(stiffness @ vectors - product * values, axis=0) / scale
         else:
-            from ..fem.eigen import DEFAULT_SHIFT, solve_pairs
+            from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 
             pairs = solve_pairs(stiffness, mass, count, sigma=DEFAULT_SHIFT)
             values, vectors, residuals = pairs.values, pairs.vectors, pairs.residuals

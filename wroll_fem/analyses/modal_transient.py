@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..coil_slip import ShearPerG, SlipZone, driven_mode, onset_levels, shear_per_g, slip_zone, slips
-from ..dynamics.modal_transient import (
+from wroll_fem.coil_slip import ShearPerG, SlipZone, driven_mode, onset_levels, shear_per_g, slip_zone, slips
+from wroll_fem.dynamics.modal_transient import (
     FloatArray,
     Oscillators,
     run_to_steady_state,
     steady_transmissibility,
 )
-from ..errors import InputError
-from ..results import annotate
-from ..shear import ShearModes
-from ..units import GRAVITY
+from wroll_fem.errors import InputError
+from wroll_fem.results import annotate
+from wroll_fem.shear import ShearModes
+from wroll_fem.units import GRAVITY
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 FEWEST_MASS = 0.9
 """Modes that carry less than this share of the mass along the excitation are told to be too few."""
@@ -42,7 +42,7 @@ class CoilShape(NamedTuple):
 
 def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
     """Modes with their stress, winding pressure, steady response and slip of a case; see `transient_dataset`."""
-    from .slip_model import SlipModel
+    from wroll_fem.analyses.slip_model import SlipModel
 
     return SlipModel.of(case, progress=progress).run(progress=progress)
 
@@ -50,9 +50,9 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
 def shear_modes(case: Case) -> ShearModes:
     """Modes with their shear stress from the discretisation that the case asks for."""
     if case.mesh.discretisation == "fourier":
-        from ..fem.fourier_shear import shear_modes as modes_of
+        from wroll_fem.fem.fourier_shear import shear_modes as modes_of
     else:
-        from ..fem.shear import shear_modes as modes_of
+        from wroll_fem.fem.shear import shear_modes as modes_of
     return modes_of(case)
 
 

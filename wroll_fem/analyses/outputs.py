@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from . import pictures, summary
+from wroll_fem.analyses import pictures, summary
 
 if TYPE_CHECKING:
-    from ..case import Case
+    from wroll_fem.case import Case
 
 Summary = Callable[[xr.Dataset, "Case"], dict[str, Any]]
 Files = Callable[[xr.Dataset, "Case", Path], list[Path]]

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..slip import has_surface
+from wroll_fem.slip import has_surface
 
 if TYPE_CHECKING:
-    from ..case import Case
+    from wroll_fem.case import Case
 
 
 def figure(
@@ -36,7 +36,7 @@ def figure(
 
 
 def _save(stem: str, function: str, dataset: xr.Dataset, folder: Path, module: str = "", **options: Any) -> Path:
-    from .. import plotting
+    from wroll_fem import plotting
 
     home = import_module(f"..plotting.{module}", __package__) if module else plotting
     return plotting.save_figure(getattr(home, function)(dataset, **options), folder / f"{stem}.png")
@@ -68,7 +68,7 @@ def pressure_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
 def slip_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Slip of the innermost interface on the roll, when there was any."""
-    from .. import plotting
+    from wroll_fem import plotting
 
     if 0 not in _surfaces(dataset) or not float(dataset["cumulative_slip"].max()) > 0:
         return []
@@ -77,7 +77,7 @@ def slip_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
 def mode_shapes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """First ten mode shapes in space; matrices from a file have none."""
-    from .. import plotting
+    from wroll_fem import plotting
 
     if "mode_shape" not in dataset or find_spec("pyvista") is None:
         return []
@@ -92,7 +92,7 @@ def mode_shapes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
 def coil_sections(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Root section and slip zone of a coil whose points form a grid."""
-    from ..plotting.coil_slip import has_grid
+    from wroll_fem.plotting.coil_slip import has_grid
 
     kinds = (("root_section", "plot_root_sections"), ("slip_zone", "plot_slip_zone"))
     return [_save(*kind, dataset, folder, "coil_slip") for kind in kinds] if has_grid(dataset) else []
@@ -100,8 +100,8 @@ def coil_sections(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
 def coil_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Slip in the coil, cut open, when its points form a grid."""
-    from ..plotting.coil_slip import has_grid
-    from ..plotting.coil_slip_space import plot_slip_in_coil
+    from wroll_fem.plotting.coil_slip import has_grid
+    from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil
 
     wanted = find_spec("pyvista") is not None and has_grid(dataset)
     return [plot_slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
@@ -111,7 +111,7 @@ def write_slip(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Write slip.vtu (all interfaces), and slip_<step>.vtu for kept fields."""
     if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
         return []
-    from ..plotting import write_slip_vtu
+    from wroll_fem.plotting import write_slip_vtu
 
     written = [write_slip_vtu(dataset, folder / "slip.vtu")]
     for number in range(dataset.sizes.get("snapshot_time", 0)):
@@ -122,7 +122,7 @@ def write_slip(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
 def write_coil(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     """Write coil_slip.vtu: shear, capacity and onset in the coil."""
-    from ..plotting.coil_slip_space import write_coil_vtu
+    from wroll_fem.plotting.coil_slip_space import write_coil_vtu
 
     return [write_coil_vtu(dataset, folder / "coil_slip.vtu")]
 

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 import xarray as xr
 
-from ..body import FloatArray
-from ..case.winding import completed
-from ..errors import InputError
-from ..shear import ShearModes
-from ..winding import WoundRoll, wound_roll
-from . import modal_transient
-from .modal_transient import CoilShape, remarks, transient_dataset
+from wroll_fem.analyses import modal_transient
+from wroll_fem.analyses.modal_transient import CoilShape, remarks, transient_dataset
+from wroll_fem.body import FloatArray
+from wroll_fem.case.winding import completed
+from wroll_fem.errors import InputError
+from wroll_fem.shear import ShearModes
+from wroll_fem.winding import WoundRoll, wound_roll
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 _MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
 """Sections that the modes depend on, besides the direction of the excitation."""
@@ -53,7 +53,7 @@ class SlipModel:
         InputError
             For a case of another analysis.
         """
-        from ..progress import SilentProgress
+        from wroll_fem.progress import SilentProgress
 
         if case.analysis != "modal_transient":
             remedy = "use analysis: modal_transient"
@@ -82,7 +82,7 @@ class SlipModel:
         InputError
             For a case whose modes are others.
         """
-        from ..progress import SilentProgress
+        from wroll_fem.progress import SilentProgress
 
         case = self._same_modes(case) if case is not None else self.case
         progress = progress if progress is not None else SilentProgress()

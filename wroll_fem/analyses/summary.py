@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..modes import main_bending
+from wroll_fem.modes import main_bending
 
 if TYPE_CHECKING:
-    from ..case import Case
+    from wroll_fem.case import Case
 
 _READINGS = (
     "f_n_hz", "zeta", "zeta_method", "f_n_error_hz", "zeta_error", "zeta_lower_bound", "zeta_misfit", "zeta_reason",
@@ -42,7 +42,7 @@ def interfaces(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     if "external_pressure" in dataset:
         found["external_pressure_pa"] = dataset["external_pressure"].values.tolist()
     if case.preload.kind == "winding_tension" and case.coil.model == "layers":
-        from ..winding.interface import target_pressures
+        from wroll_fem.winding.interface import target_pressures
 
         found["winding_pressure_pa"] = target_pressures(case).tolist()
     return found
@@ -87,7 +87,7 @@ def slip(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     """Largest slip, and the share of every interface that slipped; nothing of a roll without interfaces."""
     if "cumulative_slip" not in dataset:
         return {}
-    from ..slip import slipping_area_fraction
+    from wroll_fem.slip import slipping_area_fraction
 
     fraction = slipping_area_fraction(dataset).values.tolist()
     return {"max_slip_m": float(dataset["max_slip"].max()), "slipping_area_fraction": fraction}

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..results import annotate
-from ..signals.estimators import Reading, lower_bound, read_curve
-from ..two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
+from wroll_fem.results import annotate
+from wroll_fem.signals.estimators import Reading, lower_bound, read_curve
+from wroll_fem.two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..case.two_dof import TwoDof
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.case.two_dof import TwoDof
+    from wroll_fem.progress import Progress
 
 SECONDS_PER_MOTION = {"periodic": 1.5e-3, "time": 1.0}
 """Time of a motion by either method, and below of a curve of the design space; one 2.5 GHz core."""

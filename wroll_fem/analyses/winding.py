@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..case.winding import FIT, completed
-from ..results import annotate
-from ..winding import WoundRoll, wound_roll
+from wroll_fem.case.winding import FIT, completed
+from wroll_fem.results import annotate
+from wroll_fem.winding import WoundRoll, wound_roll
 
 if TYPE_CHECKING:
-    from ..case import Case
-    from ..case.winding import Winding
-    from ..progress import Progress
+    from wroll_fem.case import Case
+    from wroll_fem.case.winding import Winding
+    from wroll_fem.progress import Progress
 
 COARSE = 0.01
 """Estimated error of the pressure at the mandrel above which the user is told."""

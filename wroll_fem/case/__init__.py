@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from .base import Section
-from .case import ANALYSES, RESUMABLE, Case
-from .coil import Coil
-from .contact import Contact, Friction, Normal
-from .example import example_case
-from .excitation import ChirpExcitation, DwellExcitation, Excitation
-from .geometry import Geometry
-from .harmonic import Backbone, Harmonic
-from .integrator import Integrator
-from .loader import build_case, load_case
-from .mandrel import Mandrel
-from .material import IsotropicMaterial
-from .mesh import Mesh
-from .modal import Modal
-from .output import Output
-from .preload import Preload
-from .schema import schema_text
-from .solver import Solver
-from .winding import Winding
+from wroll_fem.case.base import Section
+from wroll_fem.case.case import ANALYSES, RESUMABLE, Case
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.contact import Contact, Friction, Normal
+from wroll_fem.case.example import example_case
+from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.harmonic import Backbone, Harmonic
+from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.loader import build_case, load_case
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.material import IsotropicMaterial
+from wroll_fem.case.mesh import Mesh
+from wroll_fem.case.modal import Modal
+from wroll_fem.case.output import Output
+from wroll_fem.case.preload import Preload
+from wroll_fem.case.schema import schema_text
+from wroll_fem.case.solver import Solver
+from wroll_fem.case.winding import Winding
 
 __all__ = [
     "ANALYSES", "RESUMABLE", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation",

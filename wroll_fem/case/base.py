@@ -8,7 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 
 class Section(BaseModel):

@@ -11,27 +11,27 @@ from typing import Any, Literal, Self, get_args
 import yaml
 from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, field_validator, model_validator
 
-from ..errors import InputError
-from .base import Real, Section, wrong
-from .coil import Coil
-from .contact import Contact, PenaltyFriction
-from .design_map import DesignMap
-from .excitation import DwellExcitation, Excitation
-from .fourier import design_map_fits, fourier_fits
-from .geometry import Geometry
-from .harmonic import Backbone, Harmonic
-from .integrator import Integrator
-from .mandrel import Mandrel
-from .mesh import Mesh
-from .messages import input_error
-from .modal import Modal
-from .modal_transient import damping_ratio_fits, solid_coil
-from .output import Output, damping_fits
-from .preload import Preload
-from .solver import Solver
-from .structure import Structure, unused_coil, unused_geometry, unused_mandrel
-from .two_dof import NOT_IN_TWO_DOF, TwoDof, two_dof_fits
-from .winding import Winding, winding_fits, winding_present
+from wroll_fem.case.base import Real, Section, wrong
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.contact import Contact, PenaltyFriction
+from wroll_fem.case.design_map import DesignMap
+from wroll_fem.case.excitation import DwellExcitation, Excitation
+from wroll_fem.case.fourier import design_map_fits, fourier_fits
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.harmonic import Backbone, Harmonic
+from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.mesh import Mesh
+from wroll_fem.case.messages import input_error
+from wroll_fem.case.modal import Modal
+from wroll_fem.case.modal_transient import damping_ratio_fits, solid_coil
+from wroll_fem.case.output import Output, damping_fits
+from wroll_fem.case.preload import Preload
+from wroll_fem.case.solver import Solver
+from wroll_fem.case.structure import Structure, unused_coil, unused_geometry, unused_mandrel
+from wroll_fem.case.two_dof import NOT_IN_TWO_DOF, TwoDof, two_dof_fits
+from wroll_fem.case.winding import Winding, winding_fits, winding_present
+from wroll_fem.errors import InputError
 
 Analysis = Literal[
     "sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map", "two_dof"
@@ -235,7 +235,7 @@ class Case(Section):
         InputError
             One line that names key, value and remedy.
         """
-        from .loader import build_case, override_texts
+        from wroll_fem.case.loader import build_case, override_texts
 
         given = self.model_dump(mode="json", exclude_unset=True)
         try:

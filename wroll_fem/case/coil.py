@@ -6,8 +6,8 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from .base import Real, Section, Switch, Whole, wrong
-from .material import IsotropicMaterial, Material
+from wroll_fem.case.base import Real, Section, Switch, Whole, wrong
+from wroll_fem.case.material import IsotropicMaterial, Material
 
 #: Keys that every model of the coil except `none` needs.
 _NEEDED = ("total_thickness", "material")

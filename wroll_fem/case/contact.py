@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from ..contact.rate_table import table_problem
-from .base import Real, Section, Switch, _number, wrong
+from wroll_fem.case.base import Real, Section, Switch, _number, wrong
+from wroll_fem.contact.rate_table import table_problem
 
 _ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)"
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field, field_validator
 
-from .base import Section, _number, wrong
+from wroll_fem.case.base import Section, _number, wrong
 
 
 class DesignMap(Section):

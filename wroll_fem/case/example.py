@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .case import Case
+from wroll_fem.case.case import Case
 
 
 def example_case() -> Case:

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from ..units import GRAVITY
-from .base import Real, Section, _number, wrong
+from wroll_fem.case.base import Real, Section, _number, wrong
+from wroll_fem.units import GRAVITY
 
 Direction = Annotated[
     Literal["x", "y"],

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .base import owns_section, wrong
+from wroll_fem.case.base import owns_section, wrong
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 ANALYSES = ("modal", "modal_transient", "design_map")
 """Analyses that can use `mesh.discretisation: fourier`."""

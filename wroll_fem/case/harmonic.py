@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from .base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, wrong
 
 
 class Harmonic(Section):

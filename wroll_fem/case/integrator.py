@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from .base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, wrong
 
 #: alpha of the named schemes (Table B.1 of the source); quasi_static is backward Euler and has none.
 SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}

@@ -10,9 +10,9 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from ..errors import InputError
-from .case import Case
-from .messages import input_error
+from wroll_fem.case.case import Case
+from wroll_fem.case.messages import input_error
+from wroll_fem.errors import InputError
 
 #: Sections whose `file` is a path relative to the case file (or, with --set, to the working directory).
 _WITH_FILE = ("mesh", "structure")
@@ -73,7 +73,7 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
 
 def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
     """Overrides as `load_case` takes them; a mapping of dotted keys to values becomes one text per key."""
-    from ..run_folder import plain  # which needs the case
+    from wroll_fem.run_folder import plain  # which needs the case
 
     texts: list[str] = []
     for given in overrides:

@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from .base import Real, Section
-from .material import IsotropicMaterial
+from wroll_fem.case.base import Real, Section
+from wroll_fem.case.material import IsotropicMaterial
 
 
 class Mandrel(Section):

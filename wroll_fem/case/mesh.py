@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer
 
-from .base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, wrong
 
 
 class Mesh(Section):

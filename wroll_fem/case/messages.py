@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from ..errors import InputError
+from wroll_fem.errors import InputError
 
 _TAGS = ("kind", "law")
 _BOUNDS = {

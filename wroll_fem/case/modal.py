@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from .base import Section, Whole
+from wroll_fem.case.base import Section, Whole
 
 
 class Modal(Section):

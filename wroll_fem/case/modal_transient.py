@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .base import wrong
+from wroll_fem.case.base import wrong
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 
 def damping_ratio_fits(case: Case) -> None:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from .base import Section, Switch, Whole, wrong
+from wroll_fem.case.base import Section, Switch, Whole, wrong
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 _READ = ("sweep", "harmonic", "two_dof")  # analyses with a curve over frequency
 

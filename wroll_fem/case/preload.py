@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
-from .base import Section, Whole, _number, wrong
+from wroll_fem.case.base import Section, Whole, _number, wrong
 
 
 class Preload(Section):

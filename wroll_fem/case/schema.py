@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from .case import Case
+from wroll_fem.case.case import Case
 
 
 def schema_text() -> str:

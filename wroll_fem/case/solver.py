@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from .base import Real, Section, Switch, Whole
+from wroll_fem.case.base import Real, Section, Switch, Whole
 
 
 class Solver(Section):

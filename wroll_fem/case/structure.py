@@ -8,11 +8,11 @@ from typing import Any
 
 from pydantic import Field, field_validator
 
-from .base import Section, Whole, wrong
-from .coil import Coil
-from .geometry import Geometry
-from .mandrel import Mandrel
-from .material import IsotropicMaterial
+from wroll_fem.case.base import Section, Whole, wrong
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.material import IsotropicMaterial
 
 SUFFIXES = (".npz", ".mat")
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from .base import Real, Section, Switch, Whole, _number, owns_section, wrong
+from wroll_fem.case.base import Real, Section, Switch, Whole, _number, owns_section, wrong
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 
 class Span(Section):

@@ -15,10 +15,10 @@ from pydantic import (
     model_validator,
 )
 
-from .base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, wrong
 
 if TYPE_CHECKING:
-    from .case import Case
+    from wroll_fem.case.case import Case
 
 LARGEST_K2 = 1.0e4
 """A larger K2 is taken for a modulus in Pa; measured stacks of web have 10 to some 1000."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .checklist import CHAPTERS, Claim, checklist
-from .evidence import Evidence
-from .family import Family
-from .verdict import Verdict
+from wroll_fem.claims.checklist import CHAPTERS, Claim, checklist
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import Verdict
 
 __all__ = ["CHAPTERS", "Claim", "Evidence", "Family", "Verdict", "checklist"]

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import numbers
 from wroll_fem.errors import InputError
 from wroll_fem.modes import main_bending
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.style import FloatArray
-
-from .evidence import Evidence
-from .family import Family, study_figure
-from .verdict import Verdict
-from .words import numbers
 
 STIFF, KAPTON, MANDREL = "coiled_stiff", "kapton_roll", "kapton_mandrel"
 MODULI = (2.5e9, 4.0e9)

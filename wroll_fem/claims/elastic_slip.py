@@ -10,6 +10,10 @@ from matplotlib.axes import Axes
 
 from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case.material import IsotropicMaterial
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import numbers, table
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
 from wroll_fem.dynamics.static import ContactState, TrialContact
@@ -17,11 +21,6 @@ from wroll_fem.dynamics.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, read
 from wroll_fem.plotting.transmissibility import magnitude
-
-from .evidence import Evidence
-from .family import Family
-from .verdict import Verdict
-from .words import numbers, table
 
 SLIP = "contact.friction.elastic_slip"
 LOW, REDUCED, TIED = "elastic_slip_low", "elastic_slip_reduced", "elastic_slip_tied"

@@ -13,6 +13,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from wroll_fem.body import FloatArray
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import table
 from wroll_fem.plotting import style
 from wroll_fem.signals.estimators import (
     DampingEstimate,
@@ -25,11 +29,6 @@ from wroll_fem.signals.estimators import (
     rational_fraction,
     single_dof_transmissibility,
 )
-
-from .evidence import Evidence
-from .family import Family
-from .verdict import Verdict
-from .words import table
 
 FREQUENCY = np.linspace(0.0, 3.0, 3001)
 """Over f_n."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from .evidence import Evidence
-from .verdict import Verdict
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.verdict import Verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

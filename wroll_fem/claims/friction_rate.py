@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.verdict import Verdict
 from wroll_fem.plotting.study import PRESSURE, Reading, is_sweep, read
-
-from .evidence import Evidence
-from .family import Family, study_figure
-from .verdict import Verdict
 
 
 def c125(evidence: Evidence) -> Verdict:

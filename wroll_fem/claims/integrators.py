@@ -6,6 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
 
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import numbers, table
 from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.static import ContactState
@@ -14,11 +18,6 @@ from wroll_fem.dynamics.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, read
 from wroll_fem.plotting.transmissibility import magnitude
-
-from .evidence import Evidence
-from .family import Family
-from .verdict import Verdict
-from .words import numbers, table
 
 STUDY, SCHEME = "integrators_source", "integrator.scheme"
 NAMES = ("no_damping", "transient_fidelity", "moderate_dissipation", "quasi_static")

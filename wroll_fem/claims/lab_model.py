@@ -10,19 +10,18 @@ from matplotlib.axes import Axes
 
 from wroll_fem.case.contact import PenaltyFriction
 from wroll_fem.case.excitation import ChirpExcitation
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.lab_studies import PRELOAD_STUDY, bound, sweeps
+from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
+from wroll_fem.claims.winding import c61
+from wroll_fem.claims.words import kpa
 from wroll_fem.contact.laws import slip_update, stack_laws
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.plotting import style
 from wroll_fem.plotting.convergence import first_bending
 from wroll_fem.plotting.study import natural_frequency, read
 from wroll_fem.signals.base_motion import base_motion
-
-from .evidence import Evidence
-from .family import Family, study_figure
-from .lab_studies import PRELOAD_STUDY, bound, sweeps
-from .verdict import THESIS_ERROR, Verdict
-from .winding import c61
-from .words import kpa
 
 LAB = "lab_sweep"
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from wroll_fem.claims.evidence import Evidence
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.convergence import first_bending
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, is_sweep, read
-
-from .evidence import Evidence
 
 PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
 """Base of the layer -> its sweeps over the preload."""

@@ -8,17 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from wroll_fem.analyses.advice import interface_pressures
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.lab_studies import beside
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import kpa, numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import SeriesMember, is_sweep, read
 from wroll_fem.plotting.style import FloatArray
 from wroll_fem.slip import slipping_area_fraction, surface
 from wroll_fem.units import GRAVITY
-
-from .evidence import Evidence
-from .family import Family, study_figure
-from .lab_studies import beside
-from .verdict import Verdict
-from .words import kpa, numbers
 
 AMPLITUDE = "excitation.amplitude"
 DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped"}

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from wroll_fem.claims.checklist import CHAPTERS, explanations
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.reproduce import Judged, count, families
+from wroll_fem.claims.verdict import NOT_MET, THESIS_ERROR
+from wroll_fem.claims.words import table
 from wroll_fem.errors import WrollError
 from wroll_fem.plotting import save_figure
-
-from .checklist import CHAPTERS, explanations
-from .evidence import Evidence
-from .reproduce import Judged, count, families
-from .verdict import NOT_MET, THESIS_ERROR
-from .words import table
 
 
 def unexplained(judged: Sequence[Judged]) -> list[str]:

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.lab_studies import beside, sweeps
+from wroll_fem.claims.verdict import Verdict
+from wroll_fem.claims.words import kpa, listed, monotone, rank_correlation
 from wroll_fem.plotting.history import chirp_law
 from wroll_fem.plotting.study import SeriesMember, friction_work, natural_frequency, read
-
-from .evidence import Evidence
-from .family import Family, study_figure
-from .lab_studies import beside, sweeps
-from .verdict import Verdict
-from .words import kpa, listed, monotone, rank_correlation
 
 Members = Sequence[SeriesMember]
 

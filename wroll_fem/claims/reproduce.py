@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
+from wroll_fem.claims.checklist import Claim, of_chapters
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
 from wroll_fem.progress import Progress, SilentProgress
-
-from .checklist import Claim, of_chapters
-from .evidence import Evidence
-from .family import Family
-from .verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 
 FAMILIES: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
@@ -157,7 +156,7 @@ def reproduce(
     InputError
         For an unknown chapter, or where the project's configs/ are missing.
     """
-    from .page import unexplained, write_page
+    from wroll_fem.claims.page import unexplained, write_page
 
     progress = progress if progress is not None else SilentProgress()
     of_chapters(chapters)  # before any work

@@ -6,13 +6,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family
+from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
+from wroll_fem.claims.words import numbers
 from wroll_fem.lab import ShearTest, run_shear_test
 from wroll_fem.plotting.lab import plot_shear_tests
-
-from .evidence import Evidence
-from .family import Family
-from .verdict import THESIS_ERROR, Verdict
-from .words import numbers
 
 LAYERS = (50, 100)
 """Loose layers of a stack; one interface more than layers."""

@@ -7,19 +7,18 @@ from functools import partial
 
 import numpy as np
 
+from wroll_fem.claims import two_dof_figures as figures
+from wroll_fem.claims import two_dof_study as study
+from wroll_fem.claims.evidence import Evidence
+from wroll_fem.claims.family import Family, study_figure
+from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
+from wroll_fem.claims.words import numbers, table
 from wroll_fem.plotting.two_dof import (
     plot_two_dof_arrangements,
     plot_two_dof_design_space,
     plot_two_dof_readings,
 )
 from wroll_fem.two_dof import PeriodicSolver, TwoMasses, smoothed_sign
-
-from . import two_dof_figures as figures
-from . import two_dof_study as study
-from .evidence import Evidence
-from .family import Family, study_figure
-from .verdict import THESIS_ERROR, Verdict
-from .words import numbers, table
 
 
 def short(values: Iterable[float], form: str = ".3g") -> str:

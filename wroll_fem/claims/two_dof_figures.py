@@ -9,14 +9,13 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from wroll_fem.body import FloatArray
 from wroll_fem.case.material import IsotropicMaterial
+from wroll_fem.claims import two_dof_study as study
+from wroll_fem.claims.evidence import Evidence
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
 from wroll_fem.plotting.two_dof import plot_two_dof
 from wroll_fem.two_dof import TwoMasses
-
-from . import two_dof_study as study
-from .evidence import Evidence
 
 SPACE_STUDY = "layer_space"
 DENSITY, MODULUS = "coil.material.rho", "coil.material.E"

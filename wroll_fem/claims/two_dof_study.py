@@ -9,12 +9,11 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.body import FloatArray
+from wroll_fem.claims.evidence import Evidence
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.two_dof import PeriodicSolver, TwoMasses, response_map, settle
 from wroll_fem.two_dof.explicit import ZETA
 from wroll_fem.two_dof.time import dwell
-
-from .evidence import Evidence
 
 CASE, SPACE = "two_dof", "two_dof_design_space"
 FE_STUDY = "layer_modulus"

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ..body import FloatArray, Trace
-from ..errors import InputError
-from .laws import FrictionLaw
-from .penalty_coulomb import PenaltyCoulomb
-from .rate_coulomb import RateCoulomb
-from .smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.body import FloatArray, Trace
+from wroll_fem.contact.laws import FrictionLaw
+from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.contact.rate_coulomb import RateCoulomb
+from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.errors import InputError
 
 __all__ = [
     "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",

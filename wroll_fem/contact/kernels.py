@@ -26,8 +26,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from ..compiled import drop_stale_cache
-from .laws import SMOOTHED, PointLaws, slip_derivatives, slip_update
+from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.contact.laws import SMOOTHED, PointLaws, slip_derivatives, slip_update
 
 __all__ = [
     "OPEN", "SLIP", "STICK", "PointLaws", "consistent_tangent", "interface_work", "record_slip", "slip_derivatives",

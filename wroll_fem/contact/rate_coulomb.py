@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ..errors import InputError
-from . import penalty_coulomb
-from .penalty_coulomb import check_stick
-from .rate_table import steepest_fall, table_problem
+from wroll_fem.contact import penalty_coulomb
+from wroll_fem.contact.penalty_coulomb import check_stick
+from wroll_fem.contact.rate_table import steepest_fall, table_problem
+from wroll_fem.errors import InputError
 
 KIND = 1
 

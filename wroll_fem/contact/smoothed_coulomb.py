@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ..errors import InputError
+from wroll_fem.errors import InputError
 
 KIND = 2
 

@@ -21,14 +21,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..body import FloatArray
-from ..contact.laws import PointLaws
-from ..errors import ConvergenceError, InputError
-from .aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
-from .continuation import CurvePoint, StepControl, follow, solve_at
-from .harmonic import HarmonicBalance
-from .reduction import ReducedModel
-from .static import ContactState
+from wroll_fem.body import FloatArray
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.continuation import CurvePoint, StepControl, follow, solve_at
+from wroll_fem.dynamics.harmonic import HarmonicBalance
+from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.static import ContactState
+from wroll_fem.errors import ConvergenceError, InputError
 
 LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""

@@ -26,16 +26,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import FloatArray
-from ..errors import InputError
-from .built_in import built_in_springs
-from .condensation import condense
-from .condensed_kernel import advance_steps
-from .hht import Scheme
-from .static import ContactState, TrialContact
-from .stepper import NewtonOptions, Stepper
-from .system import System
-from .uniqueness import check_unambiguous
+from wroll_fem.body import FloatArray
+from wroll_fem.dynamics.built_in import built_in_springs
+from wroll_fem.dynamics.condensation import condense
+from wroll_fem.dynamics.condensed_kernel import advance_steps
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.errors import InputError
 
 
 class CondensedStepper(Stepper):

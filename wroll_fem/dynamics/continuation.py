@@ -17,8 +17,8 @@ from typing import Protocol
 import numpy as np
 import scipy.linalg as la
 
-from ..body import FloatArray
-from ..errors import ConvergenceError
+from wroll_fem.body import FloatArray
+from wroll_fem.errors import ConvergenceError
 
 
 class CurveProblem(Protocol):

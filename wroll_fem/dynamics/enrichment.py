@@ -23,16 +23,16 @@ from typing import Generic, TypeVar
 import numpy as np
 import scipy.linalg as la
 
-from ..body import FloatArray
-from ..contact.laws import PointLaws
-from ..errors import ConvergenceError
-from .aft import MAX_PERIODS, HarmonicContact, Sampling
-from .backbone import BackboneCurve, main_mode, solve_backbone
-from .condensation import Condensation
-from .continuation import StepControl
-from .harmonic import HarmonicBalance, HarmonicCurve, solve_response
-from .reduction import ReducedModel, modal_force, slot_jump
-from .static import ContactState
+from wroll_fem.body import FloatArray
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, Sampling
+from wroll_fem.dynamics.backbone import BackboneCurve, main_mode, solve_backbone
+from wroll_fem.dynamics.condensation import Condensation
+from wroll_fem.dynamics.continuation import StepControl
+from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_response
+from wroll_fem.dynamics.reduction import ReducedModel, modal_force, slot_jump
+from wroll_fem.dynamics.static import ContactState
+from wroll_fem.errors import ConvergenceError
 
 NEAR_RESONANCE = 0.02
 """The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from ..body import FloatArray
-from ..contact import kernels
-from .hht import Scheme
-from .linear import Factorisation, factorise
-from .static import ContactState, TrialContact
-from .stepper import (
+from wroll_fem.body import FloatArray
+from wroll_fem.contact import kernels
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.linear import Factorisation, factorise
+from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.stepper import (
     CONTACT,
     FRICTION,
     IMPACT,
@@ -27,8 +27,8 @@ from .stepper import (
     NewtonOptions,
     Stepper,
 )
-from .system import System
-from .uniqueness import check_unambiguous
+from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.uniqueness import check_unambiguous
 
 FULL_NEWTON_RATE = 0.1
 """A kept factorisation is renewed when an iteration reduces the residual by less than this."""

@@ -23,14 +23,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..body import FloatArray
-from ..contact.laws import SMOOTHED, PointLaws
-from ..errors import ConvergenceError, InputError
-from . import harmonic_kernel as kernel
-from .aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
-from .continuation import CurvePoint, StepControl, follow, solve_at
-from .reduction import ReducedModel
-from .static import ContactState
+from wroll_fem.body import FloatArray
+from wroll_fem.contact.laws import SMOOTHED, PointLaws
+from wroll_fem.dynamics import harmonic_kernel as kernel
+from wroll_fem.dynamics.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.continuation import CurvePoint, StepControl, follow, solve_at
+from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.static import ContactState
+from wroll_fem.errors import ConvergenceError, InputError
 
 BAND_SCALE = 3.0
 """Scaled length of the whole band; a resonance circle of the response has a length of about pi."""

@@ -35,7 +35,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError
+from wroll_fem.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import FloatArray
-from ..errors import ConvergenceError
-from .stepper import CONTACT, FRICTION, IMPACT, INPUT, ITERATIONS, KINETIC, MODULATION, NUMERICAL, STRAIN, VISCOUS
+from wroll_fem.body import FloatArray
+from wroll_fem.dynamics.stepper import (
+    CONTACT,
+    FRICTION,
+    IMPACT,
+    INPUT,
+    ITERATIONS,
+    KINETIC,
+    MODULATION,
+    NUMERICAL,
+    STRAIN,
+    VISCOUS,
+)
+from wroll_fem.errors import ConvergenceError
 
 ABSURD = 100.0
 """Energy from nothing in one step, over the largest the system has held, that stops a run."""

@@ -18,17 +18,17 @@ import time as clock
 import numpy as np
 import scipy.linalg as la
 
-from ..body import FloatArray
-from ..errors import ConvergenceError, InputError
-from .built_in import built_in_springs
-from .condensation import condense
-from .hht import Scheme
-from .reduced_kernel import advance_reduced, sum_up
-from .reduction import ReducedModel, modal_force
-from .static import ContactState
-from .stepper import NewtonOptions, Stepper
-from .system import System
-from .uniqueness import check_unambiguous
+from wroll_fem.body import FloatArray
+from wroll_fem.dynamics.built_in import built_in_springs
+from wroll_fem.dynamics.condensation import condense
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduced_kernel import advance_reduced, sum_up
+from wroll_fem.dynamics.reduction import ReducedModel, modal_force
+from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.errors import ConvergenceError, InputError
 
 BLOCK = 50
 """Steps that are done again when the span is enriched."""

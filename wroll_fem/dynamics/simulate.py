@@ -12,19 +12,19 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from ..body import FloatArray
-from ..errors import ConvergenceError, InputError
-from ..progress import Progress, SilentProgress
-from ..results import annotate
-from .condensed import CondensedStepper
-from .fields import interface_fields, per_interface
-from .full import FullStepper
-from .hht import Scheme
-from .ledger import check_energy
-from .reduced import ReducedStepper
-from .static import ContactState
-from .stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
-from .system import System
+from wroll_fem.body import FloatArray
+from wroll_fem.dynamics.condensed import CondensedStepper
+from wroll_fem.dynamics.fields import interface_fields, per_interface
+from wroll_fem.dynamics.full import FullStepper
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.ledger import check_energy
+from wroll_fem.dynamics.reduced import ReducedStepper
+from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.results import annotate
 
 CHUNK = 200
 """Steps between two looks at progress, checkpoint and interrupt; a resumed run keeps these borders."""

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from ..body import FloatArray
-from ..contact import kernels
-from ..contact.laws import SMOOTHED, PointLaws
-from ..errors import ConvergenceError
-from .linear import Factorisation, factorise
-from .system import System
+from wroll_fem.body import FloatArray
+from wroll_fem.contact import kernels
+from wroll_fem.contact.laws import SMOOTHED, PointLaws
+from wroll_fem.dynamics.linear import Factorisation, factorise
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import ConvergenceError
 
 if TYPE_CHECKING:
-    from .condensed_static import CondensedStatic
+    from wroll_fem.dynamics.condensed_static import CondensedStatic
 
 KEEP_RATE = 0.1
 """A factorisation is kept while each iteration reduces the residual by this."""
@@ -260,7 +260,7 @@ def solve_preload(
     condensed
         Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
     """
-    from .condensed_static import CondensedStatic  # which builds on this file
+    from wroll_fem.dynamics.condensed_static import CondensedStatic  # which builds on this file
 
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):

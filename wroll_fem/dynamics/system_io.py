@@ -32,14 +32,21 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..body import FloatArray
-from ..contact.interface import FrictionLaw, Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from ..errors import InputError
-from .cyclic import Subspace
-from .matrix_checks import negative_problem, symmetry_problem
-from .matrix_file import ArrayFile, write_arrays
-from .static import ContactState, TrialContact
-from .system import System
+from wroll_fem.body import FloatArray
+from wroll_fem.contact.interface import (
+    FrictionLaw,
+    Interface,
+    NormalPenalty,
+    PenaltyCoulomb,
+    RateCoulomb,
+    SmoothedCoulomb,
+)
+from wroll_fem.dynamics.cyclic import Subspace
+from wroll_fem.dynamics.matrix_checks import negative_problem, symmetry_problem
+from wroll_fem.dynamics.matrix_file import ArrayFile, write_arrays
+from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import InputError
 
 VERSION = 1
 """Of the format; files of a later one are refused."""

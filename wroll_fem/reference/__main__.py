@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from . import write_pages
+from wroll_fem.reference import write_pages
 
 for path in write_pages(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/reference")):
     sys.stdout.write(f"{path}\n")

@@ -13,9 +13,9 @@ from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..case import Case
-from ..report.words import ANALYSES as ANALYSIS_WORDS
-from .markdown import GENERATED, code, prose, table
+from wroll_fem.case import Case
+from wroll_fem.reference.markdown import GENERATED, code, prose, table
+from wroll_fem.report.words import ANALYSES as ANALYSIS_WORDS
 
 UNITS = (
     "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",

@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 
 import typer
 
-from .markdown import GENERATED, code, prose, table
+from wroll_fem.reference.markdown import GENERATED, code, prose, table
 
 _INTRO = """# Commands
 
@@ -30,7 +30,7 @@ _CODES = """## Exit codes
 
 def commands_page() -> str:
     """Markdown of all commands with their arguments and options."""
-    from ..cli import app
+    from wroll_fem.cli import app
 
     root: Any = typer.main.get_command(app)
     hints = {c.name or c.callback.__name__: get_type_hints(c.callback) for c in app.registered_commands if c.callback}

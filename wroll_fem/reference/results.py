@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..report.values import label, split_unit
-from ..results import AXES, FIELDS
-from .markdown import GENERATED, code, prose, table
+from wroll_fem.reference.markdown import GENERATED, code, prose, table
+from wroll_fem.report.values import label, split_unit
+from wroll_fem.results import AXES, FIELDS
 
 _INTRO = """# Results
 

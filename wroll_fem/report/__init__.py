@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ..errors import InputError
-from ..run_folder import RunFolder
+from wroll_fem.errors import InputError
+from wroll_fem.run_folder import RunFolder
 
 __all__ = ["write_report"]
 
@@ -34,11 +34,11 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
     folder = Path(folder)
     target = Path(out) if out is not None else folder / "report.html"
     if RunFolder(folder).case_file.is_file():
-        from .run import run_page
+        from wroll_fem.report.run import run_page
 
         text = run_page(folder)
     elif (folder / "batch.csv").is_file():
-        from .batch import batch_page
+        from wroll_fem.report.batch import batch_page
 
         text = batch_page(folder)
     else:

@@ -11,13 +11,13 @@ from typing import Any
 
 import yaml
 
-from ..errors import InputError
-from ..grid import REFERENCE, short_names
-from ..run_folder import RunFolder
-from . import html
-from .run import caption, logged, origin_table
-from .values import label, open_balance, shown
-from .words import case_words
+from wroll_fem.errors import InputError
+from wroll_fem.grid import REFERENCE, short_names
+from wroll_fem.report import html
+from wroll_fem.report.run import caption, logged, origin_table
+from wroll_fem.report.values import label, open_balance, shown
+from wroll_fem.report.words import case_words
+from wroll_fem.run_folder import RunFolder
 
 Row = dict[str, str]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..signals.estimators import (
+from wroll_fem.report.html import paragraph, table
+from wroll_fem.signals.estimators import (
     ESTIMATORS,
     DampingEstimate,
     choose,
     lower_bound,
 )
-from .html import paragraph, table
 
 _HEAD = ("method", "f_n", "zeta", "standard error", "at least", "misfit")
 _METHODS = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..results import field
-from .html import paragraph, table
-from .values import quantity
+from wroll_fem.report.html import paragraph, table
+from wroll_fem.report.values import quantity
+from wroll_fem.results import field
 
 _SPENT = (
     "friction_energy", "viscous_energy", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",
@@ -19,7 +19,7 @@ _CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_
 def energy_ledger(dataset: xr.Dataset) -> str:
     """Table of the energies at the end of a time history, or per cycle of a periodic motion; "" without either."""
     if "input_work" in dataset and "time" in dataset["input_work"].dims:
-        from ..analyses.summary import energy_balance_error
+        from wroll_fem.analyses.summary import energy_balance_error
 
         last = dataset.isel(time=-1)
         taken = [name for name in (*_SPENT, *_STORED) if name in last]

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from ..errors import WrollError
-from ..run_folder import RunFolder
-from . import html
-from .damping import damping_table
-from .ledger import energy_ledger
-from .values import EFFORT, label, open_balance, shown
-from .words import case_words
+from wroll_fem.errors import WrollError
+from wroll_fem.report import html
+from wroll_fem.report.damping import damping_table
+from wroll_fem.report.ledger import energy_ledger
+from wroll_fem.report.values import EFFORT, label, open_balance, shown
+from wroll_fem.report.words import case_words
+from wroll_fem.run_folder import RunFolder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,7 +90,7 @@ def _plain_case(written: str) -> Mapping[str, Any]:
 
 
 def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
-    from ..results import load_dataset
+    from wroll_fem.results import load_dataset
 
     if not folder.results_file.is_file():
         return None, ["there are no results (results.nc): figures and energy ledger are left out"]
@@ -167,8 +167,8 @@ def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> s
     """The run's own figures; drawn from its results when it made none."""
     made = sorted(folder.figures.glob("*.png"))
     if not made and dataset is not None:
-        from .. import analyses
-        from ..case import load_case
+        from wroll_fem import analyses
+        from wroll_fem.case import load_case
 
         try:
             made = sorted(analyses.write_figures(dataset, load_case(folder.case_file), scratch))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .values import quantity
+from wroll_fem.report.values import quantity
 
 Plain = Mapping[str, Any]
 

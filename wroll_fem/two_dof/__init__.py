@@ -1,10 +1,10 @@
 """Two masses that rub on each other on a shaken base: the reduced-order model of a wound roll (thesis, chapter 5)."""
 
-from .fit import Fit, Measured, fit_family
-from .maps import DesignSpace, Response, design_space, peak_readings, response_map
-from .model import ARRANGEMENTS, Pressed, TwoMasses, smoothed_sign
-from .periodic import CycleEnergy, PeriodicMotion, PeriodicSolver, two_mass_system
-from .time import SettledMotion, settle
+from wroll_fem.two_dof.fit import Fit, Measured, fit_family
+from wroll_fem.two_dof.maps import DesignSpace, Response, design_space, peak_readings, response_map
+from wroll_fem.two_dof.model import ARRANGEMENTS, Pressed, TwoMasses, smoothed_sign
+from wroll_fem.two_dof.periodic import CycleEnergy, PeriodicMotion, PeriodicSolver, two_mass_system
+from wroll_fem.two_dof.time import SettledMotion, settle
 
 __all__ = [
     "ARRANGEMENTS", "CycleEnergy", "DesignSpace", "Fit", "Measured", "PeriodicMotion", "PeriodicSolver", "Pressed",

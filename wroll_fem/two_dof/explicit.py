@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ..body import FloatArray
-from ..compiled import drop_stale_cache
-from . import time as in_time
-from .model import Pressed
-from .time import parameters, rates_into
+from wroll_fem.body import FloatArray
+from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.two_dof import time as in_time
+from wroll_fem.two_dof.model import Pressed
+from wroll_fem.two_dof.time import parameters, rates_into
 
 drop_stale_cache(__file__, in_time.__file__)
 

@@ -14,10 +14,10 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from ..body import FloatArray
-from ..errors import ConvergenceError, InputError
-from .model import TwoMasses
-from .periodic import PeriodicSolver
+from wroll_fem.body import FloatArray
+from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.two_dof.model import TwoMasses
+from wroll_fem.two_dof.periodic import PeriodicSolver
 
 FREE = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
 """What can be fitted besides the capacities."""

@@ -15,19 +15,19 @@ from functools import cache, cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from ..body import FloatArray
-from ..contact.interface import Interface, NormalPenalty
-from ..contact.smoothed_coulomb import SmoothedCoulomb
-from ..dynamics.aft import HarmonicContact, PeriodicContact, Sampling
-from ..dynamics.condensation import condense
-from ..dynamics.continuation import StepControl, solve_at
-from ..dynamics.harmonic import FrequencyCurve, HarmonicBalance
-from ..dynamics.hht import Scheme
-from ..dynamics.reduction import ReducedModel
-from ..dynamics.static import solve_preload, stick_springs
-from ..dynamics.system import System
-from ..errors import ConvergenceError
-from .model import SLIDES, Pressed
+from wroll_fem.body import FloatArray
+from wroll_fem.contact.interface import Interface, NormalPenalty
+from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.dynamics.aft import HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.condensation import condense
+from wroll_fem.dynamics.continuation import StepControl, solve_at
+from wroll_fem.dynamics.harmonic import FrequencyCurve, HarmonicBalance
+from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.static import solve_preload, stick_springs
+from wroll_fem.dynamics.system import System
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.two_dof.model import SLIDES, Pressed
 
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
 ACCURACY = 1e-5

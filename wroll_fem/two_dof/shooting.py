@@ -13,12 +13,12 @@ import numba
 import numpy as np
 from scipy.integrate import odeint
 
-from ..body import FloatArray
-from ..compiled import drop_stale_cache
-from ..errors import ConvergenceError
-from . import time as in_time
-from .model import Pressed
-from .time import _rates, _slopes, parameters, rates_into
+from wroll_fem.body import FloatArray
+from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.two_dof import time as in_time
+from wroll_fem.two_dof.model import Pressed
+from wroll_fem.two_dof.time import _rates, _slopes, parameters, rates_into
 
 drop_stale_cache(__file__, in_time.__file__)
 

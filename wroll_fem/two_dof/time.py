@@ -9,10 +9,10 @@ import numba
 import numpy as np
 from scipy.integrate import odeint
 
-from ..body import FloatArray
-from ..compiled import drop_stale_cache
-from ..errors import ConvergenceError
-from .model import Pressed
+from wroll_fem.body import FloatArray
+from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.two_dof.model import Pressed
 
 drop_stale_cache(__file__)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..case.winding import WindingMandrel
+    from wroll_fem.case.winding import WindingMandrel
 
 
 def tube_stiffness(E: float, nu: float, outer_radius: float, wall: float) -> float:

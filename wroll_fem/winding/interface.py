@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import FloatArray
-from ..case.winding import completed
-from ..errors import InputError
-from .stress import wound_roll
+from wroll_fem.body import FloatArray
+from wroll_fem.case.winding import completed
+from wroll_fem.errors import InputError
+from wroll_fem.winding.stress import wound_roll
 
 if TYPE_CHECKING:
-    from ..case import Case
+    from wroll_fem.case import Case
 
 
 def target_pressures(case: Case) -> FloatArray:

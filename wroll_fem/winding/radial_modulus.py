@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import FloatArray
-from . import kernels
+from wroll_fem.body import FloatArray
+from wroll_fem.winding import kernels
 
 if TYPE_CHECKING:
-    from ..case.winding import RadialModulus as RadialModulusSection
+    from wroll_fem.case.winding import RadialModulus as RadialModulusSection
 
 
 @dataclass(frozen=True)

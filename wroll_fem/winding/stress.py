@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import FloatArray
-from ..errors import InputError
-from . import kernels
-from .core import mandrel_stiffness
-from .radial_modulus import RadialModulus
-from .tension import tension_stress
+from wroll_fem.body import FloatArray
+from wroll_fem.errors import InputError
+from wroll_fem.winding import kernels
+from wroll_fem.winding.core import mandrel_stiffness
+from wroll_fem.winding.radial_modulus import RadialModulus
+from wroll_fem.winding.tension import tension_stress
 
 if TYPE_CHECKING:
-    from ..case.winding import Winding
+    from wroll_fem.case.winding import Winding
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)

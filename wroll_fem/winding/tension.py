@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import FloatArray
+from wroll_fem.body import FloatArray
 
 if TYPE_CHECKING:
-    from ..case.winding import Winding
+    from wroll_fem.case.winding import Winding
 
 
 def tension_stress(section: Winding, radius: FloatArray) -> FloatArray:
