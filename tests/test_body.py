@@ -18,7 +18,7 @@ from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
 from wroll_fem.fem.shell import Section
 from wroll_fem.mesh import CylinderMesh
 from wroll_fem.meshing import build_mesh, make_cylinders, shell_layout
-from wroll_fem.modes import classify_mode
+from wroll_fem.structure.mode_shapes import classify_mode
 
 TINY = Path(__file__).parents[1] / "configs" / "tiny.yaml"
 LAB = Section(2.7e9, 0.35, 1200.0, 1.5e-3)

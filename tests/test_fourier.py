@@ -11,7 +11,7 @@ from fourier_rolls import NU, PLASTIC, RHO, WEB, E, L, model, section
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.fourier import COIL, strains
-from wroll_fem.materials import CylindricalOrthotropic
+from wroll_fem.structure.materials import CylindricalOrthotropic
 
 
 def solve_with(matrix, fixed, values):

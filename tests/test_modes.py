@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from wroll_fem.body import Body
 from wroll_fem.case import load_case
 from wroll_fem.fem.body import assemble_bodies
 from wroll_fem.fem.eigen import solve_modes, solve_pairs
-from wroll_fem.modes import align_pairs, circumferential_content, classify_mode, effective_mass_fractions
+from wroll_fem.structure.body import Body
+from wroll_fem.structure.mode_shapes import (
+    align_pairs,
+    circumferential_content,
+    classify_mode,
+    effective_mass_fractions,
+)
 
 TINY = Path(__file__).parents[1] / "configs" / "tiny.yaml"
 

@@ -20,8 +20,8 @@ from wroll_fem.fem.shear import quadratic_basis, shear_modes
 from wroll_fem.mesh import VTK_GRID
 from wroll_fem.mesh_file import write_mesh
 from wroll_fem.meshing import build_mesh
-from wroll_fem.modes import circumferential_content, classify_mode, main_bending
 from wroll_fem.progress import SilentProgress
+from wroll_fem.structure.mode_shapes import circumferential_content, classify_mode, main_bending
 
 STIFF = Path(__file__).parents[1] / "configs" / "coiled_stiff.yaml"
 KAPTON = Path(__file__).parents[1] / "configs" / "kapton_roll.yaml"

@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 from wroll_fem import Case, cli, load_case
 from wroll_fem.analyses.preparation import prepare
 from wroll_fem.analyses.winding import doubts
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.pressing import mean_pressures, press_to
 from wroll_fem.dynamics.static import solve_preload
 from wroll_fem.errors import ConvergenceError, InputError
@@ -25,6 +24,7 @@ from wroll_fem.plotting.style import save_figure
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results import load_dataset
 from wroll_fem.runner import run_case
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.winding import wound_roll
 from wroll_fem.winding.interface import external_pressures, ring_split, target_pressures
 

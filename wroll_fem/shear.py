@@ -35,7 +35,7 @@ class ShearModes:
     mass_total
         Mass of roll and tip, kg.
     kinds
-        Name of each mode ("bending", "torsion", ...) as in `wroll_fem.modes`; empty when unknown.
+        Name of each mode ("bending", "torsion", ...) as in `wroll_fem.structure.mode_shapes`; empty when unknown.
     """
 
     frequencies_hz: FloatArray

@@ -10,12 +10,12 @@ import scipy.sparse as sp
 import xarray as xr
 
 from wroll_fem.analyses.preparation import prepare, read_structure
-from wroll_fem.body import Body, FloatArray
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system import System
 from wroll_fem.model import build_bodies, build_system
-from wroll_fem.modes import align_pairs, classify_mode, effective_mass_fractions
 from wroll_fem.results import annotate
+from wroll_fem.structure.body import Body, FloatArray
+from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from wroll_fem.modes import main_bending
+from wroll_fem.structure.mode_shapes import main_bending
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

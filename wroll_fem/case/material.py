@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from wroll_fem.case.base import Real, Section, wrong
-from wroll_fem.materials import CONSTANTS, CylindricalOrthotropic, violation
+from wroll_fem.structure.materials import CONSTANTS, CylindricalOrthotropic, violation
 
 
 class IsotropicMaterial(Section):

@@ -12,10 +12,10 @@ from wroll_fem.claims.family import Family, study_figure
 from wroll_fem.claims.verdict import Verdict
 from wroll_fem.claims.words import numbers
 from wroll_fem.errors import InputError
-from wroll_fem.modes import main_bending
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.style import FloatArray
+from wroll_fem.structure.mode_shapes import main_bending
 
 STIFF, KAPTON, MANDREL = "coiled_stiff", "kapton_roll", "kapton_mandrel"
 MODULI = (2.5e9, 4.0e9)

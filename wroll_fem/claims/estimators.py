@@ -12,7 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from wroll_fem.body import FloatArray
 from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Family
 from wroll_fem.claims.verdict import Verdict
@@ -29,6 +28,7 @@ from wroll_fem.signals.estimators import (
     rational_fraction,
     single_dof_transmissibility,
 )
+from wroll_fem.structure.body import FloatArray
 
 FREQUENCY = np.linspace(0.0, 3.0, 3001)
 """Over f_n."""

@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from wroll_fem.body import FloatArray
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.claims import two_dof_study as study
 from wroll_fem.claims.evidence import Evidence
@@ -15,6 +14,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
 from wroll_fem.plotting.two_dof import plot_two_dof
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import TwoMasses
 
 SPACE_STUDY = "layer_space"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from wroll_fem.cantilever import Cantilever
 from wroll_fem.case.winding import ConstantModulus, Winding
 from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Family, study_figure
@@ -14,6 +13,7 @@ from wroll_fem.claims.words import exactly
 from wroll_fem.plotting import plot_winding
 from wroll_fem.plotting.cantilever import plot_cantilever
 from wroll_fem.plotting.winding import middle_slope
+from wroll_fem.structure.beam import Cantilever
 from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tube_stiffness, wound_roll
 
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray, Trace
 from wroll_fem.contact.laws import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray, Trace
 
 __all__ = [
     "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",

@@ -20,12 +20,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.kernels import PointLaws
 from wroll_fem.dynamics import harmonic_kernel as kernel
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 SETTLED = 1e-8
 """The memory has settled when the elastic slip repeats to this fraction of gamma* over a period."""

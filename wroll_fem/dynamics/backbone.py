@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.continuation import CurvePoint, StepControl, follow, solve_at
@@ -29,6 +28,7 @@ from wroll_fem.dynamics.harmonic import HarmonicBalance
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.structure.body import FloatArray
 
 LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""

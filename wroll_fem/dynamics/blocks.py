@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.system import System
+from wroll_fem.structure.body import FloatArray
 
 DECOUPLING = 1e-9
 """Largest relative coupling between harmonics that still counts as none (rounding leaves 1e-15)."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import SMOOTHED
 from wroll_fem.dynamics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system import System
+from wroll_fem.structure.body import FloatArray
 
 
 def built_in_springs(system: System, state: ContactState, dt: float) -> FloatArray:

@@ -12,11 +12,11 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.blocks import Blocks, by_component, spread
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.linear import factorise
 from wroll_fem.dynamics.system import System
+from wroll_fem.structure.body import FloatArray
 
 DENSE_LIMIT = 2500
 """Without rotational symmetry all modes are kept up to this many DOFs."""

@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.built_in import built_in_springs
 from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.condensed_kernel import advance_steps
@@ -36,6 +35,7 @@ from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 
 class CondensedStepper(Stepper):

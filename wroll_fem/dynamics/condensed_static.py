@@ -17,12 +17,12 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.blocks import Blocks, spread
 from wroll_fem.dynamics.linear import Factorisation, factorise
 from wroll_fem.dynamics.static import LEAST_TANGENT, ContactState, TrialContact, unconverged
 from wroll_fem.dynamics.system import System
+from wroll_fem.structure.body import FloatArray
 
 ROUNDING = 1e3
 """A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""

@@ -17,8 +17,8 @@ from typing import Protocol
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.body import FloatArray
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 
 class CurveProblem(Protocol):

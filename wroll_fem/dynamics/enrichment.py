@@ -23,7 +23,6 @@ from typing import Generic, TypeVar
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, Sampling
 from wroll_fem.dynamics.backbone import BackboneCurve, main_mode, solve_backbone
@@ -33,6 +32,7 @@ from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_re
 from wroll_fem.dynamics.reduction import ReducedModel, modal_force, slot_jump
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 NEAR_RESONANCE = 0.02
 """The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.linear import Factorisation, factorise
@@ -29,6 +28,7 @@ from wroll_fem.dynamics.stepper import (
 )
 from wroll_fem.dynamics.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.structure.body import FloatArray
 
 FULL_NEWTON_RATE = 0.1
 """A kept factorisation is renewed when an iteration reduces the residual by less than this."""

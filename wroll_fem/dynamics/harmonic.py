@@ -23,7 +23,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import SMOOTHED, PointLaws
 from wroll_fem.dynamics import harmonic_kernel as kernel
 from wroll_fem.dynamics.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
@@ -31,6 +30,7 @@ from wroll_fem.dynamics.continuation import CurvePoint, StepControl, follow, sol
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.structure.body import FloatArray
 
 BAND_SCALE = 3.0
 """Scaled length of the whole band; a resonance circle of the response has a length of about pi."""

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics import harmonic_kernel as kernel
 from wroll_fem.dynamics.fields import interface_fields, per_interface
 from wroll_fem.dynamics.harmonic import CycleWork, HarmonicBalance, HarmonicCurve
 from wroll_fem.dynamics.system import System
+from wroll_fem.structure.body import FloatArray
 
 SLIP_SHARE = 1e-9
 """Slip paths below this fraction of gamma* per period are rounding."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.stepper import (
     CONTACT,
     FRICTION,
@@ -18,6 +17,7 @@ from wroll_fem.dynamics.stepper import (
     VISCOUS,
 )
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 ABSURD = 100.0
 """Energy from nothing in one step, over the largest the system has held, that stops a run."""

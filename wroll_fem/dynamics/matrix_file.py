@@ -17,8 +17,8 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 SUFFIXES = (".npz", ".mat")
 _PARTS = ("data", "indices", "indptr", "shape", "format")

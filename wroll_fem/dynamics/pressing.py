@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.condensed_static import CondensedStatic
 from wroll_fem.dynamics.static import ContactState, solve_load_path
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 TOLERANCE = 1e-4
 """Largest relative error of a mean interface pressure; the linear split is off by some per cent."""

@@ -18,7 +18,6 @@ import time as clock
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.built_in import built_in_springs
 from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.hht import Scheme
@@ -29,6 +28,7 @@ from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.structure.body import FloatArray
 
 BLOCK = 50
 """Steps that are done again when the span is enriched."""

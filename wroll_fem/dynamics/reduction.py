@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.condensation import Condensation
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 DEPENDENT = 1e-7
 """A vector whose part outside the span is below this fraction of its energy norm adds nothing but rounding."""

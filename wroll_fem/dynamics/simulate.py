@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.fields import interface_fields, per_interface
 from wroll_fem.dynamics.full import FullStepper
@@ -25,6 +24,7 @@ from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results import annotate
+from wroll_fem.structure.body import FloatArray
 
 CHUNK = 200
 """Steps between two looks at progress, checkpoint and interrupt; a resumed run keeps these borders."""

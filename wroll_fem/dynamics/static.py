@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import SMOOTHED, PointLaws
 from wroll_fem.dynamics.linear import Factorisation, factorise
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.dynamics.condensed_static import CondensedStatic

@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 
 RECORDS = (
     "tip_displacement",

@@ -10,11 +10,11 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import Body, FloatArray
 from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, facing
 from wroll_fem.contact.laws import PointLaws, stack_laws
 from wroll_fem.dynamics.cyclic import Subspace, cyclic_subspaces
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import Body, FloatArray
 
 
 @dataclass(frozen=True)

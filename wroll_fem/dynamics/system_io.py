@@ -32,7 +32,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.interface import (
     FrictionLaw,
     Interface,
@@ -47,6 +46,7 @@ from wroll_fem.dynamics.matrix_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.static import ContactState, TrialContact
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 VERSION = 1
 """Of the format; files of a later one are refused."""

@@ -15,13 +15,13 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.laws import RATE
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.linear import factorise
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 FEW = 40
 """Slots up to which the largest eigenvalue is found densely."""

@@ -9,7 +9,6 @@ import numpy.typing as npt
 import scipy.sparse as sp
 from mpi4py import MPI
 
-from wroll_fem.body import Body, Trace
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
@@ -17,6 +16,7 @@ from wroll_fem.fem.shell import Section, ShellModel, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh import CylinderMesh, canonical_vertices, ring_edges
 from wroll_fem.meshing import build_mesh, shell_layout
+from wroll_fem.structure.body import Body, Trace
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

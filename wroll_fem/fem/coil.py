@@ -23,7 +23,6 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from wroll_fem.body import Body, SolidPart
 from wroll_fem.errors import InputError
 from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints
@@ -31,6 +30,7 @@ from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh import VTK_GRID, CylinderMesh, mirror_nodes
 from wroll_fem.meshing import axial_stations
+from wroll_fem.structure.body import Body, SolidPart
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

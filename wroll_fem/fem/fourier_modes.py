@@ -19,7 +19,7 @@ SHIFT = -((2 * np.pi * 100.0) ** 2)
 HIGHEST_HARMONIC = 80
 _BEYOND = 4
 """Harmonics in a row whose lowest frequency must lie above all wanted ones, and rise, before the search stops."""
-_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.modes: a motion below this is a rigid one
+_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: a motion below this is a rigid one
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FourierMode:
     values
         (n_nodes, 3) nodal [U, V, W], m per modal coordinate.
     kind
-        "bending", "torsion", "axial", "breathing", "ovalling-n" or "rigid", as in `wroll_fem.modes`.
+        "bending", "torsion", "axial", "breathing", "ovalling-n" or "rigid", as in `wroll_fem.structure.mode_shapes`.
     participation
         phi^T M i along the family's direction, sqrt(kg); its square is the effective mass.
     tip

@@ -11,8 +11,8 @@ import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel, angular_weight
-from wroll_fem.materials import CylindricalOrthotropic
 from wroll_fem.section import IN_SECTION, make_section
+from wroll_fem.structure.materials import CylindricalOrthotropic
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -10,7 +10,7 @@ import numpy as np
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.fem.fourier_modes import FourierMode, family_modes, lowest_modes
 from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll
-from wroll_fem.materials import CylindricalOrthotropic
+from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
 """Pa: next to nothing beside any web. A coil that leaves bending the fundamental mode down to here has no limit."""

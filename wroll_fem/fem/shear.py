@@ -21,12 +21,12 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh import VTK_GRID
 from wroll_fem.model import DIRECTIONS, build_bodies
-from wroll_fem.modes import align_pairs, are_twins, classify_mode
 from wroll_fem.shear import ShearModes
+from wroll_fem.structure.mode_shapes import align_pairs, are_twins, classify_mode
 
 if TYPE_CHECKING:
-    from wroll_fem.body import SolidPart
     from wroll_fem.case import Case
+    from wroll_fem.structure.body import SolidPart
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -32,7 +32,7 @@ from mpi4py import MPI
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import Director, drop_small, radial_director
-from wroll_fem.materials import CylindricalOrthotropic
+from wroll_fem.structure.materials import CylindricalOrthotropic
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -28,9 +28,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from wroll_fem.body import FloatArray
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.results import annotate
+from wroll_fem.structure.body import FloatArray
 
 StateLaw = Literal["ageing", "slip"]
 LAWS: tuple[StateLaw, ...] = get_args(StateLaw)

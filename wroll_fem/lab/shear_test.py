@@ -21,12 +21,12 @@ import numpy as np
 import scipy.sparse as sp
 import xarray as xr
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.dynamics.static import solve_load_path
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.results import annotate
+from wroll_fem.structure.body import FloatArray
 
 EDGE = 0.05
 """Share by which the other interfaces hold more than those at the platen; their stick stiffness is the same."""

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from wroll_fem.errors import InputError
-from wroll_fem.modes import main_bending
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, grid_members, having, shown, values_of
+from wroll_fem.structure.mode_shapes import main_bending
 
 SHEAR, MODULUS = "coil.material.G_r_theta", "coil.material.E_theta"
 _LOW_MASS = 0.1  # a mode below bending with less than this share of bending's effective mass is "discarded"

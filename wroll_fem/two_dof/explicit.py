@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import time as in_time
 from wroll_fem.two_dof.model import Pressed
 from wroll_fem.two_dof.time import parameters, rates_into

@@ -14,8 +14,8 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.body import FloatArray
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import TwoMasses
 from wroll_fem.two_dof.periodic import PeriodicSolver
 

@@ -15,7 +15,6 @@ from functools import cache, cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.body import FloatArray
 from wroll_fem.contact.interface import Interface, NormalPenalty
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, PeriodicContact, Sampling
@@ -27,6 +26,7 @@ from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import solve_preload, stick_springs
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import SLIDES, Pressed
 
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)

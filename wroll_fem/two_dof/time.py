@@ -9,9 +9,9 @@ import numba
 import numpy as np
 from scipy.integrate import odeint
 
-from wroll_fem.body import FloatArray
 from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import Pressed
 
 drop_stale_cache(__file__)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wroll_fem.body import FloatArray
 from wroll_fem.errors import InputError
+from wroll_fem.structure.body import FloatArray
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from wroll_fem.body import Body
+from wroll_fem.structure.body import Body
 
 FloatArray = npt.NDArray[np.float64]
 _HIGHEST = 12

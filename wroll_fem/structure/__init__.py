@@ -1,0 +1,1 @@
+"""Linear structures: bodies and their matrices, materials, mode shapes, the cantilever beam."""
