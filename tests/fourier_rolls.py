@@ -4,7 +4,7 @@ import numpy as np
 
 from wroll_fem.case import Case
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel
-from wroll_fem.section import RollSection
+from wroll_fem.mesh.axisymmetric import RollSection
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 E, NU, RHO, L = 2.7e9, 0.35, 1200.0, 0.3

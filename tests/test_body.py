@@ -16,8 +16,8 @@ from wroll_fem.fem.body import assemble_bodies, ring_weights, section_of
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
 from wroll_fem.fem.shell import Section
-from wroll_fem.mesh import CylinderMesh
-from wroll_fem.meshing import build_mesh, make_cylinders, shell_layout
+from wroll_fem.mesh.generate import build_mesh, make_cylinders, shell_layout
+from wroll_fem.mesh.shells import CylinderMesh
 from wroll_fem.structure.mode_shapes import classify_mode
 
 TINY = Path(__file__).parents[1] / "configs" / "tiny.yaml"

@@ -14,8 +14,8 @@ from wroll_fem.fem.fourier_shear import section_shear, shear_modes
 from wroll_fem.fem.loosest import fundamental, loosest_coil
 from wroll_fem.fem.shear import shear_modes as three_dimensional_shear
 from wroll_fem.fem.shell import Section
-from wroll_fem.revolve import cartesian, revolve
-from wroll_fem.section import make_section, split_ends
+from wroll_fem.mesh.axisymmetric import make_section, split_ends
+from wroll_fem.mesh.revolve import cartesian, revolve
 
 # ---- rolls ---------------------------------------------------------------------------------------------------------
 

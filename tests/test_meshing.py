@@ -11,9 +11,9 @@ import pytest
 
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
-from wroll_fem.mesh import CylinderMesh, canonical_vertices, mirror_nodes, ring_edges
-from wroll_fem.mesh_file import read_mesh, start_gmsh, write_mesh
-from wroll_fem.meshing import axial_stations, build_mesh, check_geometry, make_cylinders, shell_layout
+from wroll_fem.mesh.files import read_mesh, start_gmsh, write_mesh
+from wroll_fem.mesh.generate import axial_stations, build_mesh, check_geometry, make_cylinders, shell_layout
+from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices, mirror_nodes, ring_edges
 
 ROOT = Path(__file__).parents[1]
 SHELLS = [("mandrel", 0.03925), ("layer_01", 0.040625), ("layer_02", 0.041875)]

@@ -14,7 +14,7 @@ from wroll_fem.fem.constraints import build_constraints, rigid_motions
 from wroll_fem.fem.eigen import solve_modes
 from wroll_fem.fem.shell import Section, ShellModel
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.meshing import make_cylinders
+from wroll_fem.mesh.generate import make_cylinders
 
 LAB = Section(E=2.7e9, nu=0.35, rho=1200.0, thickness=1.5e-3)
 RADIUS, LENGTH = 0.03925, 0.3

@@ -14,8 +14,8 @@ from wroll_fem.fem.eigen import solve_pairs
 from wroll_fem.fem.shear import coil_shear_strain, quadratic_basis
 from wroll_fem.fem.shell import radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.mesh import VTK_GRID
-from wroll_fem.meshing import make_cylinders
+from wroll_fem.mesh.generate import make_cylinders
+from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.structure.body import SolidPart
 from wroll_fem.structure.materials import CylindricalOrthotropic
 

@@ -17,9 +17,9 @@ from wroll_fem.fem.coil import coil_hexes
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import solve_modes, solve_pairs
 from wroll_fem.fem.shear import quadratic_basis, shear_modes
-from wroll_fem.mesh import VTK_GRID
-from wroll_fem.mesh_file import write_mesh
-from wroll_fem.meshing import build_mesh
+from wroll_fem.mesh.files import write_mesh
+from wroll_fem.mesh.generate import build_mesh
+from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.progress import SilentProgress
 from wroll_fem.structure.mode_shapes import circumferential_content, classify_mode, main_bending
 

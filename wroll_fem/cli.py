@@ -197,8 +197,8 @@ def mesh(
     """Mesh a case and write it as .msh (named groups) and .vtu."""
     with _reporting():
         case = load_case(case_file, overrides or ())
-        from wroll_fem.mesh_file import write_mesh
-        from wroll_fem.meshing import build_mesh
+        from wroll_fem.mesh.files import write_mesh
+        from wroll_fem.mesh.generate import build_mesh
 
         _refuse_winding(case, case_file)
         if case.structure is not None:

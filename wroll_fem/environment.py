@@ -59,7 +59,7 @@ def _scipy() -> str:
 def _gmsh() -> str:
     import gmsh
 
-    from wroll_fem.mesh_file import start_gmsh
+    from wroll_fem.mesh.files import start_gmsh
 
     start_gmsh()
     try:

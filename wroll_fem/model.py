@@ -42,8 +42,8 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
     A user's mesh that is not symmetric about the x-z plane is taken whole.
     """
     from wroll_fem.fem.body import assemble_bodies
-    from wroll_fem.mesh import mirror_nodes
-    from wroll_fem.meshing import build_mesh
+    from wroll_fem.mesh.generate import build_mesh
+    from wroll_fem.mesh.shells import mirror_nodes
 
     mesh = build_mesh(case)
     half = uses_symmetry(case) if symmetric is None else symmetric

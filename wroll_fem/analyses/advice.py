@@ -259,7 +259,7 @@ def estimate(case: Case) -> dict[str, Any]:
 
 def _harmonics(case: Case) -> dict[str, Any]:
     """Unknowns of one harmonic around the axis, and a time: 3e-5 s per unknown and eigenproblem."""
-    from wroll_fem.section import make_section
+    from wroll_fem.mesh.axisymmetric import make_section
 
     n_r, n_z = make_section(case).shape
     dofs = 3 * (3 * n_r + 1) * (3 * n_z + 1)

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from wroll_fem.mesh.revolve import cartesian, revolve
 from wroll_fem.results import annotate
-from wroll_fem.revolve import cartesian, revolve
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -14,8 +14,8 @@ from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
 from wroll_fem.fem.shell import Section, ShellModel, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
-from wroll_fem.mesh import CylinderMesh, canonical_vertices, ring_edges
-from wroll_fem.meshing import build_mesh, shell_layout
+from wroll_fem.mesh.generate import build_mesh, shell_layout
+from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices, ring_edges
 from wroll_fem.structure.body import Body, Trace
 
 if TYPE_CHECKING:

@@ -28,8 +28,8 @@ from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.mesh import VTK_GRID, CylinderMesh, mirror_nodes
-from wroll_fem.meshing import axial_stations
+from wroll_fem.mesh.generate import axial_stations
+from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, mirror_nodes
 from wroll_fem.structure.body import Body, SolidPart
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
-from wroll_fem.mesh import mirror_nodes
+from wroll_fem.mesh.shells import mirror_nodes
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

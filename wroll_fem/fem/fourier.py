@@ -41,7 +41,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from wroll_fem.fem import compat
-from wroll_fem.section import RollSection
+from wroll_fem.mesh.axisymmetric import RollSection
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel, angular_weight
-from wroll_fem.section import IN_SECTION, make_section
+from wroll_fem.mesh.axisymmetric import IN_SECTION, make_section
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 if TYPE_CHECKING:

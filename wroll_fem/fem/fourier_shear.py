@@ -11,7 +11,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COSINE, SINE
 from wroll_fem.fem.fourier_modes import lowest_modes
 from wroll_fem.fem.fourier_roll import FourierRoll
-from wroll_fem.section import RollSection, plain_section
+from wroll_fem.mesh.axisymmetric import RollSection, plain_section
 from wroll_fem.shear import ShearModes
 from wroll_fem.structure.materials import CylindricalOrthotropic
 

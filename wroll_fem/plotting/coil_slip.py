@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Circle, Patch
 
-from wroll_fem.coil_grid import CoilGrid, coil_grid, largest_along
 from wroll_fem.errors import InputError
+from wroll_fem.mesh.point_grid import CoilGrid, coil_grid, largest_along
 from wroll_fem.plotting import style
 from wroll_fem.units import GRAVITY
 

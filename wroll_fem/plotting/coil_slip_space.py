@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from wroll_fem.coil_grid import coil_cells, coil_grid
+from wroll_fem.mesh.point_grid import coil_cells, coil_grid
 from wroll_fem.plotting import style
 from wroll_fem.plotting.coil_slip import grid_of, level_colours, levels_to_draw, points_of
 from wroll_fem.plotting.mode_shapes import _cropped, _pyvista, _render

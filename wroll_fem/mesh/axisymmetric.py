@@ -131,7 +131,7 @@ def plain_section(case: Case) -> RollSection:
 
     A bonded coil gets a cell per layer.
     """
-    from wroll_fem.meshing import axial_stations
+    from wroll_fem.mesh.generate import axial_stations
 
     g, coil, mesh = case.geometry, case.coil, case.mesh
     outer = 0.5 * g.mandrel_outer_diameter
