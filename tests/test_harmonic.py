@@ -19,7 +19,6 @@ from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.continuation import StepControl
 from wroll_fem.dynamics.enrichment import trained_response
 from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
@@ -30,6 +29,7 @@ from wroll_fem.dynamics.static import ContactState, solve_preload
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results import load_dataset
 from wroll_fem.runner import run_case

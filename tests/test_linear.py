@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from wroll_fem.dynamics.linear import SMALL, factorise
+from wroll_fem.numerics.linear import SMALL, factorise
 
 
 def membrane(n: int) -> sp.csr_matrix:

@@ -26,8 +26,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.contact.laws import SMOOTHED, PointLaws, slip_derivatives, slip_update
+from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 __all__ = [
     "OPEN", "SLIP", "STICK", "PointLaws", "consistent_tangent", "interface_work", "record_slip", "slip_derivatives",

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.contact import penalty_coulomb, rate_coulomb, smoothed_coulomb
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__)
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.contact.kernels import OPEN, SLIP, consistent_tangent, interface_work, record_slip, trial_traction
+from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__)
 

@@ -7,7 +7,6 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.linear import Factorisation, factorise
 from wroll_fem.dynamics.static import ContactState, TrialContact
 from wroll_fem.dynamics.stepper import (
     CONTACT,
@@ -28,6 +27,7 @@ from wroll_fem.dynamics.stepper import (
 )
 from wroll_fem.dynamics.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray
 
 FULL_NEWTON_RATE = 0.1

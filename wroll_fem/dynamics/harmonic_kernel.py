@@ -10,8 +10,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from wroll_fem.compiled import drop_stale_cache
 from wroll_fem.contact.laws import PENALTY, SMOOTHED, slip_derivatives, slip_update
+from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__)
 

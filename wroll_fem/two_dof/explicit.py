@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from wroll_fem.compiled import drop_stale_cache
+from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import time as in_time
 from wroll_fem.two_dof.model import Pressed

@@ -19,13 +19,13 @@ from wroll_fem.contact.interface import Interface, NormalPenalty
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.condensation import condense
-from wroll_fem.dynamics.continuation import StepControl, solve_at
 from wroll_fem.dynamics.harmonic import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import solve_preload, stick_springs
 from wroll_fem.dynamics.system import System
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import SLIDES, Pressed
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-CONTACT = Path(__file__).parent / "contact"
+CONTACT = Path(__file__).parents[1] / "contact"
 
 
 def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONTACT) -> list[Path]:
