@@ -15,7 +15,7 @@ from wroll_fem.dynamics.harmonic import HarmonicBalance
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_harmonic.yaml"

@@ -18,7 +18,7 @@ from wroll_fem.dynamics.condensed_static import CondensedStatic
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.simulate import simulate
 from wroll_fem.dynamics.static import ContactState, solve_load_path, solve_preload, stick_springs
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.signals.base_motion import Dwell
 

@@ -11,7 +11,7 @@ from scipy.integrate import trapezoid
 from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
 from wroll_fem.contact.laws import stack_laws
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Trace
 

@@ -25,7 +25,7 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.dahl import Dahl
 from wroll_fem.contact.laws import stack_laws
 from wroll_fem.analyses import run_analysis, summarise
-from wroll_fem.dynamics.system_io import FRICTION_LAWS
+from wroll_fem.dynamics.system.io import FRICTION_LAWS
 from wroll_fem.progress import SilentProgress
 
 law = stack_laws([np.array([1.0])], [Dahl(0.25, 1.0e-6)], [1.0e12], [True])
@@ -147,7 +147,7 @@ def test_an_absorber_added_to_the_matrices_splits_the_resonance(tmp_path: Path, 
     from wroll_fem.analyses import run_analysis
     from wroll_fem.analyses.preparation import prepare
     from wroll_fem.case import build_case
-    from wroll_fem.dynamics.system_io import save_system
+    from wroll_fem.dynamics.system.io import save_system
     from wroll_fem.progress import SilentProgress
 
     monkeypatch.chdir(tmp_path)

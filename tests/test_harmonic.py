@@ -27,7 +27,7 @@ from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState, solve_preload
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress

@@ -22,7 +22,7 @@ from wroll_fem.dynamics.reduction import ReducedModel, modal_force, slot_jump
 from wroll_fem.dynamics.simulate import Checkpointing, simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.progress import SilentProgress

@@ -20,7 +20,7 @@ from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.simulate import simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.progress import SilentProgress

@@ -230,11 +230,11 @@ def export(
     with _reporting():
         case = load_case(case_file, overrides or ())
         _refuse_winding(case, case_file)
-        from wroll_fem.dynamics.matrix_file import check_suffix
+        from wroll_fem.dynamics.system.array_file import check_suffix
 
         check_suffix(out)  # before the work
         from wroll_fem.analyses.preparation import prepare
-        from wroll_fem.dynamics.system_io import save_system
+        from wroll_fem.dynamics.system.io import save_system
 
         with TerminalProgress() as progress:
             system, state = prepare(case, progress)

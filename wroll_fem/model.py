@@ -9,7 +9,7 @@ import numpy as np
 
 from wroll_fem.case.contact import RateFriction, SmoothedFriction
 from wroll_fem.contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.structure.body import Body
 
 if TYPE_CHECKING:

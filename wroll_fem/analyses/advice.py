@@ -226,7 +226,7 @@ def estimate(case: Case) -> dict[str, Any]:
         cells, wraps = case.winding.cells, case.winding.wraps
         return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
     if case.structure is not None:
-        from wroll_fem.dynamics.system_io import system_size
+        from wroll_fem.dynamics.system.io import system_size
 
         dofs, points = system_size(case.structure.file)
         return {"dofs": dofs, "interface_points": points} | _time_steps(case)

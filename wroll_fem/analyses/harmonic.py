@@ -17,7 +17,7 @@ from wroll_fem.dynamics.harmonic_fields import curve_dataset, cycle_balance_erro
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction import ReducedModel
 from wroll_fem.dynamics.static import ContactState, stick_springs
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results import annotate
 from wroll_fem.signals.estimators import Reading, read_curve

@@ -11,7 +11,7 @@ import xarray as xr
 
 from wroll_fem.analyses.preparation import prepare, read_structure
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.results import annotate
 from wroll_fem.structure.body import Body, FloatArray

@@ -14,7 +14,7 @@ from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.dynamics.stepper import NewtonOptions
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, read
 from wroll_fem.plotting.transmissibility import magnitude

@@ -32,7 +32,7 @@ from wroll_fem.dynamics.condensed_kernel import advance_steps
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.static import ContactState, TrialContact
 from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import FloatArray

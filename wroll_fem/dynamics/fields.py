@@ -7,7 +7,7 @@ import xarray as xr
 
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.dynamics.stepper import Stepper
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 
 SAME_PLACE = 1e-6
 """Points of two interfaces stand above each other when angle (rad) and height (relative) differ by less."""

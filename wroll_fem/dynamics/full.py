@@ -25,7 +25,7 @@ from wroll_fem.dynamics.stepper import (
     NewtonOptions,
     Stepper,
 )
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
 from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.reduced_kernel import advance_reduced, sum_up
 from wroll_fem.dynamics.reduction import ReducedModel, modal_force
 from wroll_fem.dynamics.static import ContactState
 from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.structure.body import FloatArray

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import SMOOTHED, PointLaws
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray

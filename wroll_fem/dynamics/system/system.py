@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, facing
 from wroll_fem.contact.laws import PointLaws, stack_laws
-from wroll_fem.dynamics.cyclic import Subspace, cyclic_subspaces
+from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body, FloatArray
 

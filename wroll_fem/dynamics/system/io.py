@@ -40,11 +40,11 @@ from wroll_fem.contact.interface import (
     RateCoulomb,
     SmoothedCoulomb,
 )
-from wroll_fem.dynamics.cyclic import Subspace
-from wroll_fem.dynamics.matrix_checks import negative_problem, symmetry_problem
-from wroll_fem.dynamics.matrix_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.static import ContactState, TrialContact
-from wroll_fem.dynamics.system import System
+from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
+from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
+from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import FloatArray
 

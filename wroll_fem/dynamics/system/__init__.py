@@ -1,0 +1,1 @@
+"""The system of bodies and interfaces, its checks and its files."""
