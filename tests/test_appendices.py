@@ -11,10 +11,10 @@ from exact_systems import STEPPERS, contact_point, dense_system, oscillator, sli
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics import hht
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.harmonic import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.hht import Scheme, numerical_damping
-from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions

@@ -14,11 +14,11 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics import reduced
-from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduced import ReducedStepper
-from wroll_fem.dynamics.reduction import ReducedModel, modal_force, slot_jump
+from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
 from wroll_fem.dynamics.simulate import Checkpointing, simulate
 from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions

@@ -14,7 +14,7 @@ from wroll_fem.analyses.preparation import prepare
 from wroll_fem.dynamics.backbone import BackboneCurve
 from wroll_fem.dynamics.enrichment import trained_backbone
 from wroll_fem.dynamics.harmonic_fields import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
-from wroll_fem.dynamics.reduction import ReducedModel
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results import annotate

@@ -26,10 +26,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.built_in import built_in_springs
-from wroll_fem.dynamics.condensation import condense
 from wroll_fem.dynamics.condensed_kernel import advance_steps
 from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
 from wroll_fem.dynamics.static import ContactState, TrialContact
 from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.dynamics.condensation import Condensation
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import FloatArray
 

@@ -1,0 +1,1 @@
+"""Exact condensation on the contact points, and reduced-order models."""
