@@ -11,7 +11,7 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.full import FullStepper
-from wroll_fem.dynamics.static import ContactState, solve_preload
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload
 from wroll_fem.dynamics.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.dynamics.system.system import System
 

@@ -16,7 +16,7 @@ from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.simulate import CHUNK, make_stepper, simulate
-from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.two_dof import TwoMasses

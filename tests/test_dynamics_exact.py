@@ -17,7 +17,7 @@ from exact_systems import (
 from scipy.integrate import trapezoid
 
 from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.static import solve_load_path, solve_preload
+from wroll_fem.dynamics.statics.static import solve_load_path, solve_preload
 from wroll_fem.dynamics.stepper import (
     FRICTION,
     MODULATION,

@@ -21,7 +21,7 @@ from wroll_fem.contact.rate_coulomb import coefficient
 from wroll_fem.contact.smoothed_coulomb import logistic_sign
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
-from wroll_fem.dynamics.static import ContactState, TrialContact, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, TrialContact, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import (
     CONTACT,
     FRICTION,

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.static import ContactState, solve_preload
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload
 from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError, InputError

@@ -20,7 +20,7 @@ from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
 from wroll_fem.dynamics.simulate import Checkpointing, simulate
-from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError

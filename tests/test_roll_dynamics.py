@@ -18,7 +18,7 @@ from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.simulate import simulate
-from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system

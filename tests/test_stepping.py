@@ -13,7 +13,7 @@ from exact_systems import (
 )
 
 from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.static import solve_preload
+from wroll_fem.dynamics.statics.static import solve_preload
 from wroll_fem.dynamics.stepper import (
     CONTACT,
     FRICTION,

@@ -86,7 +86,7 @@ def build_system(case: Case, bodies: Sequence[Body]) -> System:
 
 def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
     """System whose mean interface pressures are those of the wound roll."""
-    from wroll_fem.dynamics.pressing import press_to
+    from wroll_fem.dynamics.statics.pressure_matching import press_to
     from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
 
     unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs

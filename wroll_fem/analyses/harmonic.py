@@ -16,7 +16,7 @@ from wroll_fem.dynamics.harmonic_fields import curve_dataset, cycle_balance_erro
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.static import ContactState, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results import annotate

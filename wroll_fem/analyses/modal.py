@@ -10,7 +10,7 @@ import scipy.sparse as sp
 import xarray as xr
 
 from wroll_fem.analyses.preparation import prepare, read_structure
-from wroll_fem.dynamics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.results import annotate

@@ -16,7 +16,7 @@ from wroll_fem.claims.verdict import Verdict
 from wroll_fem.claims.words import numbers, table
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
-from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.static import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, read

@@ -12,7 +12,7 @@ from wroll_fem.claims.verdict import Verdict
 from wroll_fem.claims.words import numbers, table
 from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.hht import Scheme, numerical_damping
-from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.stepper import NewtonOptions
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style

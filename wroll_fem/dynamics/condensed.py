@@ -30,7 +30,7 @@ from wroll_fem.dynamics.condensed_kernel import advance_steps
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
-from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.static import ContactState, TrialContact
 from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous

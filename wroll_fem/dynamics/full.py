@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.static import ContactState, TrialContact
 from wroll_fem.dynamics.stepper import (
     CONTACT,
     FRICTION,

@@ -23,7 +23,7 @@ from wroll_fem.dynamics.reduced_kernel import advance_reduced, sum_up
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
-from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.uniqueness import check_unambiguous

@@ -18,7 +18,7 @@ from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.ledger import check_energy
 from wroll_fem.dynamics.reduced import ReducedStepper
-from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError, InputError

@@ -17,7 +17,7 @@ import scipy.sparse.linalg as spla
 
 from wroll_fem.contact.laws import RATE
 from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.static import ContactState
+from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise

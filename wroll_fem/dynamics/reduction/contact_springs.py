@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.contact.laws import SMOOTHED
-from wroll_fem.dynamics.static import ContactState, stick_springs
+from wroll_fem.dynamics.statics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.structure.body import FloatArray
 

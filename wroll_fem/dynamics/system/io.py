@@ -40,7 +40,7 @@ from wroll_fem.contact.interface import (
     RateCoulomb,
     SmoothedCoulomb,
 )
-from wroll_fem.dynamics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.static import ContactState, TrialContact
 from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
-from wroll_fem.dynamics.static import LEAST_TANGENT, ContactState, TrialContact, unconverged
+from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, TrialContact, unconverged
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray

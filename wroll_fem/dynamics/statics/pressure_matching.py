@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from wroll_fem.dynamics.condensed_static import CondensedStatic
-from wroll_fem.dynamics.static import ContactState, solve_load_path
+from wroll_fem.dynamics.statics.condensed import CondensedStatic
+from wroll_fem.dynamics.statics.static import ContactState, solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.structure.body import FloatArray

@@ -17,7 +17,7 @@ from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray
 
 if TYPE_CHECKING:
-    from wroll_fem.dynamics.condensed_static import CondensedStatic
+    from wroll_fem.dynamics.statics.condensed import CondensedStatic
 
 KEEP_RATE = 0.1
 """A factorisation is kept while each iteration reduces the residual by this."""
@@ -260,7 +260,7 @@ def solve_preload(
     condensed
         Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
     """
-    from wroll_fem.dynamics.condensed_static import CondensedStatic  # which builds on this file
+    from wroll_fem.dynamics.statics.condensed import CondensedStatic  # which builds on this file
 
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):

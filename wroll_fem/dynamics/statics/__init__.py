@@ -1,0 +1,1 @@
+"""Static equilibrium with contact: load steps and preload."""
