@@ -9,11 +9,11 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
-from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload
-from wroll_fem.dynamics.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.full import FullStepper
+from wroll_fem.dynamics.time_stepping.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
 
 STEPPERS = ["full", "condensed"]
 

@@ -11,11 +11,11 @@ import numpy as np
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.harmonic import HarmonicBalance
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.model import build_bodies, build_system
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_harmonic.yaml"

@@ -9,15 +9,15 @@ import scipy.sparse as sp
 from exact_systems import STEPPERS, contact_point, dense_system, oscillator, slipping_pair, stepper
 
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics import hht
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.harmonic import HarmonicBalance, solve_motion
-from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
-from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
+from wroll_fem.dynamics.time_stepping import hht
+from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
+from wroll_fem.dynamics.time_stepping.simulate import CHUNK, make_stepper, simulate
+from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.two_dof import TwoMasses
 from wroll_fem.two_dof.explicit import run_from_rest

@@ -11,14 +11,14 @@ import pytest
 import scipy.sparse.linalg as spla
 
 from wroll_fem.case import load_case
-from wroll_fem.dynamics import condensed
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import condense, condense_cyclic
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
-from wroll_fem.dynamics.simulate import simulate
 from wroll_fem.dynamics.statics.condensed import CondensedStatic
 from wroll_fem.dynamics.statics.static import ContactState, solve_load_path, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping import condensed
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.simulate import simulate
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.signals.base_motion import Dwell
 

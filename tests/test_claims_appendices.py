@@ -21,7 +21,7 @@ from wroll_fem.claims import (
     smoothed_sign,
 )
 from wroll_fem.claims.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
-from wroll_fem.dynamics.hht import Scheme
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.lab import RateAndState
 from wroll_fem.plotting.study import SeriesMember
 

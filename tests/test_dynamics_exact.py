@@ -16,9 +16,9 @@ from exact_systems import (
 )
 from scipy.integrate import trapezoid
 
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import solve_load_path, solve_preload
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     FRICTION,
     MODULATION,
     NUMERICAL,

@@ -19,10 +19,10 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
 from wroll_fem.contact.rate_coulomb import coefficient
 from wroll_fem.contact.smoothed_coulomb import logistic_sign
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
 from wroll_fem.dynamics.statics.static import ContactState, TrialContact, solve_preload, stick_springs
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,
     FRICTION,
     INPUT,

@@ -17,17 +17,17 @@ from wroll_fem.case import load_case
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.condensed import CondensedStepper
 from wroll_fem.dynamics.enrichment import trained_response
-from wroll_fem.dynamics.full import FullStepper
 from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
-from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload
-from wroll_fem.dynamics.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.full import FullStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress

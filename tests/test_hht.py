@@ -10,8 +10,8 @@ from exact_systems import (
     stepper,
 )
 
-from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     KINETIC,
     NUMERICAL,
     STRAIN,

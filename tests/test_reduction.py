@@ -13,16 +13,16 @@ from exact_systems import orbiting_mass, slipping_pair
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case import load_case
-from wroll_fem.dynamics import reduced
-from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
-from wroll_fem.dynamics.simulate import Checkpointing, simulate
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
-from wroll_fem.dynamics.stepper import RECORDS, NewtonOptions
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping import reduced
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, simulate
+from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.model import build_bodies, build_system
 from wroll_fem.progress import SilentProgress

@@ -10,9 +10,9 @@ from exact_systems import STEPPERS, stepper
 
 from wroll_fem.case import load_case
 from wroll_fem.contact import kernels
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import equilibrium_force, solve_preload
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,
     FRICTION,
     INPUT,

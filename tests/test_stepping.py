@@ -12,9 +12,9 @@ from exact_systems import (
     unbalanced,
 )
 
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import solve_preload
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,
     FRICTION,
     INPUT,

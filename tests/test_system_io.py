@@ -312,7 +312,7 @@ def _mean_pressures(system: System) -> list[float]:
 
 def test_interfaces_with_places_of_their_own_are_mapped_one_by_one(roll: Any, tmp_path: Path) -> None:
     """Two interfaces of a roll that do not share their points: each keeps its coordinates, and its map."""
-    from wroll_fem.dynamics.fields import interface_fields
+    from wroll_fem.dynamics.time_stepping.fields import interface_fields
     from wroll_fem.plotting.slip import interface_name
     from wroll_fem.slip import has_surface, surface
 

@@ -7,9 +7,9 @@ import pytest
 from exact_systems import STEPPERS, coulomb_oscillator, stepper, with_law
 
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import TrialContact, solve_preload
-from wroll_fem.dynamics.uniqueness import ambiguity
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.uniqueness import ambiguity
 from wroll_fem.errors import InputError
 
 

@@ -13,11 +13,11 @@ from wroll_fem.analyses.preparation import prepare
 from wroll_fem.dynamics.enrichment import trained_response
 from wroll_fem.dynamics.harmonic import HarmonicCurve
 from wroll_fem.dynamics.harmonic_fields import curve_dataset, cycle_balance_error
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results import annotate
 from wroll_fem.signals.estimators import Reading, read_curve

@@ -10,12 +10,12 @@ import xarray as xr
 
 from wroll_fem.analyses.preparation import prepare
 from wroll_fem.contact.laws import SMOOTHED
-from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.fields import interface_fields
-from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.reduced import ReducedStepper
-from wroll_fem.dynamics.simulate import Checkpointing, make_stepper, simulate
-from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.fields import interface_fields
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results import annotate
 from wroll_fem.signals.base_motion import base_motion

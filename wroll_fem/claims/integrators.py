@@ -10,11 +10,11 @@ from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Family
 from wroll_fem.claims.verdict import Verdict
 from wroll_fem.claims.words import numbers, table
-from wroll_fem.dynamics.full import FullStepper
-from wroll_fem.dynamics.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.statics.static import ContactState
-from wroll_fem.dynamics.stepper import NewtonOptions
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.full import FullStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, read
 from wroll_fem.plotting.transmissibility import magnitude

@@ -19,11 +19,11 @@ from wroll_fem.contact.interface import Interface, NormalPenalty
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.aft import HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.harmonic import FrequencyCurve, HarmonicBalance
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.structure.body import FloatArray

@@ -12,9 +12,9 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, by_component, spread
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.numerics.linear import factorise
 from wroll_fem.structure.body import FloatArray
 

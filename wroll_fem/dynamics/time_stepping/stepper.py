@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.structure.body import FloatArray
 

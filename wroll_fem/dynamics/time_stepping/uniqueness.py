@@ -16,9 +16,9 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from wroll_fem.contact.laws import RATE
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
 from wroll_fem.structure.body import FloatArray

@@ -12,15 +12,15 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.dynamics.condensed import CondensedStepper
-from wroll_fem.dynamics.fields import interface_fields, per_interface
-from wroll_fem.dynamics.full import FullStepper
-from wroll_fem.dynamics.hht import Scheme
-from wroll_fem.dynamics.ledger import check_energy
-from wroll_fem.dynamics.reduced import ReducedStepper
 from wroll_fem.dynamics.statics.static import ContactState
-from wroll_fem.dynamics.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.energy_check import check_energy
+from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
+from wroll_fem.dynamics.time_stepping.full import FullStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results import annotate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,
     FRICTION,
     IMPACT,

@@ -11,8 +11,8 @@ import numba
 import numpy as np
 
 from wroll_fem.contact.kernels import consistent_tangent, interface_work, record_slip, trial_traction
-from wroll_fem.dynamics import condensed_kernel
-from wroll_fem.dynamics.condensed_kernel import commit_modal, correction, record_contact, strain_energy
+from wroll_fem.dynamics.time_stepping import condensed_kernel
+from wroll_fem.dynamics.time_stepping.condensed_kernel import commit_modal, correction, record_contact, strain_energy
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__, condensed_kernel.__file__)

@@ -26,14 +26,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.condensed_kernel import advance_steps
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
 from wroll_fem.dynamics.statics.static import ContactState, TrialContact
-from wroll_fem.dynamics.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.dynamics.time_stepping.condensed_kernel import advance_steps
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import FloatArray
 

@@ -6,9 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
-from wroll_fem.dynamics.hht import Scheme
 from wroll_fem.dynamics.statics.static import ContactState, TrialContact
-from wroll_fem.dynamics.stepper import (
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,
     FRICTION,
     IMPACT,
@@ -25,8 +26,7 @@ from wroll_fem.dynamics.stepper import (
     NewtonOptions,
     Stepper,
 )
-from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.uniqueness import check_unambiguous
+from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
 from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.structure.body import FloatArray
 

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.dynamics.statics.static import ContactState
-from wroll_fem.dynamics.stepper import Stepper
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.stepper import Stepper
 
 SAME_PLACE = 1e-6
 """Points of two interfaces stand above each other when angle (rad) and height (relative) differ by less."""

@@ -1,0 +1,1 @@
+"""Time integration (HHT) of the full, the condensed and the reduced system."""
