@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from wroll_fem.case import load_case
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.harmonic import HarmonicBalance
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs

@@ -12,8 +12,8 @@ from periodic import TURN, balance, complete, with_friction
 
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.harmonic import solve_motion
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
 
 LAWS = {
     "penalty": None,

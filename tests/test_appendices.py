@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from exact_systems import STEPPERS, contact_point, dense_system, oscillator, slipping_pair, stepper
 
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.harmonic import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs

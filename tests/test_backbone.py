@@ -10,10 +10,10 @@ import scipy.sparse as sp
 from exact_systems import coulomb_oscillator, slipping_pair
 from periodic import TURN, balance, complete, small_roll
 
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.backbone import ModalMotion, main_mode, solve_backbone
-from wroll_fem.dynamics.enrichment import trained_backbone, trained_response
-from wroll_fem.dynamics.harmonic import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.backbone import ModalMotion, main_mode, solve_backbone
+from wroll_fem.dynamics.periodic.enrichment import trained_backbone, trained_response
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 
 
 def test_backbone_of_the_bilinear_oscillator_follows_its_loop_area() -> None:

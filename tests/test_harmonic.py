@@ -16,9 +16,9 @@ from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.case import load_case
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.enrichment import trained_response
-from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.enrichment import trained_response
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from wroll_fem.dynamics.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.errors import InputError
 from wroll_fem.two_dof import (
     ARRANGEMENTS,

@@ -10,9 +10,9 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.preparation import prepare
-from wroll_fem.dynamics.enrichment import trained_response
-from wroll_fem.dynamics.harmonic import HarmonicCurve
-from wroll_fem.dynamics.harmonic_fields import curve_dataset, cycle_balance_error
+from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error
+from wroll_fem.dynamics.periodic.enrichment import trained_response
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, stick_springs

@@ -17,8 +17,8 @@ import scipy.sparse as sp
 
 from wroll_fem.contact.interface import Interface, NormalPenalty
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.aft import HarmonicContact, PeriodicContact, Sampling
-from wroll_fem.dynamics.harmonic import FrequencyCurve, HarmonicBalance
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import solve_preload, stick_springs

@@ -24,9 +24,9 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, Sampling
-from wroll_fem.dynamics.backbone import BackboneCurve, main_mode, solve_backbone
-from wroll_fem.dynamics.harmonic import HarmonicBalance, HarmonicCurve, solve_response
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.backbone import BackboneCurve, main_mode, solve_backbone
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_response
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
 from wroll_fem.dynamics.statics.static import ContactState

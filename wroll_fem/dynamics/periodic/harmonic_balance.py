@@ -24,8 +24,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wroll_fem.contact.laws import SMOOTHED, PointLaws
-from wroll_fem.dynamics import harmonic_kernel as kernel
-from wroll_fem.dynamics.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.periodic import aft_kernel as kernel
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.errors import ConvergenceError, InputError

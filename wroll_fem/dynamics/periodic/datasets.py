@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from wroll_fem.dynamics import harmonic_kernel as kernel
-from wroll_fem.dynamics.harmonic import CycleWork, HarmonicBalance, HarmonicCurve
+from wroll_fem.dynamics.periodic import aft_kernel as kernel
+from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance, HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.structure.body import FloatArray

@@ -22,8 +22,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
-from wroll_fem.dynamics.harmonic import HarmonicBalance
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.errors import ConvergenceError, InputError

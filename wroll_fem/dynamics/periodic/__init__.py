@@ -1,0 +1,1 @@
+"""Periodic motions: harmonic balance with alternating frequency and time, backbones."""
