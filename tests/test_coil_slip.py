@@ -15,8 +15,15 @@ from matplotlib.image import imread
 from wroll_fem.analyses import modal_transient
 from wroll_fem.analyses.modal_transient import remarks, slip_statement, slip_summary, transient_dataset
 from wroll_fem.case import load_case
-from wroll_fem.coil_slip import cycle_maximum, driven_mode, onset_levels, shear_per_g, slip_zone, slips
-from wroll_fem.dynamics.modal_transient import Oscillators
+from wroll_fem.coiled_stiff.modal_response import Oscillators
+from wroll_fem.coiled_stiff.slip_criterion import (
+    cycle_maximum,
+    driven_mode,
+    onset_levels,
+    shear_per_g,
+    slip_zone,
+    slips,
+)
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.point_grid import coil_cells, coil_grid, largest_along, stations
 from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_shear_along, plot_slip_zone

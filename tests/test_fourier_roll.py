@@ -7,12 +7,12 @@ import pytest
 from beam_theory import beam_frequency
 from fourier_rolls import RHO, WEB, E, L, case, kapton, model
 
+from wroll_fem.coiled_stiff.fourier_stress import section_shear, shear_modes
+from wroll_fem.coiled_stiff.frequency_bounds import fundamental, loosest_coil
+from wroll_fem.coiled_stiff.solid_stress import shear_modes as three_dimensional_shear
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier_modes import family_modes, lowest_modes
 from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll, families
-from wroll_fem.fem.fourier_shear import section_shear, shear_modes
-from wroll_fem.fem.loosest import fundamental, loosest_coil
-from wroll_fem.fem.shear import shear_modes as three_dimensional_shear
 from wroll_fem.fem.shell import Section
 from wroll_fem.mesh.axisymmetric import make_section, split_ends
 from wroll_fem.mesh.revolve import cartesian, revolve

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from wroll_fem.dynamics.modal_transient import (
+from wroll_fem.coiled_stiff.modal_response import (
     SAMPLES_PER_CYCLE,
     STEADY_CHANGE,
     Oscillators,

@@ -9,9 +9,9 @@ import scipy.sparse.linalg as spla
 import sympy
 from shell_patches import patch
 
+from wroll_fem.coiled_stiff.solid_stress import coil_shear_strain, quadratic_basis
 from wroll_fem.fem.coil import in_vtk_order
 from wroll_fem.fem.eigen import solve_pairs
-from wroll_fem.fem.shear import coil_shear_strain, quadratic_basis
 from wroll_fem.fem.shell import radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import make_cylinders

@@ -10,13 +10,13 @@ import scipy.sparse.linalg as spla
 
 from wroll_fem.analyses.modal import run_modal
 from wroll_fem.case import load_case
+from wroll_fem.coiled_stiff import fourier_stress as fourier_shear
+from wroll_fem.coiled_stiff.solid_stress import quadratic_basis, shear_modes
 from wroll_fem.errors import InputError
-from wroll_fem.fem import fourier_shear
 from wroll_fem.fem.body import assemble_bodies
 from wroll_fem.fem.coil import coil_hexes
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import solve_modes, solve_pairs
-from wroll_fem.fem.shear import quadratic_basis, shear_modes
 from wroll_fem.mesh.files import write_mesh
 from wroll_fem.mesh.generate import build_mesh
 from wroll_fem.mesh.shells import VTK_GRID

@@ -51,9 +51,9 @@ class _Models:
 
     def design(self, case: Case) -> Design:
         """Frequencies of a case's mandrel."""
+        from wroll_fem.coiled_stiff.frequency_bounds import fundamental, loosest_coil, with_shear_modulus
         from wroll_fem.fem.fourier_modes import family_modes
         from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
-        from wroll_fem.fem.loosest import fundamental, loosest_coil, with_shear_modulus
 
         assert case.design_map is not None
         bare = FourierRoll(case.model_copy(update={"coil": Coil(model="none")}), self._without)

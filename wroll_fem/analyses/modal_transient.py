@@ -8,16 +8,24 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from wroll_fem.coil_slip import ShearPerG, SlipZone, driven_mode, onset_levels, shear_per_g, slip_zone, slips
-from wroll_fem.dynamics.modal_transient import (
+from wroll_fem.coiled_stiff.modal_response import (
     FloatArray,
     Oscillators,
     run_to_steady_state,
     steady_transmissibility,
 )
+from wroll_fem.coiled_stiff.slip_criterion import (
+    ShearPerG,
+    SlipZone,
+    driven_mode,
+    onset_levels,
+    shear_per_g,
+    slip_zone,
+    slips,
+)
+from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.results import annotate
-from wroll_fem.shear import ShearModes
 from wroll_fem.units import GRAVITY
 
 if TYPE_CHECKING:
@@ -50,9 +58,9 @@ def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
 def shear_modes(case: Case) -> ShearModes:
     """Modes with their shear stress from the discretisation that the case asks for."""
     if case.mesh.discretisation == "fourier":
-        from wroll_fem.fem.fourier_shear import shear_modes as modes_of
+        from wroll_fem.coiled_stiff.fourier_stress import shear_modes as modes_of
     else:
-        from wroll_fem.fem.shear import shear_modes as modes_of
+        from wroll_fem.coiled_stiff.solid_stress import shear_modes as modes_of
     return modes_of(case)
 
 

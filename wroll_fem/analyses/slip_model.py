@@ -11,8 +11,8 @@ import xarray as xr
 from wroll_fem.analyses import modal_transient
 from wroll_fem.analyses.modal_transient import CoilShape, remarks, transient_dataset
 from wroll_fem.case.winding import completed
+from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
-from wroll_fem.shear import ShearModes
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.winding import WoundRoll, wound_roll
 

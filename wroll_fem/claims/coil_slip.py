@@ -13,7 +13,7 @@ from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Drawing, Family
 from wroll_fem.claims.verdict import Verdict
 from wroll_fem.claims.words import table
-from wroll_fem.coil_slip import cycle_maximum, onset_levels, slips
+from wroll_fem.coiled_stiff.slip_criterion import cycle_maximum, onset_levels, slips
 from wroll_fem.plotting.coil_slip import grid_of, plot_root_sections, plot_shear_distribution, plot_slip_zone
 from wroll_fem.plotting.style import FloatArray
 from wroll_fem.winding import wound_roll

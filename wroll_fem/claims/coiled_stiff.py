@@ -119,8 +119,8 @@ def softest(evidence: Evidence, modulus: float) -> float:
     case = evidence.case(*kapton(modulus, isotropic(modulus)), HARMONICS)
 
     def search() -> xr.Dataset:
+        from wroll_fem.coiled_stiff.frequency_bounds import loosest_coil
         from wroll_fem.fem.fourier_roll import FourierRoll
-        from wroll_fem.fem.loosest import loosest_coil
 
         found = loosest_coil(FourierRoll(case), case.coil.material.solid())
         if found is None:

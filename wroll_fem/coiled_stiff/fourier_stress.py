@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COSINE, SINE
 from wroll_fem.fem.fourier_modes import lowest_modes
 from wroll_fem.fem.fourier_roll import FourierRoll
 from wroll_fem.mesh.axisymmetric import RollSection, plain_section
-from wroll_fem.shear import ShearModes
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from wroll_fem.dynamics.modal_transient import ComplexArray, FloatArray, Oscillators
-from wroll_fem.shear import ShearModes
+from wroll_fem.coiled_stiff.modal_response import ComplexArray, FloatArray, Oscillators
+from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.units import GRAVITY
 
 
