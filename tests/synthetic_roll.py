@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import Chirp
 from wroll_fem.signals.transmissibility import transmissibility
 

@@ -20,7 +20,7 @@ from matplotlib import pyplot as plt
 import wroll_fem as wf
 from wroll_fem.case import ANALYSES
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import FIELDS, annotate
+from wroll_fem.results.dataset import FIELDS, annotate
 from wroll_fem.run_folder import RunFolder
 
 ROOT = Path(__file__).parents[1]

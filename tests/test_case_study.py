@@ -11,7 +11,7 @@ from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.point_grid import coil_grid
 from wroll_fem.plotting.coil_slip import points_of
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.runner import run_case
 
 COARSE = [

@@ -29,7 +29,7 @@ from wroll_fem.mesh.point_grid import coil_cells, coil_grid, largest_along, stat
 from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_shear_along, plot_slip_zone
 from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset, save_dataset
+from wroll_fem.results.dataset import load_dataset, save_dataset
 from wroll_fem.units import GRAVITY
 
 LEVELS = [1.0, 3.0, 5.0, 8.0, 11.0, 15.0]

@@ -9,7 +9,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.mesh.generate import build_mesh
 from wroll_fem.plotting import plot_design_map
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset, save_dataset
+from wroll_fem.results.dataset import load_dataset, save_dataset
 
 WEB = {
     "kind": "cylindrical_orthotropic", "E_theta": 4e9, "E_z": 4e9, "E_r": 0.04e9, "nu_theta_z": 0.35,

@@ -20,7 +20,7 @@ from wroll_fem.reference import PAGES
 from wroll_fem.reference.case import NEEDS, sections, type_name, unit_of
 from wroll_fem.reference.results import SUMMARY
 from wroll_fem.report import values
-from wroll_fem.results import FIELDS
+from wroll_fem.results.dataset import FIELDS
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

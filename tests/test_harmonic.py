@@ -31,7 +31,7 @@ from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, N
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.runner import run_case
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.transmissibility import magnitude

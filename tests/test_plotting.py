@@ -21,8 +21,8 @@ from wroll_fem.analyses import write_figures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.cylinder import line_of_sight, sample, slip_surface
+from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
 from wroll_fem.signals.damping import half_power
-from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, surface
 
 
 @pytest.fixture(scope="module")

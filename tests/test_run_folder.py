@@ -19,7 +19,7 @@ from typer.testing import Result
 
 from wroll_fem import example_case, load_case
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.run_folder import RunFolder, plain
 from wroll_fem.runner import run_case
 

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.system.io import load_system, save_system, system_size
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.signals.base_motion import base_motion
 
 ROOT = Path(__file__).parents[1]
@@ -314,7 +314,7 @@ def test_interfaces_with_places_of_their_own_are_mapped_one_by_one(roll: Any, tm
     """Two interfaces of a roll that do not share their points: each keeps its coordinates, and its map."""
     from wroll_fem.dynamics.time_stepping.fields import interface_fields
     from wroll_fem.plotting.slip import interface_name
-    from wroll_fem.slip import has_surface, surface
+    from wroll_fem.results.interface_slip import has_surface, surface
 
     _, system, _ = roll
     one = system.interfaces[0]

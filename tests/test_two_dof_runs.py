@@ -12,7 +12,7 @@ from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.two_dof import plot_two_dof, plot_two_dof_arrangements
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.runner import run_case
 
 CONFIG = Path(__file__).resolve().parent.parent / "configs" / "two_dof.yaml"

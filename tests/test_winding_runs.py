@@ -22,7 +22,7 @@ from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.progress import SilentProgress
-from wroll_fem.results import load_dataset
+from wroll_fem.results.dataset import load_dataset
 from wroll_fem.runner import run_case
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.winding import wound_roll

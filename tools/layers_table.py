@@ -16,7 +16,7 @@ import xarray as xr
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import load_case
 from wroll_fem.progress import SilentProgress
-from wroll_fem.slip import slipping_area_fraction
+from wroll_fem.results.interface_slip import slipping_area_fraction
 
 ROOT = Path(__file__).resolve().parents[1]
 LEVELS = (9.80665, 19.6133, 29.41995)

@@ -88,7 +88,7 @@ def friction_measures(name: str, level: float) -> tuple[float, float]:
     """Friction work over largest stored energy, and friction work (J) until the tip first reaches ``level``, m/s^2."""
     import numpy as np
 
-    from wroll_fem.results import load_dataset
+    from wroll_fem.results.dataset import load_dataset
 
     d = load_dataset(RUNS / name / "results.nc")
     stored = (d["kinetic_energy"] + d["strain_energy"] + d["contact_energy"]).values
@@ -118,7 +118,7 @@ def mesh_table(summaries: dict[str, dict]) -> str:
 def comparison(path: Path, base: str) -> None:
     """Transmissibility of all preloads of one base condition."""
     from wroll_fem.plotting import plot_comparison, save_figure
-    from wroll_fem.results import load_dataset
+    from wroll_fem.results.dataset import load_dataset
 
     runs = {label: load_dataset(RUNS / f"{base}_{label.replace(' ', '')}" / "results.nc") for label in PRESSURES}
     save_figure(plot_comparison(runs), path)

@@ -38,13 +38,13 @@ if TYPE_CHECKING:
     from wroll_fem.grid import load_grid
     from wroll_fem.plotting.study import SeriesMember
     from wroll_fem.report import write_report
-    from wroll_fem.results import save_dataset as save_result
+    from wroll_fem.results.dataset import save_dataset as save_result
     from wroll_fem.signals import estimators
     from wroll_fem.signals.damping import half_power
 
 _WHERE = {
     "Case": "case", "example_case": "case", "load_case": "case",
-    "run": "api", "load_result": "api", "save_result": "results:save_dataset", "summarise": "api", "case_of": "api",
+    "run": "api", "load_result": "api", "save_result": "results.dataset:save_dataset", "summarise": "api", "case_of": "api",
     "case_warnings": "analyses", "estimate": "analyses", "CaseWarning": "api",
     "run_series": "api", "run_grid": "api", "load_grid": "grid", "load_series": "api", "batch_table": "api",
     "SeriesMember": "plotting.study", "write_report": "report",

@@ -116,7 +116,7 @@ def load_result(path: str | Path) -> xr.Dataset:
     InputError
         When there are none.
     """
-    from wroll_fem.results import load_dataset
+    from wroll_fem.results.dataset import load_dataset
 
     path = Path(path)
     dataset = load_dataset(path / "results.nc" if path.is_dir() else path)

@@ -293,7 +293,7 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Seri
     A folder whose results are those of another case (another hash) does not count.
     """
     from wroll_fem.plotting.study import SeriesMember
-    from wroll_fem.results import load_dataset
+    from wroll_fem.results.dataset import load_dataset
 
     out = Path(out)
     series = []

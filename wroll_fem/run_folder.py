@@ -120,7 +120,7 @@ class RunFolder:
         InputError
             If the folder holds no run or no results.
         """
-        from wroll_fem.results import load_dataset
+        from wroll_fem.results.dataset import load_dataset
 
         if not self.case_file.is_file():
             raise self._refuse("is not a run folder (no case.yaml)", "give the folder of a finished `wroll run`")
@@ -155,7 +155,7 @@ class RunFolder:
 
     def record(self, status: Status, **entries: Any) -> None:
         """Write provenance.json: versions, git revision, machine, status and further entries (kept from before)."""
-        from wroll_fem.results import provenance
+        from wroll_fem.results.dataset import provenance
 
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})

@@ -138,7 +138,7 @@ def _save(
 
 def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
     """Copy with its own provenance in the attributes: case text and hash, versions, whether it is complete."""
-    from wroll_fem.results import provenance
+    from wroll_fem.results.dataset import provenance
 
     origin = {
         "case_yaml": case.resolved_yaml(),
@@ -150,6 +150,6 @@ def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr
 
 
 def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
-    from wroll_fem.results import save_dataset
+    from wroll_fem.results.dataset import save_dataset
 
     save_dataset(with_origin(dataset, case, complete=complete), folder.results_file)

@@ -17,7 +17,7 @@ from wroll_fem.dynamics.periodic.enrichment import trained_backbone
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -10,7 +10,7 @@ import xarray as xr
 
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.geometry import Geometry
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from wroll_fem.mesh.revolve import cartesian, revolve
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

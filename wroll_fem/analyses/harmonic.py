@@ -19,7 +19,7 @@ from wroll_fem.dynamics.statics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import Reading, read_curve
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.damping import sweep_warning
 from wroll_fem.signals.estimators import read_curve

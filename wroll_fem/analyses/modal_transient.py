@@ -25,7 +25,7 @@ from wroll_fem.coiled_stiff.slip_criterion import (
 )
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.units import GRAVITY
 
 if TYPE_CHECKING:

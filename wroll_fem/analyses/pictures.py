@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from wroll_fem.slip import has_surface
+from wroll_fem.results.interface_slip import has_surface
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

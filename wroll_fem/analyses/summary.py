@@ -87,7 +87,7 @@ def slip(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
     """Largest slip, and the share of every interface that slipped; nothing of a roll without interfaces."""
     if "cumulative_slip" not in dataset:
         return {}
-    from wroll_fem.slip import slipping_area_fraction
+    from wroll_fem.results.interface_slip import slipping_area_fraction
 
     fraction = slipping_area_fraction(dataset).values.tolist()
     return {"max_slip_m": float(dataset["max_slip"].max()), "slipping_area_fraction": fraction}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import Reading, lower_bound, read_curve
 from wroll_fem.two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.case.winding import FIT, completed
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.winding import WoundRoll, wound_roll
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.grid import REFERENCE, Grid, Member, load_grid
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results import load_dataset, save_dataset
+from wroll_fem.results.dataset import load_dataset, save_dataset
 from wroll_fem.run_folder import RunFolder
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"

@@ -16,7 +16,7 @@ from wroll_fem.claims.words import kpa, numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import SeriesMember, is_sweep, read
 from wroll_fem.plotting.style import FloatArray
-from wroll_fem.slip import slipping_area_fraction, surface
+from wroll_fem.results.interface_slip import slipping_area_fraction, surface
 from wroll_fem.units import GRAVITY
 
 AMPLITUDE = "excitation.amplitude"

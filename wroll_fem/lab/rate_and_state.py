@@ -29,7 +29,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from wroll_fem.errors import InputError, require_positive
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.structure.body import FloatArray
 
 StateLaw = Literal["ageing", "slip"]

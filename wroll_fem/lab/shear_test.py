@@ -25,7 +25,7 @@ from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.dynamics.statics.static import solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError, require_positive
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.structure.body import FloatArray
 
 EDGE = 0.05

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:

@@ -19,8 +19,8 @@ from scipy.ndimage import map_coordinates
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.slip import in_small_unit, interface_name
-from wroll_fem.results import label
-from wroll_fem.slip import cylinder_cells, interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.results.dataset import label
+from wroll_fem.results.interface_slip import cylinder_cells, interface_radius, raster, slipping_area_fraction, surface
 
 FloatArray = npt.NDArray[np.float64]
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")

@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 
 def plot_design_map(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
 _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_STORED)

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 
 def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 
 def _mass_fraction(dataset: xr.Dataset) -> tuple[style.FloatArray, list[str]] | None:

@@ -45,7 +45,7 @@ from wroll_fem.plotting.study import (
 )  # fmt: skip
 from wroll_fem.plotting.transmissibility import magnitude
 from wroll_fem.plotting.winding import TENSION, plot_pressure_over_tension, plot_soft_and_hard
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 _BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
 

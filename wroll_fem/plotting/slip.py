@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from wroll_fem.plotting import style
-from wroll_fem.results import field, label
-from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.results.dataset import field, label
+from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
 
 _STUCK = "#E4E4E4"
 

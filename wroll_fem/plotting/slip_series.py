@@ -13,8 +13,8 @@ from matplotlib.colors import ListedColormap, Normalize
 from wroll_fem.plotting import style
 from wroll_fem.plotting.slip import in_small_unit, interface_name
 from wroll_fem.plotting.study import SeriesMember, grid_members, shown
-from wroll_fem.results import label
-from wroll_fem.slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.results.dataset import label
+from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
 
 AMPLITUDE = "excitation.amplitude"
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 from wroll_fem.signals.damping import HalfPower, half_power
 
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")

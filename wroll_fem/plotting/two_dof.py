@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
-from wroll_fem.results import label
+from wroll_fem.results.dataset import label
 
 _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_low", "omega_high", "zeta")
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from wroll_fem.report.html import paragraph, table
 from wroll_fem.report.values import quantity
-from wroll_fem.results import field
+from wroll_fem.results.dataset import field
 
 _SPENT = (
     "friction_energy", "viscous_energy", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",

@@ -90,7 +90,7 @@ def _plain_case(written: str) -> Mapping[str, Any]:
 
 
 def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
-    from wroll_fem.results import load_dataset
+    from wroll_fem.results.dataset import load_dataset
 
     if not folder.results_file.is_file():
         return None, ["there are no results (results.nc): figures and energy ledger are left out"]

@@ -57,7 +57,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import CZT, fftconvolve
 
 from wroll_fem.errors import InputError
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell, FloatArray
 
 SAMPLES_PER_CYCLE = 32  # of the phase grid; even

@@ -23,7 +23,7 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results import annotate
+from wroll_fem.results.dataset import annotate
 from wroll_fem.structure.body import FloatArray
 
 CHUNK = 200

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.errors import InputError
-from wroll_fem.provenance import provenance
+from wroll_fem.results.provenance import provenance
 
 __all__ = ["FIELDS", "Field", "annotate", "field", "label", "load_dataset", "provenance", "save_dataset"]
 
@@ -223,7 +223,8 @@ def field(name: str) -> Field:
         return FIELDS[name]
     except KeyError:
         raise InputError(
-            f"no unit and label known for the field {name!r}", remedy="add a line to FIELDS in wroll_fem/results.py"
+            f"no unit and label known for the field {name!r}",
+            remedy="add a line to FIELDS in wroll_fem/results/dataset.py",
         ) from None
 
 
