@@ -19,9 +19,9 @@ from matplotlib import pyplot as plt
 
 import wroll_fem as wf
 from wroll_fem.case import ANALYSES
+from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import FIELDS, annotate
-from wroll_fem.run_folder import RunFolder
 
 ROOT = Path(__file__).parents[1]
 TWO = {"friction_capacity": [2, 20], "omega": {"start": 0.8, "stop": 1.2, "points": 9}}

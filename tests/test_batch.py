@@ -16,13 +16,14 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner, Result
 
-from wroll_fem import batch, cli
-from wroll_fem.batch import draw_figures, load_series, run_grid, table_dataset, write_tables
+from wroll_fem import cli
 from wroll_fem.errors import InputError
-from wroll_fem.grid import load_grid
-from wroll_fem.pools import Ended, LocalPool
+from wroll_fem.jobs import batch
+from wroll_fem.jobs.batch import draw_figures, load_series, run_grid, table_dataset, write_tables
+from wroll_fem.jobs.executors import Ended, LocalPool
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import load_grid
 from wroll_fem.progress import SilentProgress
-from wroll_fem.run_folder import RunFolder
 
 ROOT = Path(__file__).resolve().parent.parent
 TINY = ROOT / "configs" / "tiny.yaml"

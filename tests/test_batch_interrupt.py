@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from wroll_fem import batch
-from wroll_fem.batch import run_grid
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.grid import load_grid
-from wroll_fem.pools import Ended, LocalPool
+from wroll_fem.jobs import batch
+from wroll_fem.jobs.batch import run_grid
+from wroll_fem.jobs.executors import Ended, LocalPool
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import load_grid
+from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
-from wroll_fem.run_folder import RunFolder
-from wroll_fem.runner import run_case
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = ROOT / "configs"

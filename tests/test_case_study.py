@@ -9,10 +9,10 @@ import pytest
 
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
+from wroll_fem.jobs.run import run_case
 from wroll_fem.mesh.point_grid import coil_grid
 from wroll_fem.plotting.coil_slip import points_of
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.runner import run_case
 
 COARSE = [
     "mesh.circumferential=10", "mesh.axial=12", "mesh.grading=12", "mesh.radial=3", "mesh.radial_grading=8",

@@ -71,7 +71,7 @@ def test_plot_of_something_else_is_refused(wroll: Callable[..., Result], tmp_pat
 def test_info_names_every_library_and_a_broken_one(
     wroll: Callable[..., Result], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from wroll_fem import environment
+    from wroll_fem.jobs import environment
 
     def broken() -> str:
         raise ImportError("no such library")

@@ -18,9 +18,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from wroll_fem import cli
-from wroll_fem.batch import run_grid
-from wroll_fem.grid import load_grid
-from wroll_fem.run_folder import RunFolder
+from wroll_fem.jobs.batch import run_grid
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import load_grid
 
 ROOT = Path(__file__).resolve().parent.parent
 GRID = f"""
@@ -93,7 +93,7 @@ def test_the_table_is_that_of_local_runs_although_a_worker_dies(
 
 
 def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wroll_fem.pools.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("wroll_fem.jobs.executors.CONNECT_SECONDS", 0.5)
     path = tmp_path / "grid.yaml"
     path.write_text(GRID)
     with socket.socket() as free:

@@ -21,12 +21,13 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from wroll_fem import batch, pools
 from wroll_fem.case import load_case
 from wroll_fem.cli import app
+from wroll_fem.jobs import batch
+from wroll_fem.jobs import executors as pools
+from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.reference.results import SUMMARY
-from wroll_fem.runner import run_case
 
 ROOT = Path(__file__).parents[1]
 PAGES = [

@@ -29,10 +29,10 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.jobs.run import run_case
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.runner import run_case
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.transmissibility import magnitude
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from wroll_fem import progress, tally
+from wroll_fem import progress
+from wroll_fem.jobs import batch_progress as tally
+from wroll_fem.jobs.batch_progress import Tally
 from wroll_fem.progress import TerminalProgress
-from wroll_fem.tally import Tally
 
 
 def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

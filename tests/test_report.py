@@ -17,15 +17,15 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from wroll_fem import analyses, cli, load_case
-from wroll_fem.batch import Outcome, write_tables
-from wroll_fem.grid import Member
+from wroll_fem.jobs.batch import Outcome, write_tables
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import Member
+from wroll_fem.jobs.run import run_case
 from wroll_fem.report import write_report
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.run import metrics
 from wroll_fem.report.values import label, quantity
-from wroll_fem.run_folder import RunFolder
-from wroll_fem.runner import run_case
 from wroll_fem.signals.estimators import single_dof_transmissibility
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -18,10 +18,10 @@ from stand_in import CONFIGS, TINY, StandIn, failure, tree
 from typer.testing import Result
 
 from wroll_fem import example_case, load_case
+from wroll_fem.jobs.folder import RunFolder, plain
+from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.run_folder import RunFolder, plain
-from wroll_fem.runner import run_case
 
 # ---- run ----------------------------------------------------------------------------------------
 

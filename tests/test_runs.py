@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 from wroll_fem.analyses import case_warnings, estimate, run_analysis
 from wroll_fem.case import load_case
 from wroll_fem.cli import app
+from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.runner import run_case
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 TINY = CONFIGS / "tiny.yaml"

@@ -10,10 +10,10 @@ import pytest
 from wroll_fem.analyses import estimate, run_analysis
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
+from wroll_fem.jobs.run import run_case
 from wroll_fem.plotting.two_dof import plot_two_dof, plot_two_dof_arrangements
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.runner import run_case
 
 CONFIG = Path(__file__).resolve().parent.parent / "configs" / "two_dof.yaml"
 SMALL = ("two_dof.friction_capacity=[2, 5, 20]", "two_dof.omega.points=60")

@@ -17,13 +17,13 @@ from wroll_fem.analyses.winding import doubts
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures, press_to
 from wroll_fem.dynamics.statics.static import solve_preload
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.grid import load_grid
+from wroll_fem.jobs.grid import load_grid
+from wroll_fem.jobs.run import run_case
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.runner import run_case
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.winding import wound_roll
 from wroll_fem.winding.interface import external_pressures, ring_split, target_pressures

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     )
     from wroll_fem.case import Case, example_case, load_case
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
-    from wroll_fem.grid import load_grid
+    from wroll_fem.jobs.grid import load_grid
     from wroll_fem.plotting.study import SeriesMember
     from wroll_fem.report import write_report
     from wroll_fem.results.dataset import save_dataset as save_result
@@ -46,7 +46,7 @@ _WHERE = {
     "Case": "case", "example_case": "case", "load_case": "case",
     "run": "api", "load_result": "api", "save_result": "results.dataset:save_dataset", "summarise": "api", "case_of": "api",
     "case_warnings": "analyses", "estimate": "analyses", "CaseWarning": "api",
-    "run_series": "api", "run_grid": "api", "load_grid": "grid", "load_series": "api", "batch_table": "api",
+    "run_series": "api", "run_grid": "api", "load_grid": "jobs.grid", "load_series": "api", "batch_table": "api",
     "SeriesMember": "plotting.study", "write_report": "report",
     "slip_model": "api", "SlipModel": "analyses.slip_model",
     "transmissibility": "api", "half_power": "signals.damping", "estimators": "signals.estimators:",

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 from wroll_fem.case import Case
 from wroll_fem.case.loader import build_case
 from wroll_fem.errors import InputError
-from wroll_fem.grid import REFERENCE, Grid, load_grid
+from wroll_fem.jobs.grid import REFERENCE, Grid, load_grid
 from wroll_fem.progress import Progress, TerminalProgress
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from wroll_fem.analyses.slip_model import SlipModel
-    from wroll_fem.batch import Outcome
+    from wroll_fem.jobs.batch import Outcome
     from wroll_fem.plotting.study import SeriesMember
 
 ShowProgress = bool | Progress | None
@@ -95,7 +95,7 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     if not isinstance(case, Case):
         remedy = "load it first: run(load_case(path))"
         raise InputError(f"is not a case but a {type(case).__name__}", key="case", remedy=remedy)
-    from wroll_fem.runner import run_case, with_origin
+    from wroll_fem.jobs.run import run_case, with_origin
 
     with _reporting(progress) as reporter:
         if out is not None:
@@ -252,7 +252,7 @@ def run_grid(
     retry: bool = False,
     progress: ShowProgress = None,
 ) -> list[Outcome]:
-    """Run every case of a grid that is not yet done, as `wroll batch` does; see `wroll_fem.batch.run_grid`.
+    """Run every case of a grid that is not yet done, as `wroll batch` does; see `wroll_fem.jobs.batch.run_grid`.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def run_grid(
     InputError
         For a grid that is wrong, or a folder that holds another batch.
     """
-    from wroll_fem.batch import run_grid as run_all
+    from wroll_fem.jobs.batch import run_grid as run_all
 
     grid = grid if isinstance(grid, Grid) else load_grid(grid)
     with _reporting(progress) as reporter:
@@ -319,6 +319,6 @@ def load_series(grid: Grid | str | Path, out: str | Path) -> list[SeriesMember]:
     InputError
         For a grid that is wrong.
     """
-    from wroll_fem.batch import load_series as load
+    from wroll_fem.jobs.batch import load_series as load
 
     return load(grid if isinstance(grid, Grid) else load_grid(grid), out)

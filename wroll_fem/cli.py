@@ -23,8 +23,8 @@ import typer
 
 from wroll_fem import __version__
 from wroll_fem.case import RESUMABLE, load_case, schema_text
-from wroll_fem.closing import closing_lines
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
+from wroll_fem.jobs.console import closing_lines
 from wroll_fem.progress import TerminalProgress
 
 app = typer.Typer(
@@ -80,7 +80,7 @@ def run(
         if dry_run:
             _print_estimate(case)
             return
-        from wroll_fem.runner import run_case
+        from wroll_fem.jobs.run import run_case
 
         target = out if out is not None else Path("runs") / case_file.stem
         command = ["wroll", "run", str(case_file), "--out", str(target)]
@@ -115,8 +115,8 @@ def batch(
 ) -> None:
     """Run a grid of cases: only what is not yet done; one table and the study's figures at the end."""
     with _reporting():
-        from wroll_fem.batch import draw_figures, run_grid
-        from wroll_fem.grid import load_grid
+        from wroll_fem.jobs.batch import draw_figures, run_grid
+        from wroll_fem.jobs.grid import load_grid
 
         grid = load_grid(grid_file)
         target = out if out is not None else Path("runs") / grid_file.stem
@@ -249,7 +249,7 @@ def plot(
 ) -> None:
     """Draw the figures of a run again from its results."""
     with _reporting():
-        from wroll_fem.run_folder import RunFolder
+        from wroll_fem.jobs.folder import RunFolder
 
         folder = RunFolder(run_dir)
         case, dataset = folder.load()
@@ -318,7 +318,7 @@ def reproduce(
 @app.command()
 def info() -> None:
     """Print the version of every library underneath, and whether it works."""
-    from wroll_fem.environment import OPTIONAL, check_environment
+    from wroll_fem.jobs.environment import OPTIONAL, check_environment
 
     typer.echo(f"{'wroll_fem':<10} {__version__}")
     broken = False
@@ -349,7 +349,7 @@ def _print_estimate(case: Any) -> None:
 
 
 def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> None:
-    from wroll_fem.run_folder import RunFolder
+    from wroll_fem.jobs.folder import RunFolder
 
     if RunFolder(target).checkpoint_file.is_file():
         typer.echo(f"interrupted; go on with: {shlex.join([*command, '--resume'])}", err=True)

@@ -73,7 +73,7 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
 
 def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
     """Overrides as `load_case` takes them; a mapping of dotted keys to values becomes one text per key."""
-    from wroll_fem.run_folder import plain  # which needs the case
+    from wroll_fem.jobs.folder import plain  # which needs the case
 
     texts: list[str] = []
     for given in overrides:

@@ -18,14 +18,14 @@ import xarray as xr
 import yaml
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.batch import load_series, run_grid
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
-from wroll_fem.grid import REFERENCE, Grid, Member, load_grid
+from wroll_fem.jobs.batch import load_series, run_grid
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
-from wroll_fem.run_folder import RunFolder
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from wroll_fem.errors import InputError
-from wroll_fem.run_folder import RunFolder
+from wroll_fem.jobs.folder import RunFolder
 
 __all__ = ["write_report"]
 

@@ -12,12 +12,12 @@ from typing import Any
 import yaml
 
 from wroll_fem.errors import InputError
-from wroll_fem.grid import REFERENCE, short_names
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import REFERENCE, short_names
 from wroll_fem.report import html
 from wroll_fem.report.run import caption, logged, origin_table
 from wroll_fem.report.values import label, open_balance, shown
 from wroll_fem.report.words import case_words
-from wroll_fem.run_folder import RunFolder
 
 Row = dict[str, str]
 

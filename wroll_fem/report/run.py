@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from wroll_fem.errors import WrollError
+from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.values import EFFORT, label, open_balance, shown
 from wroll_fem.report.words import case_words
-from wroll_fem.run_folder import RunFolder
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from wroll_fem.case import Case
 from wroll_fem.errors import ConvergenceError, WrollError
+from wroll_fem.jobs.folder import RunFolder, Status
 from wroll_fem.progress import Progress, SilentProgress, TerminalProgress
-from wroll_fem.run_folder import RunFolder, Status
 
 if TYPE_CHECKING:
     import xarray as xr

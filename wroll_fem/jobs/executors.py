@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from wroll_fem.errors import InputError
-from wroll_fem.run_folder import RunFolder
+from wroll_fem.jobs.folder import RunFolder
 
 CONNECT_SECONDS = 10.0
 """How long a scheduler may take to answer."""

@@ -17,7 +17,7 @@ from wroll_fem.case.base import Real, Section, Whole, wrong
 from wroll_fem.case.loader import read_yaml
 from wroll_fem.case.messages import input_error
 from wroll_fem.errors import InputError
-from wroll_fem.run_folder import plain
+from wroll_fem.jobs.folder import plain
 
 REFERENCE = "reference"
 """Name of the one case outside the grid."""

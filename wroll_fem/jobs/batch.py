@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.grid import REFERENCE, Grid, Member
-from wroll_fem.pools import ClusterPool, Ended, LocalPool, Pool
+from wroll_fem.jobs.batch_progress import Tally
+from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
+from wroll_fem.jobs.folder import RunFolder, plain
+from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.report.values import split_unit
-from wroll_fem.run_folder import RunFolder, plain
-from wroll_fem.tally import Tally
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,1 @@
+"""Runs and batches: run folders, executors, console summary, environment check."""
