@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
@@ -16,7 +17,6 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.model import build_bodies, build_system
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_harmonic.yaml"
 TURN = 2.0 * np.pi

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
 
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense, condense_cyclic
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
@@ -19,7 +20,6 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import condensed
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.signals.base_motion import Dwell
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_sweep.yaml"

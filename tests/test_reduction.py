@@ -11,6 +11,7 @@ import xarray as xr
 from exact_systems import orbiting_mass, slipping_pair
 
 from wroll_fem.analyses import run_analysis
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
@@ -24,7 +25,6 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, simulate
 from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from exact_systems import STEPPERS, stepper
 
+from wroll_fem.analyses.assembly import build_bodies, build_system, normal_penalty
 from wroll_fem.case import load_case
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.statics.static import equilibrium_force, solve_preload
@@ -24,7 +25,6 @@ from wroll_fem.dynamics.time_stepping.stepper import (
     RECORDS,
     SLIPPING,
 )
-from wroll_fem.model import build_bodies, build_system, normal_penalty
 
 LAB = Path(__file__).parents[1] / "configs" / "lab_sweep.yaml"
 FREQUENCY = 150.0  # Hz, near the resonance

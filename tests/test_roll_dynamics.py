@@ -13,6 +13,7 @@ import pytest
 import scipy.linalg as la
 
 from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.analyses.modal import TIE_FACTOR
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
@@ -21,7 +22,6 @@ from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
 from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell

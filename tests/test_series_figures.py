@@ -16,10 +16,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.quiver import Quiver
 
 from tests.synthetic_roll import contact_points, modes, sweep
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.analyses.modal import tip_participation
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.plotting import save_figure, style
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import SeriesMember, friction_work, read, shown, undamped_curve

@@ -9,10 +9,10 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
+from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.analyses.preparation import prepare, read_structure
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.model import build_bodies, build_system
 from wroll_fem.results.dataset import annotate
 from wroll_fem.structure.body import Body, FloatArray
 from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effective_mass_fractions

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.analyses.assembly import build_bodies, build_system, friction_law
 from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, solve_preload
 from wroll_fem.dynamics.system.io import load_system
 from wroll_fem.dynamics.system.matrix_checks import is_singular, massless_dofs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.model import build_bodies, build_system, friction_law
 from wroll_fem.numerics.linear import factorise
 
 if TYPE_CHECKING:

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from wroll_fem.analyses.assembly import DIRECTIONS, build_bodies
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh.shells import VTK_GRID
-from wroll_fem.model import DIRECTIONS, build_bodies
 from wroll_fem.structure.mode_shapes import align_pairs, are_twins, classify_mode
 
 if TYPE_CHECKING:
