@@ -22,8 +22,8 @@ from wroll_fem.claims import (
 )
 from wroll_fem.claims.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.lab import RateAndState
 from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.tribology import RateAndState
 
 QUICK = {
     "C77": MET, "C86": MET, "C87": THESIS_ERROR, "C111": MET, "C112": MET, "C116": MET, "C117": NOT_MET,

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab import RateAndState, VelocitySteps, shear_history
-from wroll_fem.lab.rate_and_state import LAWS, StateLaw, sine_history
+from wroll_fem.tribology import RateAndState, VelocitySteps, shear_history
+from wroll_fem.tribology.rate_and_state import LAWS, StateLaw, sine_history
 
 MODEL = RateAndState()
 BOTH = pytest.mark.parametrize("law", LAWS)

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab import ShearTest, modulus_of, run_shear_test, stiffness_of
-from wroll_fem.lab.shear_test import EDGE
+from wroll_fem.tribology import ShearTest, modulus_of, run_shear_test, stiffness_of
+from wroll_fem.tribology.shear_test import EDGE
 
 AREA = ShearTest.area
 

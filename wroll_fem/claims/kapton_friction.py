@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Family
 from wroll_fem.claims.verdict import EXPERIMENT, THESIS_ERROR, Verdict
-from wroll_fem.lab import RateAndState, VelocitySteps, shear_history
-from wroll_fem.lab.rate_and_state import LAWS
 from wroll_fem.plotting.lab import plot_velocity_steps
+from wroll_fem.tribology import RateAndState, VelocitySteps, shear_history
+from wroll_fem.tribology.rate_and_state import LAWS
 
 STEPS = VelocitySteps(1.0e-6, 1.0e-5)
 """1 and 10 um/s, changed every 0.5 mm up to 3 mm, as in the source."""

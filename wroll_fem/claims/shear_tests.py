@@ -10,8 +10,8 @@ from wroll_fem.claims.evidence import Evidence
 from wroll_fem.claims.family import Family
 from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
 from wroll_fem.claims.words import numbers
-from wroll_fem.lab import ShearTest, run_shear_test
 from wroll_fem.plotting.lab import plot_shear_tests
+from wroll_fem.tribology import ShearTest, run_shear_test
 
 LAYERS = (50, 100)
 """Loose layers of a stack; one interface more than layers."""

@@ -1,7 +1,7 @@
 """Bench experiments on prestressed layers (thesis, appendix E): the double shear test, rate-and-state friction."""
 
-from wroll_fem.lab.rate_and_state import RateAndState, VelocitySteps, shear_history
-from wroll_fem.lab.shear_test import ShearTest, modulus_of, run_shear_test, stiffness_of
+from wroll_fem.tribology.rate_and_state import RateAndState, VelocitySteps, shear_history
+from wroll_fem.tribology.shear_test import ShearTest, modulus_of, run_shear_test, stiffness_of
 
 __all__ = [
     "RateAndState", "ShearTest", "VelocitySteps", "modulus_of", "run_shear_test", "shear_history", "stiffness_of",
