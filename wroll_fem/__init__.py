@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from wroll_fem import plot, two_dof
+    from wroll_fem import two_dof
     from wroll_fem.analyses import case_warnings, estimate
     from wroll_fem.analyses.slip_model import SlipModel
     from wroll_fem.api import (
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from wroll_fem.case import Case, example_case, load_case
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
     from wroll_fem.jobs.grid import load_grid
+    from wroll_fem.plotting import names as plot
     from wroll_fem.plotting.study import SeriesMember
     from wroll_fem.report import write_report
     from wroll_fem.results.dataset import save_dataset as save_result
@@ -50,7 +51,7 @@ _WHERE = {
     "SeriesMember": "plotting.study", "write_report": "report",
     "slip_model": "api", "SlipModel": "analyses.slip_model",
     "transmissibility": "api", "half_power": "signals.damping", "estimators": "signals.estimators:",
-    "plot": "plot:", "two_dof": "two_dof:",
+    "plot": "plotting.names:", "two_dof": "two_dof:",
     "ConvergenceError": "errors", "InputError": "errors", "WrollError": "errors",
 }  # fmt: skip
 """Public name -> module that has it, "module:other name" where the name there is another, "module:" for a module."""
