@@ -35,7 +35,7 @@ format: setup ## let ruff put the code in order
 
 schema: setup ## write the JSON schema of the case file and the reference pages again
 	.venv/bin/wroll schema --out docs/wroll-case.schema.json
-	$(PYTHON) -m wroll_fem.reference docs/reference
+	$(PYTHON) -m tools.reference docs/reference
 
 docs: setup ## the pages as one site, without warnings: build/docs/index.html
 	$(PYTHON) -m sphinx -E -a -q -W --keep-going -b html -d build/doctrees docs build/docs

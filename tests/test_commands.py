@@ -21,13 +21,13 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+from tools.reference.results import SUMMARY
 from wroll_fem.case import load_case
 from wroll_fem.cli import app
 from wroll_fem.jobs import batch
 from wroll_fem.jobs import executors as pools
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
-from wroll_fem.reference.results import SUMMARY
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -351,7 +351,7 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pyt
     known = {name for names in SUMMARY.values() for name in names}
     for summary in tmp_path.glob("runs/**/summary.json"):
         unknown = set(json.loads(summary.read_text(encoding="utf-8"))) - known
-        assert not unknown, f"{summary.parent.name}: not in wroll_fem/reference/results.py: {sorted(unknown)}"
+        assert not unknown, f"{summary.parent.name}: not in tools/reference/results.py: {sorted(unknown)}"
 
 
 @pytest.mark.slow

@@ -14,11 +14,11 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
+from tools.reference import PAGES
+from tools.reference.case import NEEDS, sections, type_name, unit_of
+from tools.reference.results import SUMMARY
 from wroll_fem.case import ANALYSES, Case, build_case, load_case
 from wroll_fem.errors import InputError
-from wroll_fem.reference import PAGES
-from wroll_fem.reference.case import NEEDS, sections, type_name, unit_of
-from wroll_fem.reference.results import SUMMARY
 from wroll_fem.report import values
 from wroll_fem.results.dataset import FIELDS
 
@@ -49,7 +49,7 @@ def test_every_key_is_described_and_every_number_has_a_unit() -> None:
             kind = type_name(field.annotation)
             if "number" in kind:
                 assert unit_of(field.description) or "as the key around it" in field.description, (
-                    f"{where}: name the unit in its description, as wroll_fem/reference/case.py spells units"
+                    f"{where}: name the unit in its description, as tools/reference/case.py spells units"
                 )
 
 
@@ -78,7 +78,7 @@ def test_every_name_of_the_summary_is_told_once() -> None:
     names = [name for group in SUMMARY.values() for name in group]
     assert len(names) == len(set(names))
     labels = {name for name in values._LABELS if name not in FIELDS}
-    assert labels <= set(names), f"add to wroll_fem/reference/results.py: {sorted(labels - set(names))}"
+    assert labels <= set(names), f"add to tools/reference/results.py: {sorted(labels - set(names))}"
 
 
 # --- pages ------------------------------------------------------------------------------------------------------------

@@ -45,7 +45,8 @@ if TYPE_CHECKING:
 
 _WHERE = {
     "Case": "case", "example_case": "case", "load_case": "case",
-    "run": "api", "load_result": "api", "save_result": "results.dataset:save_dataset", "summarise": "api", "case_of": "api",
+    "run": "api", "load_result": "api", "summarise": "api", "case_of": "api",
+    "save_result": "results.dataset:save_dataset",
     "case_warnings": "analyses", "estimate": "analyses", "CaseWarning": "api",
     "run_series": "api", "run_grid": "api", "load_grid": "jobs.grid", "load_series": "api", "batch_table": "api",
     "SeriesMember": "plotting.study", "write_report": "report",

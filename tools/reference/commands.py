@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 
 import typer
 
-from wroll_fem.reference.markdown import GENERATED, code, prose, table
+from tools.reference.markdown import GENERATED, code, prose, table
 
 _INTRO = """# Commands
 

@@ -13,8 +13,8 @@ from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.case import Case
-from wroll_fem.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.report.words import ANALYSES as ANALYSIS_WORDS
 
 UNITS = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wroll_fem.reference.markdown import GENERATED, code, prose, table
+from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.report.values import label, split_unit
 from wroll_fem.results.dataset import AXES, FIELDS
 
@@ -14,7 +14,7 @@ A run folder holds
 |---|---|
 | `case.yaml` | the case with all defaults filled in |
 | `summary.json` | the numbers of the table below: flat, SI, the unit in the name |
-| `results.nc` | NetCDF of all curves and fields, `units` and `long_name` on each; `wroll_fem.results.dataset.load_dataset` |
+| `results.nc` | NetCDF of all curves and fields, `units` and `long_name` on each; `wf.load_result` reads it |
 | `fields/*.vtu` | slip maps, mode shapes, stress points, for ParaView or pyvista |
 | `figures/*.png` | figures of the analysis |
 | `run.log` | progress and warnings |

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wroll_fem.reference.case import case_page
-from wroll_fem.reference.commands import commands_page
-from wroll_fem.reference.results import results_page
+from tools.reference.case import case_page
+from tools.reference.commands import commands_page
+from tools.reference.results import results_page
 
 __all__ = ["PAGES", "case_page", "commands_page", "results_page", "write_pages"]
 
