@@ -47,6 +47,6 @@ def wroll(analyses: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 @pytest.fixture
 def evidence(tmp_path):
     """Evidence for the judges of `wroll reproduce`, nothing kept yet."""
-    from wroll_fem.claims import Evidence
+    from reproduction import Evidence
 
     return Evidence(tmp_path, workers=1)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from wroll_fem.claims import Evidence, Verdict
-from wroll_fem.claims.reproduce import families
+from reproduction import Evidence, Verdict
+from reproduction.reproduce import families
 from wroll_fem.plotting.study import SeriesMember
 
 

@@ -8,6 +8,7 @@ import pytest
 import scipy.sparse as sp
 from exact_systems import STEPPERS, contact_point, dense_system, oscillator, slipping_pair, stepper
 
+from reproduction.explicit import run_from_rest
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
@@ -20,7 +21,6 @@ from wroll_fem.dynamics.time_stepping.simulate import CHUNK, make_stepper, simul
 from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.two_dof import TwoMasses
-from wroll_fem.two_dof.explicit import run_from_rest
 from wroll_fem.two_dof.shooting import (
     adapted_curve,
     off_neighbours,

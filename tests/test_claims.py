@@ -12,9 +12,9 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from wroll_fem.claims import CHAPTERS, Evidence, Family, Verdict, checklist, evidence, page, reproduce
-from wroll_fem.claims.checklist import explanations, of_chapters
-from wroll_fem.claims.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
+from reproduction import CHAPTERS, Evidence, Family, Verdict, checklist, evidence, page, reproduce
+from reproduction.checklist import explanations, of_chapters
+from reproduction.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
 from wroll_fem.cli import app
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.plotting import style

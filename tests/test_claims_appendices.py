@@ -10,17 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reproduction import Evidence, elastic_slip, estimators, integrators, kapton_friction, shear_tests, smoothed_sign
+from reproduction.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
 from tests.pretend_evidence import judges
-from wroll_fem.claims import (
-    Evidence,
-    elastic_slip,
-    estimators,
-    integrators,
-    kapton_friction,
-    shear_tests,
-    smoothed_sign,
-)
-from wroll_fem.claims.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.tribology import RateAndState

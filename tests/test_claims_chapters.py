@@ -9,17 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reproduction import Evidence, friction_rate, lab_model, layers, preload_series
+from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
+from reproduction.words import monotone, numbers, rank_correlation, table
 from tests.pretend_evidence import Pretend, bending_at, judges, member, reference
 from tests.synthetic_roll import contact_points
-from wroll_fem.claims import (
-    Evidence,
-    friction_rate,
-    lab_model,
-    layers,
-    preload_series,
-)
-from wroll_fem.claims.verdict import MET, NOT_MET, THESIS_ERROR
-from wroll_fem.claims.words import monotone, numbers, rank_correlation, table
 from wroll_fem.plotting.study import SeriesMember
 
 # ---- real evidence -------------------------------------------------------------------------------

@@ -9,14 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reproduction import Evidence, coil_slip, coiled_stiff, design_map
+from reproduction.verdict import MET, NOT_MET
 from tests.pretend_evidence import Pretend, bending_at, member, reference
-from wroll_fem.claims import (
-    Evidence,
-    coil_slip,
-    coiled_stiff,
-    design_map,
-)
-from wroll_fem.claims.verdict import MET, NOT_MET
 from wroll_fem.plotting.study import SeriesMember
 
 # ---- the coil without slip -----------------------------------------------------------------------

@@ -10,14 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reproduction import Evidence, two_dof, two_dof_figures, two_dof_study
+from reproduction.verdict import MET, NOT_MET
 from tests.pretend_evidence import judges
-from wroll_fem.claims import (
-    Evidence,
-    two_dof,
-    two_dof_figures,
-    two_dof_study,
-)
-from wroll_fem.claims.verdict import MET, NOT_MET
 from wroll_fem.plotting.study import SeriesMember
 
 # ---- chapter 5 -----------------------------------------------------------------------------------

@@ -126,8 +126,8 @@ def comparison(path: Path, base: str) -> None:
 
 def studies() -> None:
     """Figures of studies that no claim is judged on."""
-    from wroll_fem.claims import Evidence
-    from wroll_fem.claims.family import study_figure
+    from reproduction import Evidence
+    from reproduction.family import study_figure
     from wroll_fem.plotting import save_figure
 
     with Evidence(ROOT / "runs" / "reproduce", workers=WORKERS) as evidence:

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
@@ -294,7 +295,7 @@ def reproduce(
 ) -> None:
     """Judge the claims of the source, one line each, from stored or fresh runs."""
     with _reporting():
-        from wroll_fem.claims.reproduce import reproduce as judge_all
+        judge_all = _reproduction().reproduce
 
         folder = out if out is not None else Path("runs") / ("reproduce_fast" if fast else "reproduce")
         command = ["wroll", "reproduce", *(chapters or ()), *(["--fast"] if fast else [])]
@@ -313,6 +314,17 @@ def reproduce(
         if done.unfinished:
             typer.echo(f"not computed, because a run failed: {', '.join(done.unfinished)}", err=True)
             raise typer.Exit(ConvergenceError.exit_code)
+
+
+def _reproduction() -> Any:
+    """Module `reproduction.reproduce` of the clone that this package runs from; the package alone does not have it."""
+    root = Path(__file__).resolve().parents[1]
+    if not (root / "reproduction" / "reproduce.py").is_file():
+        remedy = "run from a clone of the project, whose folders reproduction/ and configs/ have them"
+        raise InputError("the claims of the thesis are not part of the installed package", remedy=remedy)
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+    return import_module("reproduction.reproduce")
 
 
 @app.command()

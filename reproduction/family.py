@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.verdict import Verdict
+from reproduction.evidence import Evidence
+from reproduction.verdict import Verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,14 +8,14 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.lab_studies import PRELOAD_STUDY, bound, sweeps
+from reproduction.verdict import THESIS_ERROR, Verdict
+from reproduction.winding import c61
+from reproduction.words import kpa
 from wroll_fem.case.contact import PenaltyFriction
 from wroll_fem.case.excitation import ChirpExcitation
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.lab_studies import PRELOAD_STUDY, bound, sweeps
-from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
-from wroll_fem.claims.winding import c61
-from wroll_fem.claims.words import kpa
 from wroll_fem.contact.laws import slip_update, stack_laws
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.plotting import style

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import numbers
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.verdict import Verdict
+from reproduction.words import numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
 from wroll_fem.plotting.study import SeriesMember

@@ -8,11 +8,11 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from wroll_fem.claims.evidence import Evidence
+from reproduction.evidence import Evidence
+from reproduction.explicit import ZETA
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import PeriodicSolver, TwoMasses, response_map, settle
-from wroll_fem.two_dof.explicit import ZETA
 from wroll_fem.two_dof.time import dwell
 
 CASE, SPACE = "two_dof", "two_dof_design_space"

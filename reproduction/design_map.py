@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import numbers, table
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import Verdict
+from reproduction.words import numbers, table
 from wroll_fem.plotting import plot_design_map
 from wroll_fem.plotting.style import FloatArray
 

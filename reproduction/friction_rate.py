@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.verdict import Verdict
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.verdict import Verdict
 from wroll_fem.plotting.study import PRESSURE, Reading, is_sweep, read
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wroll_fem.claims.checklist import CHAPTERS, Claim, checklist
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
+from reproduction.checklist import CHAPTERS, Claim, checklist
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import Verdict
 
 __all__ = ["CHAPTERS", "Claim", "Evidence", "Family", "Verdict", "checklist"]

@@ -8,12 +8,12 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
 
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import Verdict
+from reproduction.words import numbers, table
 from wroll_fem.analyses.summary import energy_balance_error
 from wroll_fem.case.material import IsotropicMaterial
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import numbers, table
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
 from wroll_fem.dynamics.statics.static import ContactState, TrialContact

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction.evidence import Evidence
+from reproduction.family import Drawing, Family
+from reproduction.verdict import Verdict
+from reproduction.words import table
 from wroll_fem.case.winding import completed
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Drawing, Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import table
 from wroll_fem.coiled_stiff.slip_criterion import cycle_maximum, onset_levels, slips
 from wroll_fem.plotting.coil_slip import grid_of, plot_root_sections, plot_shear_distribution, plot_slip_zone
 from wroll_fem.plotting.style import FloatArray

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.lab_studies import beside, sweeps
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import kpa, listed, monotone, rank_correlation
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.lab_studies import beside, sweeps
+from reproduction.verdict import Verdict
+from reproduction.words import kpa, listed, monotone, rank_correlation
 from wroll_fem.plotting.history import chirp_law
 from wroll_fem.plotting.study import SeriesMember, friction_work, natural_frequency, read
 

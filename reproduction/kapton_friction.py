@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import EXPERIMENT, THESIS_ERROR, Verdict
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import EXPERIMENT, THESIS_ERROR, Verdict
 from wroll_fem.plotting.lab import plot_velocity_steps
 from wroll_fem.tribology import RateAndState, VelocitySteps, shear_history
 from wroll_fem.tribology.rate_and_state import LAWS

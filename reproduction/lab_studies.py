@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from wroll_fem.claims.evidence import Evidence
+from reproduction.evidence import Evidence
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.convergence import first_bending
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, is_sweep, read

@@ -6,10 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import numbers, table
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import Verdict
+from reproduction.words import numbers, table
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.full import FullStepper

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.verdict import THESIS_ERROR, Verdict
+from reproduction.words import exactly
 from wroll_fem.case.winding import ConstantModulus, Winding
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
-from wroll_fem.claims.words import exactly
 from wroll_fem.plotting import plot_winding
 from wroll_fem.plotting.cantilever import plot_cantilever
 from wroll_fem.plotting.winding import middle_slope

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.lab_studies import beside
+from reproduction.verdict import Verdict
+from reproduction.words import kpa, numbers
 from wroll_fem.analyses.advice import interface_pressures
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.lab_studies import beside
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import kpa, numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import SeriesMember, is_sweep, read
 from wroll_fem.plotting.style import FloatArray

@@ -12,10 +12,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import table
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import Verdict
+from reproduction.words import table
 from wroll_fem.plotting import style
 from wroll_fem.signals.estimators import (
     DampingEstimate,

@@ -12,14 +12,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import Verdict
-from wroll_fem.claims.words import numbers, table
+from reproduction.evidence import Evidence
+from reproduction.explicit import run_from_rest
+from reproduction.family import Family
+from reproduction.verdict import Verdict
+from reproduction.words import numbers, table
 from wroll_fem.plotting import style
 from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import Pressed, TwoMasses, smoothed_sign
-from wroll_fem.two_dof.explicit import run_from_rest
 from wroll_fem.two_dof.shooting import adapted_curve, off_neighbours, orbit_curve
 
 SCALES = (1.0, 2.0, 5.0, 10.0)

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from wroll_fem.claims.checklist import Claim, of_chapters
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
+from reproduction.checklist import Claim, of_chapters
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
 from wroll_fem.progress import Progress, SilentProgress
 
@@ -156,7 +156,7 @@ def reproduce(
     InputError
         For an unknown chapter, or where the project's configs/ are missing.
     """
-    from wroll_fem.claims.page import unexplained, write_page
+    from reproduction.page import unexplained, write_page
 
     progress = progress if progress is not None else SilentProgress()
     of_chapters(chapters)  # before any work
@@ -168,6 +168,6 @@ def reproduce(
         table = folder / "claims.csv"
         write_table(judged, table)
         if missing := unexplained(judged):
-            progress.warning(f"no explanation of {', '.join(missing)}: write one into wroll_fem/claims/explanations")
+            progress.warning(f"no explanation of {', '.join(missing)}: write one into reproduction/explanations")
         written = write_page(judged, evidence, page if page is not None else folder / "claims.md", command)
     return Reproduction(judged, [table, *written])

@@ -27,7 +27,7 @@ from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
 
-CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+CONFIGS = Path(__file__).resolve().parents[1] / "configs"
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -7,12 +7,12 @@ from functools import partial
 
 import numpy as np
 
-from wroll_fem.claims import two_dof_figures as figures
-from wroll_fem.claims import two_dof_study as study
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family, study_figure
-from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
-from wroll_fem.claims.words import numbers, table
+from reproduction import two_dof_figures as figures
+from reproduction import two_dof_study as study
+from reproduction.evidence import Evidence
+from reproduction.family import Family, study_figure
+from reproduction.verdict import THESIS_ERROR, Verdict
+from reproduction.words import numbers, table
 from wroll_fem.plotting.two_dof import (
     plot_two_dof_arrangements,
     plot_two_dof_design_space,

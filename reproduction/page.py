@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from wroll_fem.claims.checklist import CHAPTERS, explanations
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.reproduce import Judged, count, families
-from wroll_fem.claims.verdict import NOT_MET, THESIS_ERROR
-from wroll_fem.claims.words import table
+from reproduction.checklist import CHAPTERS, explanations
+from reproduction.evidence import Evidence
+from reproduction.reproduce import Judged, count, families
+from reproduction.verdict import NOT_MET, THESIS_ERROR
+from reproduction.words import table
 from wroll_fem.errors import WrollError
 from wroll_fem.plotting import save_figure
 

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from wroll_fem.claims.evidence import Evidence
-from wroll_fem.claims.family import Family
-from wroll_fem.claims.verdict import THESIS_ERROR, Verdict
-from wroll_fem.claims.words import numbers
+from reproduction.evidence import Evidence
+from reproduction.family import Family
+from reproduction.verdict import THESIS_ERROR, Verdict
+from reproduction.words import numbers
 from wroll_fem.plotting.lab import plot_shear_tests
 from wroll_fem.tribology import ShearTest, run_shear_test
 

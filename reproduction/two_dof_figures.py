@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from reproduction import two_dof_study as study
+from reproduction.evidence import Evidence
 from wroll_fem.case.material import IsotropicMaterial
-from wroll_fem.claims import two_dof_study as study
-from wroll_fem.claims.evidence import Evidence
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
