@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 
+from support.paths import ROOT
+
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["MPLBACKEND"] = "Agg"
 
@@ -12,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from stand_in import StandIn
+from support.stand_in import StandIn
 from typer.testing import CliRunner, Result
 
 import wroll_fem
@@ -22,7 +24,7 @@ from wroll_fem import cli
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Folder of the checkout."""
-    return Path(__file__).resolve().parent.parent
+    return ROOT
 
 
 @pytest.fixture

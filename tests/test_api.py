@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib import pyplot as plt
+from support.paths import ROOT
 
 import wroll_fem as wf
 from wroll_fem.case import ANALYSES
@@ -23,7 +24,6 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import FIELDS, annotate
 
-ROOT = Path(__file__).parents[1]
 TWO = {"friction_capacity": [2, 20], "omega": {"start": 0.8, "stop": 1.2, "points": 9}}
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from stand_in import CONFIGS, TINY
+from support.stand_in import CONFIGS, TINY
 from typer.testing import Result
 
 from wroll_fem import __version__

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from support.paths import CONFIGS
 from typer.testing import CliRunner
 
 from wroll_fem.analyses import case_warnings, estimate, run_analysis
@@ -19,7 +20,6 @@ from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 
-CONFIGS = Path(__file__).parents[1] / "configs"
 TINY = CONFIGS / "tiny.yaml"
 LEDGER = ("input_work", "kinetic_energy", "strain_energy", "contact_energy", "friction_energy", "numerical_dissipation")
 

@@ -20,7 +20,7 @@ torsion u_theta = V. The motion turned by pi / (2 m) about the axis is the other
 Notes
 -----
 Linear kinematics, r > 0. Degree-3 Lagrange cells by default, fully integrated: thin walls do not lock
-(tests/test_fourier.py). m and the materials are constants of the forms and the geometry is moved, so everything
+(tests/fem/test_fourier.py). m and the materials are constants of the forms and the geometry is moved, so everything
 compiles once. One process.
 
 References

@@ -16,7 +16,7 @@ as alpha x (3 x 3 points) + (1 - alpha) x (2 x 2 points) with alpha = t^2 / h^2 
 cell's area): 2 x 2 points alone leave zero-energy modes, 3 x 3 alone lock. Bending, drilling and mass are
 integrated with 3 x 3 points.
 
-Displacement over the reference value, n x n cells (tests/test_shell.py):
+Displacement over the reference value, n x n cells (tests/fem/test_shell.py):
 
     n                                        4        8        16
     Scordelis-Lo roof (0.3024)               0.999    0.997    0.997

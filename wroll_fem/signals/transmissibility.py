@@ -28,7 +28,7 @@ Notes
 Limits of a chirp. Not the kernel but physics: the response of a resonance needs time to build up. The envelope
 of a swept single-degree-of-freedom system (upward chirp, 150 Hz, zeta 1 %, rate R against the ISO 7626-2 limit
 312 zeta^2 f_n oct/min of `sweep_rate_limit`) against its steady state, and what half power then reads from it
-(exact responses; `tests/test_signals.py` reproduces rows of the table; steady state has skewness -0.01):
+(exact responses; `tests/signals/test_signals.py` reproduces rows of the table; steady state has skewness -0.01):
 
 =========  ==========  ====================  ==============  ========
 R / limit  peak lost   peak shift/(zeta f)   error of zeta   skewness
@@ -210,7 +210,7 @@ def demodulated(
     Notes
     -----
     On a steady harmonic the error is that of the cubic spline through the samples: below 1e-6 at 40 samples per
-    cycle, 1e-4 at 12, 1e-3 at 8 (`tests/test_signals.py`). The removed mean of the tip does not matter: a
+    cycle, 1e-4 at 12, 1e-3 at 8 (`tests/signals/test_signals.py`). The removed mean of the tip does not matter: a
     constant falls on a zero of the kernel. See the module text for the sweep's own limits.
     """
     t, tip = _checked(time, absolute_tip)

@@ -1,0 +1,27 @@
+"""What is said before a run: closed forms against the finite elements."""
+
+from __future__ import annotations
+
+import numpy as np
+from support.paths import ROOT
+
+from wroll_fem.analyses import run_analysis
+from wroll_fem.analyses.advice import interface_pressures
+from wroll_fem.case import load_case
+from wroll_fem.progress import SilentProgress
+
+
+def test_estimated_interface_pressures_are_those_of_the_preload_step() -> None:
+    """Rings without end effects: the clamped and rigid ends of the mandrel carry a few per cent more."""
+    small = ["analysis=preload", "mesh.circumferential=8", "mesh.axial=8", "preload.steps=2"]
+    for pressures in ([200.0] * 5, [0.0, 0.0, 0.0, 0.0, 1000.0], [100.0, 150.0, 200.0, 250.0, 300.0]):
+        case = load_case(ROOT / "configs" / "lab_dwell_layers.yaml", [*small, f"preload.pressure={pressures}"])
+        found = run_analysis(case, progress=SilentProgress())
+        mean = (found["pressure"] * found["area"]).sum("point") / found["area"].sum("point")
+        np.testing.assert_allclose(interface_pressures(case), mean, rtol=0.08)
+
+
+def test_an_interface_that_would_be_pulled_apart_has_no_pressure() -> None:
+    case = load_case(ROOT / "configs" / "lab_dwell_layers.yaml", ["preload.pressure=[1000.0, 0.0, 0.0, 0.0, 0.0]"])
+    assert interface_pressures(case)[1:] == [0.0] * 4
+    assert interface_pressures(case)[0] > 0.0

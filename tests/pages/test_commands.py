@@ -1,0 +1,362 @@
+"""Every command that README and docs show, run as it stands there or with what makes it small.
+
+Commands stand in fenced shell blocks and in inline code. Each page's commands run in the order of the page, in a
+scratch copy of the folders they read, so that `wroll report runs/loose` finds what the line above it made.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import Future
+from pathlib import Path
+
+import pytest
+import yaml
+from support.paths import ROOT
+from typer.testing import CliRunner
+
+from tools.reference.results import SUMMARY
+from wroll_fem.case import load_case
+from wroll_fem.cli import app
+from wroll_fem.jobs import batch
+from wroll_fem.jobs import executors as pools
+from wroll_fem.jobs.run import run_case
+from wroll_fem.progress import SilentProgress
+
+PAGES = [
+    ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "tables").glob("*.md")),
+    ROOT / "meshes" / "README.md", *sorted((ROOT / "notebooks").glob("*.py")),
+]  # fmt: skip
+_COMMAND = re.compile(r"(wroll|make|pip|apt|dask|gmsh|jupyter|cp|\.venv/bin/\S+)( |$)")
+_FENCE = re.compile(r"^```(\S*)[^\n]*\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
+_PLACEHOLDER = re.compile(r"\b(CASE|GRID|DIR|RUN_DIR|HOST|COMMAND|OUT)\b")
+
+COARSE = ["mesh.circumferential=8", "mesh.axial=2", "mesh.grading=1", "output.figures=false"]
+SHORT_CHIRP = [
+    "excitation.f_start=120",
+    "excitation.f_end=185",
+    "excitation.rate_oct_per_min=120",
+    "excitation.ramp_cycles=1",
+]
+SOLID = [
+    "mesh.circumferential=8",
+    "mesh.axial=3",
+    "mesh.radial=1",
+    "mesh.grading=1",
+    "modal.count=4",
+    "output.figures=false",
+]
+
+COUNTS = ("mesh.", "excitation.f_", "modal.count", "harmonic.", "integrator.steps_per_cycle", "solver.allow_coarse")
+
+STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
+"""Axes of studies over the mesh."""
+
+SMALLER: dict[str, list[str]] = {
+    "case_study": [*SOLID, "winding.cells=600"],
+    "coiled_stiff": SOLID,
+    "coiled_stiff_mass": [*COARSE, "modal.count=4"],
+    "design_map": ["design_map.mandrel_radius=[0.02, 0.03]", "design_map.mandrel_thickness=[0.002]", "mesh.axial=4"],
+    "kapton_mandrel": [*COARSE, "modal.count=4"],
+    "kapton_roll": SOLID,
+    "lab_dwell": [*COARSE, "excitation.cycles=8"],
+    "lab_dwell_layers": [*COARSE, "excitation.cycles=2", "excitation.ramp_cycles=1"],
+    "lab_backbone": [*COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1", "backbone.tip_largest=3e-5"],
+    "lab_harmonic": [*COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
+    "lab_integrators": [*COARSE, *SHORT_CHIRP],
+    "lab_mandrel": [*COARSE, "modal.count=4"],
+    "lab_modal": [*COARSE, "modal.count=4"],
+    "lab_sweep": [*COARSE, *SHORT_CHIRP, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
+    "lab_sweep_clamped": [*COARSE, *SHORT_CHIRP],
+    "lab_sweep_rate": [*COARSE, *SHORT_CHIRP],
+    "structure": SHORT_CHIRP,
+    "tiny": [],
+    "two_dof": ["two_dof.omega.points=60", "two_dof.friction_capacity=[5, 20]"],
+    "two_dof_design_space": [
+        "two_dof.friction_capacity=[5, 20]", "two_dof.omega.points=40", "two_dof.design_space.points=24",
+        "two_dof.design_space.m2.points=2", "two_dof.design_space.k2.points=2",
+    ],
+    "winding_case_study": ["winding.cells=600"],
+    "winding_lab": [],
+    "winding_sweep": [*COARSE, *SHORT_CHIRP, "winding.cells=100"],
+}  # fmt: skip
+"""Case file -> what is changed in the scratch copy so that a run takes seconds: coarse mesh, short motion, few values.
+
+The commands stay as they are printed. A grid keeps the ends of its longest axis, the first value of the others, and
+none of mesh, band and counts; its cases run in this process, one after the other.
+"""
+
+SLOW = ("docs/chapter4.md",)
+"""A dozen studies, half a minute."""
+
+TOOLS: dict[str, list[tuple[str, str]]] = {
+    "coil_table.py": [
+        (
+            "MESHES = [((12, 8, 2), (12, 8, 1)), ((16, 16, 3), (20, 12, 1)), ((20, 24, 4), (24, 20, 1)), "
+            "((24, 32, 6), (32, 32, 2))]",
+            "MESHES = [((8, 2, 1), (8, 2, 1)), ((8, 3, 1), (8, 3, 1))]",
+        ),
+        ("((20, 12, 1), (40, 40, 1))", "((8, 3, 1),)"),
+    ],
+    "harmonic_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ("BANDS = {1.0e4: (120, 150), 3.0e4: (134, 158), 1.0e5: (144, 164), ", "BANDS = {"),
+        ("RATES = (2.0, 0.5, 0.125)", "RATES = (30.0,)"),
+    ],
+    "layers_table.py": [
+        ("circumferential: 12, axial: 6, grading: 3", "circumferential: 8, axial: 2"),
+        ('"excitation.cycles=12"', '"excitation.cycles=2"'),
+        (" for level in LEVELS] + [(LEVELS[0], 80, 2e-3), (LEVELS[2], 40, 1e-3)]", " for level in LEVELS[:1]]"),
+    ],
+    "reduced_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ('"10 kPa": 1.0e4, "30 kPa": 3.0e4, "100 kPa"', '"100 kPa"'),
+        ("excitation.f_start=174", "excitation.f_start=130"),
+    ],
+    "make_figures.py": [
+        ('PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", ', "PRESSURES = {"),
+        ('["mesh.circumferential=24", "mesh.axial=12"]', '["mesh.circumferential=8", "mesh.axial=2"]'),
+        ("((16, 8), (32, 16), (40, 20))", "((8, 2), (8, 4))"),
+        ('words[0], "--out"', 'words[0], "--set", "output.figures=true", "--out"'),
+        (
+            "(RUNS / source, FIGURES / target)\n",
+            "(RUNS / source, FIGURES / target)\n    STUDIES.clear()  # in full size\n",
+        ),
+    ],
+}
+"""Tool -> text of its constants and what stands there in the scratch copy instead: coarse meshes, few values."""
+
+ELSEWHERE = {
+    "make test": "runs this test",
+    "make run": "the job of `wroll run configs/lab_sweep.yaml`, here and in tests/test_runs.py on coarse meshes",
+    "make lint": "run by .ci/run",
+    "make docs": "tests/pages/test_docs.py builds the site",
+    "make schema": "its two commands write what tests/case/test_case.py and tests/pages/test_docs.py compare",
+    "make setup": "what every make target runs first",
+    "make bench": "ten minutes; tests/tools/test_benchmark.py runs its parts",
+    "make test-debian13": "these tests in a chroot",
+    "wroll reproduce": "minutes to hours; tests/reproduction/test_claims.py runs it on coarse studies",
+    "pip install": "changes the environment that runs the tests; tools/setup.sh does it in CI",
+    "pip uninstall": "likewise",
+    "apt install": "likewise",
+    "dask scheduler": "tests/jobs/test_cluster.py starts one",
+    "dask worker": "tests/jobs/test_cluster.py starts two",
+    "jupyter lab": "a server; tests/pages/test_notebooks.py runs the notebooks",
+    ".venv/bin/jupytext --sync": "tests/pages/test_notebooks.py compares the pairs",
+    ".venv/bin/python -m pytest": "runs tests of this suite",
+}
+"""Commands that cannot run inside a test, by their beginning, and who runs them."""
+
+
+def commands(page: Path) -> list[str]:
+    """Commands of a page in their order, without comments and prompts."""
+    text, found = page.read_text(encoding="utf-8"), []
+    if page.suffix == ".py":
+        text = "\n".join(line.removeprefix("# ") for line in text.splitlines() if line.startswith("# "))
+    for part in re.split(r"(^```[^\n]*\n.*?^```$)", text, flags=re.DOTALL | re.MULTILINE):
+        fence = _FENCE.match(part)
+        if fence is None:
+            words = [span for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", part) if _COMMAND.match(span)]
+            words += [line for line in re.findall(r"^ {4}(\S.*)$", part, flags=re.MULTILINE) if _COMMAND.match(line)]
+        elif fence[1] in ("", "sh", "bash", "console", "shell"):
+            words = [line.removeprefix("$ ") for line in fence[2].splitlines() if line.strip()]
+        else:
+            words = []
+        found += [re.sub(r"(^|\s+)#.*", "", line).strip() for line in words]
+    return [line for line in dict.fromkeys(found) if line]
+
+
+def elsewhere(command: str) -> bool:
+    return any(command == known or command.startswith(f"{known} ") for known in ELSEWHERE)
+
+
+def mention(command: str) -> bool:
+    """Whether a command is only named: `wroll run`, `wroll batch GRID.yaml`, `wroll batch --workers`."""
+    words = command.split()
+    if words[1:] in (["info"], ["schema"]):
+        return False
+    return words[0] in ("wroll", ".venv/bin/wroll") and (
+        len(words) == 1 or all(_PLACEHOLDER.search(word) or word.startswith("--") for word in words[2:])
+    )
+
+
+def tool(command: str) -> bool:
+    return re.match(r"\.venv/bin/python (tools|benchmarks)/", command) is not None
+
+
+def runnable(page: Path) -> list[str]:
+    return [line for line in commands(page) if not elsewhere(line) and not mention(line) and not tool(line)]
+
+
+def words_of(command: str) -> list[str]:
+    words = shlex.split(command)
+    return ["wroll", *words[1:]] if words[0] == ".venv/bin/wroll" else words
+
+
+# --- what is named exists ---------------------------------------------------------------------------------------------
+
+
+def every(kind: str) -> list[str]:
+    return sorted({line for page in PAGES for line in commands(page) if line.split()[0].endswith(kind)})
+
+
+def test_every_make_target_that_is_named_exists() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for command in every("make"):
+        assert re.search(rf"^{command.split()[1]}:", makefile, flags=re.MULTILINE), command
+
+
+@pytest.mark.parametrize("command", [line for line in every("wroll") if mention(line) and len(line.split()) > 1])
+def test_every_command_that_is_only_named_has_its_options(command: str) -> None:
+    words = command.split()
+    done = CliRunner().invoke(app, [words[1], "--help"], terminal_width=200)
+    assert done.exit_code == 0, done.output
+    for option in (word for word in words[2:] if word.startswith("--")):
+        assert option in done.output, command
+
+
+def test_every_file_in_a_command_exists() -> None:
+    for page in PAGES:
+        for command in commands(page):
+            for word in command.split():
+                if re.match(r"(configs|tools|tests|meshes|notebooks|benchmarks)/\S+\.\w+$", word):
+                    assert any(ROOT.glob(word)) or command.startswith("cp "), f"{page.name}: {command}"
+
+
+# --- what is shown runs -----------------------------------------------------------------------------------------------
+
+
+def scratch(folder: Path) -> None:
+    """Copies of what commands read, made small by `SMALLER` and `TOOLS`."""
+    for name in ("configs", "meshes", "tools"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("tables", "figures"):
+        (folder / "docs" / name).mkdir(parents=True)
+    shutil.copy(ROOT / "Makefile", folder)
+    (folder / ".venv").symlink_to(ROOT / ".venv")
+    shutil.copy(folder / "configs" / "oscillator.yaml", folder / "structure.yaml")  # the page's own file of matrices
+    for name, changes in SMALLER.items():
+        path = folder / (f"{name}.yaml" if name == "structure" else f"configs/{name}.yaml")
+        case = override(yaml.safe_load(path.read_text(encoding="utf-8")), changes)
+        if name == "structure":
+            case["structure"] = {"file": "roll.npz"}
+            case.pop("contact", None)
+        path.write_text(yaml.safe_dump(case), encoding="utf-8")
+    for path in (folder / "configs" / "studies").glob("*.yaml"):
+        grid = yaml.safe_load(path.read_text(encoding="utf-8"))
+        axes = {key: axis for key, axis in grid["grid"].items() if not key.startswith(COUNTS)}
+        meshes = {key: values for key, values in STUDY_MESHES.items() if len(grid["grid"].get(key, [])) > 1}
+        longest = max(axes, key=lambda key: len(axes[key]), default="")
+        for key in axes:
+            if key != "analysis":
+                axes[key] = [axes[key][0], axes[key][-1]] if key == longest and len(axes[key]) > 1 else axes[key][:1]
+        grid["grid"] = axes | meshes
+        path.write_text(yaml.safe_dump(grid), encoding="utf-8")
+    for name, replaced in TOOLS.items():
+        text = (folder / "tools" / name).read_text(encoding="utf-8")
+        for old, new in replaced:
+            assert old in text, f"{name}: {old}"
+            text = text.replace(old, new)
+        (folder / "tools" / name).write_text(text, encoding="utf-8")
+
+
+def override(case: dict, changes: list[str]) -> dict:
+    for change in changes:
+        key, _, value = change.partition("=")
+        *path, last = key.split(".")
+        section = case
+        for part in path:
+            section = section.setdefault(part, {})
+        section[last] = yaml.safe_load(value)
+    return case
+
+
+def cases_of(words: list[str]) -> list[str]:
+    """Names of the case files that a `wroll` command computes."""
+    if words[1] == "batch":
+        grid = yaml.safe_load(Path(words[2]).read_text(encoding="utf-8"))
+        files = [*grid.get("cases", []), *(grid[key] for key in ("base", "reference") if key in grid)]
+        return [Path(file).stem for file in files]
+    return [Path(words[2]).stem] if words[1] in ("run", "export", "mesh") else []
+
+
+class HerePool:
+    """Runs the cases of a batch in this process: that they are processes of their own is tested in test_batch.py."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+
+    def submit(self, words: Sequence[str], folder: Path) -> Future[pools.Ended]:
+        overrides = [words[at + 1] for at, word in enumerate(words) if word == "--set"]
+        future: Future[pools.Ended] = Future()
+        run_case(load_case(words[0], overrides), folder, progress=SilentProgress(), resume=True, command="")
+        future.set_result(pools.Ended(0, ""))
+        return future
+
+    def at_work(self) -> dict[str, float]:
+        return {}
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def run(command: str, folder: Path) -> None:
+    words = words_of(command)
+    if words[0] != "wroll":
+        path = f"{ROOT / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}"
+        environment = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+        if words[0] == ".venv/bin/python":
+            words[0] = sys.executable
+        done = subprocess.run(
+            words, cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
+        )
+        assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+        return
+    for name in cases_of(words):
+        assert name in SMALLER, f"{command}: say in SMALLER what makes {name}.yaml quick"
+    answer = CliRunner().invoke(app, words[1:])
+    assert answer.exit_code == 0, f"{command}\n{answer.output}{answer.exception!r}"
+
+
+def pages() -> list:
+    """Pages with a command that no page before them has; the longest is marked slow."""
+    seen: set[tuple[str, ...]] = set()
+    found = []
+    for page in PAGES:
+        own = {tuple(words_of(command)) for command in runnable(page)}
+        if own - seen:
+            name = str(page.relative_to(ROOT))
+            found.append(pytest.param(page, id=name, marks=[pytest.mark.slow] if name in SLOW else []))
+        seen |= own
+    return found
+
+
+@pytest.mark.parametrize("page", pages())
+def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scratch(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(batch, "LocalPool", HerePool)
+    for command in runnable(page):
+        run(command, tmp_path)
+    known = {name for names in SUMMARY.values() for name in names}
+    for summary in tmp_path.glob("runs/**/summary.json"):
+        unknown = set(json.loads(summary.read_text(encoding="utf-8"))) - known
+        assert not unknown, f"{summary.parent.name}: not in tools/reference/results.py: {sorted(unknown)}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", sorted({line for page in PAGES for line in commands(page) if tool(line)}))
+def test_the_tools_that_make_tables_and_figures_run(command: str, tmp_path: Path) -> None:
+    scratch(tmp_path)
+    run(command, tmp_path)
+    assert any(tmp_path.glob("docs/tables/*.md")) or any(tmp_path.glob("docs/figures/*.png"))

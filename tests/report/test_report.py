@@ -1,0 +1,409 @@
+"""`wroll report`: what the file says, that it is sound HTML, that it needs nothing but itself."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import xarray as xr
+from support import synthetic_roll
+from support.paths import ROOT
+from typer.testing import CliRunner
+
+from wroll_fem import analyses, cli, load_case
+from wroll_fem.jobs.batch import Outcome, write_tables
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import Member
+from wroll_fem.jobs.run import run_case
+from wroll_fem.report import write_report
+from wroll_fem.report.damping import damping_table
+from wroll_fem.report.ledger import energy_ledger
+from wroll_fem.report.run import metrics
+from wroll_fem.report.values import label, quantity
+from wroll_fem.signals.estimators import single_dof_transmissibility
+
+CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
+SWEEP = ROOT / "configs" / "lab_sweep.yaml"
+NASTY = "<script>alert('1')</script> & \"quoted\" \x07"
+
+
+def with_modulation(data: xr.Dataset) -> xr.Dataset:
+    """The synthetic roll's stick stiffness does not depend on the pressure."""
+    return data.assign(pressure_modulation_work=0.0 * data["friction_energy"])
+
+
+def synthetic_run(out: Path, *overrides: str) -> RunFolder:
+    """Run folder as `wroll run` leaves it, with a synthetic roll's results in place of finite elements."""
+    data = with_modulation(synthetic_roll.sweep())
+    data.attrs |= {"f_n_hz": 148.25, "zeta": 0.0123, "zeta_method": "half power", "half_power_reason": "just a remark"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(analyses, "run_analysis", lambda case, **_: data)
+        return run_case(load_case(SWEEP, overrides), out, command="wroll run lab_sweep.yaml").folder
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
+
+
+@pytest.fixture(scope="module")
+def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a batch: two finished cases, one that failed, one figure."""
+    out = tmp_path_factory.mktemp("batch")
+    outcomes = []
+    for pressure in (1.0e4, 3.0e4, 1.0e5):
+        name, override = f"pressure_{pressure:.0f}", f"preload.pressure={pressure}"
+        case = load_case(SWEEP, [override])
+        member = Member(name, SWEEP, {"preload.pressure": pressure, "mesh.axial": 12}, [override], case)
+        if pressure == 1.0e5:
+            outcomes.append(Outcome(member, "failed", f"no convergence {NASTY[:-2]}", 3))
+            continue
+        shutil.copytree(run.path, out / name)
+        (out / name / "case.yaml").write_text(case.resolved_yaml())
+        folder = RunFolder(out / name)
+        folder.log_file.write_text(f"now warning: the root element is {pressure / 1e3:g} mm high\n")
+        folder.write_json(folder.summary_file, {**run.summary(), "energy_balance_error": pressure * 1e-6})
+        outcomes.append(Outcome(member, "complete"))
+    write_tables(outcomes, out)
+    (out / "figures").mkdir()
+    shutil.copy(run.figures / "transmissibility.png", out / "figures" / "damping_over_frequency.png")
+    return out
+
+
+def parsed(file: Path) -> ElementTree.Element:
+    """Root of the file, which must be well-formed even as XML."""
+    return ElementTree.fromstring(file.read_text(encoding="utf-8"))
+
+
+def section(root: ElementTree.Element, heading: str) -> ElementTree.Element:
+    return next(s for s in root.iter("section") if s.findtext("h2") == heading)
+
+
+def words(element: ElementTree.Element) -> str:
+    return " ".join("".join(element.itertext()).split())
+
+
+def rows(element: ElementTree.Element) -> dict[str, list[str]]:
+    """First cell -> the others, of every table inside."""
+    lines = [[words(cell) for cell in line] for body in element.iter("tbody") for line in body]
+    return {line[0]: line[1:] for line in lines}
+
+
+# ---- a run -----------------------------------------------------------------------------------------
+
+
+def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> None:
+    root = parsed(write_report(run.path, tmp_path / "new" / "run.html"))
+    headings = [h.text for h in root.iter("h2")]
+    assert headings == [
+        "What was solved", "Warnings", "Metrics", "Figures", "Damping by several methods", "Energy ledger",
+        "Versions and origin", "Files",
+    ]  # fmt: skip
+    solved = words(section(root, "What was solved"))
+    assert "tube of 300 mm length, 80 mm outer diameter, 1.5 mm wall" in solved
+    assert run.case_file.read_text().splitlines()[-1] in solved
+    assert "just a remark" in words(section(root, "Warnings"))
+    origin = words(section(root, "Versions and origin"))
+    assert "wroll run lab_sweep.yaml" in origin
+    assert f"numpy {run.provenance()['versions']['numpy']}" in origin
+    assert {p.name for p in run.path.iterdir() if p.is_file()} <= set(rows(section(root, "Files")))
+
+
+def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, tmp_path: Path) -> None:
+    found = rows(section(parsed(write_report(run.path, tmp_path / "r.html")), "Metrics"))
+    assert found["Resonance frequency f_n"] == ["148.25 Hz", "f_n_hz"]
+    assert found["Damping ratio zeta"] == ["1.23 %", "zeta"]
+    summary = run.summary()
+    assert found["Largest slip"] == [quantity(summary["max_slip_m"], "m"), "max_slip_m"]
+    named = {cells[-1] for cells in found.values()}
+    assert {k for k, v in summary.items() if not isinstance(v, list) and k != "analysis"} <= named
+    assert [found[str(k + 1)][0] for k in range(2)] == ["50 kPa", "50 kPa"]  # interfaces
+
+
+def test_figures_are_the_runs_own_and_complete(run: RunFolder, tmp_path: Path) -> None:
+    root = parsed(write_report(run.path, tmp_path / "r.html"))
+    shown_pictures = [image.get("src", "") for image in root.iter("img")]
+    held = {p.read_bytes() for p in run.figures.glob("*.png")}
+    assert {base64.b64decode(src.removeprefix("data:image/png;base64,")) for src in shown_pictures} == held
+    assert all(image.get("alt") for image in root.iter("img"))
+
+
+def test_energy_ledger_adds_up(run: RunFolder, tmp_path: Path) -> None:
+    found = rows(section(parsed(write_report(run.path, tmp_path / "r.html")), "Energy ledger"))
+    shares = {name: float(cells[1].removesuffix(" %")) for name, cells in found.items()}
+    assert shares.pop("Work put in by the base motion") == 100.0
+    assert shares["Energy dissipated by friction"] > 1.0
+    assert sum(shares.values()) == pytest.approx(100.0, abs=0.5)  # each has three digits
+    data = synthetic_roll.history()
+    lost = data.assign(friction_energy=0.5 * data["friction_energy"])  # half of it is nowhere
+    found = rows(ElementTree.fromstring(f"<div>{energy_ledger(with_modulation(lost))}</div>"))
+    assert found["Not accounted for"] == found["Energy dissipated by friction"]
+
+
+def test_damping_is_read_by_every_method() -> None:
+    f = np.linspace(130.0, 170.0, 801)
+    T = single_dof_transmissibility(f, 150.0, 0.02)
+    parts = {"transmissibility_real": ("frequency", T.real), "transmissibility_imag": ("frequency", T.imag)}
+    data = xr.Dataset(parts, coords={"frequency": f})
+    told = damping_table(data)
+    found = rows(ElementTree.fromstring(f"<div>{told}</div>"))
+    assert found["half power"][1] == "2.002 %"
+    assert found["rational fraction (linear structure)"][:2] == ["150 Hz", "2 %"]
+    assert len(found) == 3
+    assert "prominence 0.8" in told
+    assert damping_table(data.isel(frequency=slice(None, None, -1))) == ""
+    assert "no half-power point" in damping_table(data.isel(frequency=slice(0, 405)))
+
+
+def test_figures_are_drawn_when_the_run_made_none(run: RunFolder, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    shutil.rmtree(copy / "figures")
+    root = parsed(write_report(copy))
+    assert len(list(root.iter("img"))) == len(list(run.figures.glob("*.png")))
+    assert not (copy / "figures").exists()
+    assert (copy / "report.html").is_file()
+
+
+def test_what_went_wrong_stands_in_the_warnings(run: RunFolder, tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "half")
+    folder.path.mkdir()
+    shutil.copy(run.case_file, folder.case_file)
+    folder.write_json(folder.provenance_file, {"status": "interrupted"})
+    folder.log_file.write_text("2026-01-01T00:00:00+00:00 warning: mind the mesh\nx info: fine\n")
+    said = words(section(parsed(write_report(folder.path)), "Warnings"))
+    for part in ("interrupted", "mind the mesh", "no results"):
+        assert part in said
+    assert "fine" not in said
+    folder.write_json(folder.provenance_file, {"status": "failed", "error": "no such mode; take more"})
+    assert "no such mode; take more" in words(section(parsed(write_report(folder.path)), "Warnings"))
+    folder.results_file.write_text("no netcdf")
+    assert "not a readable NetCDF file" in words(parsed(write_report(folder.path)))
+
+
+def test_doubtful_numbers_are_warned_of(run: RunFolder, tmp_path: Path) -> None:
+    copy = RunFolder(tmp_path / "copy")
+    shutil.copytree(run.path, copy.path)
+    copy.write_json(
+        copy.summary_file, {**run.summary(), "energy_balance_error": 0.02, "step_cuts": 7, "steady_drift": 0.1}
+    )
+    said = words(section(parsed(write_report(copy.path)), "Warnings"))
+    for part in ("open by 2.00%", "7 time steps were cut", "not steady: it still changes by 10.0%"):
+        assert part in said
+
+
+def test_energies_of_a_family_of_curves_are_taken_at_each_peak() -> None:
+    frequency, capacity = np.linspace(0.5, 1.5, 5), np.array([1.0, 2.0])
+    peaks = np.array([[1.0, 4.0, 2.0, 1.0, 1.0], [1.0, 1.0, 2.0, 9.0, 1.0]])  # at the second and fourth frequency
+    given = np.array([[1.0, 8.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 4.0, 1.0]])
+    dims = ("friction_capacity", "omega")
+    data = xr.Dataset(
+        {
+            "transmissibility": (dims, peaks),
+            "input_work_per_cycle": (dims, given),
+            "friction_work_per_cycle": (dims, np.where(peaks > 2.0, 0.75 * given, np.nan)),
+            "viscous_work_primary": (dims, np.where(peaks > 2.0, 0.25 * given - 0.2, np.nan)),
+        },
+        coords={"friction_capacity": capacity, "omega": frequency},
+    )
+    found = rows(ElementTree.fromstring(f"<div>{energy_ledger(data)}</div>"))
+    assert found == {"1": ["8", "75 %", "22.5 %", "2.5 %"], "2": ["4", "75 %", "20 %", "5 %"]}
+
+
+def test_lists_of_one_length_share_a_table() -> None:
+    shown_tables = metrics({"amplitude_g": [1.0, 5.0], "slip_zone_height_m": [0.0065, 0.022], "other": [1, 2, 3]})
+    tables = list(ElementTree.fromstring(f"<div>{shown_tables}</div>").iter("table"))
+    assert [words(t if (head := t.find("thead")) is None else head) for t in tables] == [
+        "numberBase acceleration (0-peak)Slip zone height", "numberOther",
+    ]  # fmt: skip
+    assert rows(tables[0]) == {"1": ["1 g", "6.5 mm"], "2": ["5 g", "22 mm"]}
+
+
+@pytest.mark.parametrize(
+    ("file", "overrides", "parts"),
+    [
+        (
+            "two_dof.yaml",
+            ["two_dof.omega.points=20", "two_dof.friction_capacity=[3, 10]"],
+            {"Figures", "Energy ledger"},
+        ),
+        ("winding_lab.yaml", [], {"Figures"}),
+        ("oscillator.yaml", ["analysis=modal"], {"Figures"}),
+        ("oscillator.yaml", ["analysis=preload"], set()),  # one point: no map
+    ],
+)
+def test_other_analyses_are_reported(file: str, overrides: list[str], parts: set[str], tmp_path: Path) -> None:
+    run_case(load_case(ROOT / "configs" / file, overrides), tmp_path / "run")
+    root = parsed(write_report(tmp_path / "run"))
+    always = {"What was solved", "Warnings", "Metrics", "Versions and origin", "Files"}
+    assert {h.text for h in root.iter("h2")} == always | parts
+    for name, cells in rows(section(root, "Metrics")).items():
+        assert name
+        assert all(cells), name
+    plain_names = {label(p.stem) for p in (tmp_path / "run" / "figures").glob("*.png")}
+    assert not {image.get("alt") for image in root.iter("img")} & plain_names  # every figure has a caption of its own
+
+
+# ---- a batch ---------------------------------------------------------------------------------------
+
+
+def test_report_of_a_batch_tells_what_varies_and_what_failed(batch: Path, tmp_path: Path) -> None:
+    root = parsed(write_report(batch, tmp_path / "b.html"))
+    solved = words(section(root, "What was solved"))
+    assert "preload.pressure3 values: 10000, 30000, 100000" in solved
+    assert "analysis2" not in solved  # the failed case has none in the table
+    assert "mesh.axial = 12" in solved
+    warned = words(section(root, "Warnings"))
+    assert "pressure_100000 failed: no convergence <script>" in warned
+    assert "2 cases, at worst pressure_30000: the energy balance is open by 3.00%" in warned
+    assert "2 cases, first pressure_10000: the root element is 10 mm high" in warned
+    cases = rows(section(root, "Cases"))
+    assert cases["pressure_10000"][:3] == ["complete", "10000", "148.25 Hz"]
+    assert cases["pressure_100000"][:3] == ["failed", "100000", ""]
+    assert len(list(root.iter("img"))) == 1
+    ledger = rows(section(root, "Energy ledger"))
+    assert set(ledger) == {"pressure_10000", "pressure_30000"}
+    assert ledger["pressure_10000"][1].endswith("%")
+    everything = words(section(root, "All metrics"))
+    assert "f_n_hz" in everything
+    assert "148.25" in everything
+
+
+# ---- the file itself -------------------------------------------------------------------------------
+
+
+def test_nothing_is_fetched_and_nothing_runs(run: RunFolder, batch: Path, tmp_path: Path) -> None:
+    for folder in (run.path, batch):
+        root = parsed(write_report(folder, tmp_path / "r.html"))
+        ids = [element.get("id") for element in root.iter() if element.get("id")]
+        assert len(ids) == len(set(ids))
+        tags = {element.tag for element in root.iter()}
+        assert not tags & {"script", "link", "iframe", "object", "embed", "base", "form", "video", "audio"}
+        for element in root.iter():
+            for name, value in element.attrib.items():
+                assert not name.startswith("on")
+                if name in ("src", "srcset"):
+                    assert value.startswith("data:image/png;base64,")
+                elif name == "href":
+                    assert value.removeprefix("#") in ids
+                else:
+                    assert "://" not in value
+        style = root.findtext("head/style") or ""
+        assert style
+        assert not re.search(r"url\(|@import|://", style)
+        policy = next(m for m in root.iter("meta") if m.get("http-equiv") == "Content-Security-Policy")
+        assert policy.get("content", "").startswith("default-src 'none'")
+
+
+def test_a_screen_reader_and_a_printer_find_their_way(run: RunFolder, batch: Path, tmp_path: Path) -> None:
+    for folder in (run.path, batch):
+        root = parsed(write_report(folder, tmp_path / "r.html"))
+        assert root.get("lang") == "en"
+        assert root.findtext("head/title") == root.findtext("body/main/h1")
+        assert [e.tag for e in root.iter() if e.tag in ("h1", "h2")].count("h1") == 1
+        assert root.find("body/main/nav").get("aria-label")  # type: ignore[union-attr]
+        tables = list(root.iter("table"))
+        assert tables
+        for table in tables:
+            width = len(table.findall("thead/tr/th"))
+            assert all(th.get("scope") == "col" and words(th) for th in table.iter("th"))
+            assert all(len(row) == width for row in table.findall("tbody/tr"))
+            for row in table.findall("tbody/tr"):  # heads stand over their numbers
+                assert all(
+                    th.get("class") == "n" for th, td in zip(table.iter("th"), row, strict=True) if td.get("class")
+                )
+        assert all(e.get("tabindex") == "0" for e in root.iter("div") if e.get("class") == "wide")
+        captions = [words(figure.find("figcaption")) for figure in root.iter("figure")]  # type: ignore[arg-type]
+        assert [image.get("alt") for image in root.iter("img")] == captions
+        assert all(captions)
+        paper = (root.findtext("head/style") or "").partition("@media print")[2]
+        assert "overflow: visible" in paper
+        assert "nav { display: none; }" in paper
+
+
+def test_every_text_is_escaped(run: RunFolder, tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "<b>bold & brave<")
+    shutil.copytree(run.path, folder.path)
+    folder.case_file.write_text(f"# {NASTY}\n{run.case_file.read_text()}")
+    folder.log_file.write_text(f"now warning: {NASTY}\n")
+    folder.write_json(folder.provenance_file, {**run.provenance(), "command": NASTY, "versions": {NASTY: NASTY}})
+    folder.write_json(folder.summary_file, {NASTY: NASTY, "zeta": None, "list": [NASTY]})
+    shutil.copy(run.figures / "transmissibility.png", folder.figures / "<i>&'.png")
+    root = parsed(write_report(folder.path))
+    assert not {"script", "b", "i"} & {element.tag for element in root.iter()}
+    assert root.findtext("body/main/h1") == "Run <b>bold & brave<"
+    for heading in ("What was solved", "Warnings", "Metrics", "Versions and origin"):
+        assert "<script>alert('1')</script> & \"quoted\"" in words(section(root, heading))
+    assert "none" in words(section(root, "Metrics"))
+
+
+def test_broken_folders_are_refused_in_one_line(run: RunFolder, tmp_path: Path) -> None:
+    (tmp_path / "batch.csv").write_text("a,b\n1,2\n")
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    for arguments, told in (
+        ([empty], "neither the folder of a run"),
+        ([tmp_path / "missing"], "is no folder"),
+        ([tmp_path], "no table of a batch"),
+        ([run.path, "--out", empty], "cannot be written"),
+    ):
+        result = CliRunner().invoke(cli.app, ["report", *map(str, arguments)])
+        assert result.exit_code == 2
+        assert told in result.output
+        assert len(result.output.strip().splitlines()) == 1
+    assert list(empty.iterdir()) == []
+
+
+def test_command_prints_the_file_it_wrote(run: RunFolder, tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "out.html"
+    result = CliRunner().invoke(cli.app, ["report", str(run.path), "--out", str(target)])
+    assert (result.exit_code, result.output.strip()) == (0, str(target))
+    assert parsed(target).findtext("head/title") == "Run a run"
+    assert [p.name for p in target.parent.iterdir()] == ["out.html"]
+
+
+CHECK = """<script>
+window.addEventListener("load", () => {
+  const images = [...document.images];
+  const found = {images: images.length, drawn: images.filter(i => i.complete && i.naturalWidth > 300).length,
+    wide: document.documentElement.scrollWidth, window: window.innerWidth,
+    tables: document.querySelectorAll("table tbody tr").length,
+    heading: document.querySelector("h1").getBoundingClientRect().height};
+  document.body.setAttribute("data-found", JSON.stringify(found));
+});
+</script></body>"""
+
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chromium-headless-shell"))), None)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no browser: `apt-get install chromium-headless-shell` to open the report")
+@pytest.mark.parametrize("width", [1200, 700])
+def test_a_browser_shows_the_report(run: RunFolder, batch: Path, tmp_path: Path, width: int) -> None:
+    assert BROWSER is not None
+    for folder in (run.path, batch):
+        file = write_report(folder, tmp_path / "r.html")
+        text = file.read_text(encoding="utf-8")
+        policy = re.search(r"<meta http-equiv=\"Content-Security-Policy\"[^>]*>", text)
+        assert policy is not None  # taken out of the copy alone: it would stop the check's own script
+        file.write_text(text.replace(policy[0], "").replace("</body>", CHECK), encoding="utf-8")
+        command = [
+            BROWSER, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+            f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=10000",
+            "--dump-dom", file.as_uri(),
+        ]  # fmt: skip
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+        held = re.search(r'data-found="([^"]*)"', done.stdout)
+        assert held is not None, done.stderr[-2000:]
+        found = json.loads(held[1].replace("&quot;", '"'))
+        assert found["images"] == found["drawn"] == len(list((folder / "figures").glob("*.png")))
+        assert found["wide"] <= found["window"]  # tables and code scroll by themselves
+        assert found["tables"] > 3
+        assert found["heading"] > 10

@@ -1,0 +1,66 @@
+"""Words, labels and numbers of a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from support.paths import CONFIGS
+
+from wroll_fem import load_case
+from wroll_fem.report.values import label, shown, split_unit
+from wroll_fem.report.words import _SECTIONS, case_words
+
+CASES = sorted(CONFIGS.glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda p: p.stem)
+def test_every_case_is_told_in_words(path: Path) -> None:
+    given = yaml.safe_load(load_case(path).resolved_yaml())
+    for key in set(_SECTIONS) & set(given):
+        assert _SECTIONS[key](given[key])  # no fall back on the section as it is written
+    said = dict(case_words(given))
+    assert said["Analysis"].startswith(f"{given['analysis']}. ")
+    assert len(said["Analysis"]) > len(given["analysis"]) + 2
+
+
+def test_sections_of_another_version_are_shown_as_written() -> None:
+    said = dict(case_words({"analysis": "new", "geometry": {"size": 2.0}, "extra": {"a": [1.0] * 20, "b": {"c": 3}}}))
+    assert said == {
+        "Analysis": "new.", "Geometry": "size: 2", "Extra": "a: 20 values from 1 to 1, b: {c: 3}",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("f_n_hz", 133.58764, "133.588 Hz"),
+        ("friction_energy_j", 7.0866e-4, "708.7 µJ"),
+        ("pressure_mandrel_pa", 6.2884e6, "6.288 MPa"),
+        ("slipping_area_fraction", [0.34, 0.0], "34 %, 0 %"),
+        ("effective_mass_fraction", 3e-29, "0 %"),
+        ("mass_total_kg", 0.0543, "54.3 g"),
+        ("mass_total_kg", 25.0, "25 kg"),
+        ("solver_time_s", 170.25, "170.2 s"),
+        ("steady_amplitude_m_s2", 38.7474, "38.75 m/s²"),
+        ("dofs", 21315, "21\u202f315"),
+        ("zeta", None, "none"),
+        ("zeta", float("nan"), "none"),
+        ("half_power_complete", True, "yes"),
+        ("max_slip_m", 9.9996e-7, "1 µm"),
+        ("max_slip_m", -0.0, "0 m"),
+        ("impact_dissipation_j", -2.12e-21, "-2e-21 J"),
+        ("k2_at_zeta_max_n_m", 2.68, "2.68 N/m"),
+        ("zeta_max_over_design", 0.2854, "28.54 %"),
+    ],
+)
+def test_values_are_shown_with_their_units(name: str, value: object, told: str) -> None:
+    assert shown(name, value) == told
+
+
+def test_units_are_those_at_the_end_of_a_name() -> None:
+    assert split_unit("base_acceleration_at_zeta_max_m_s2") == ("base_acceleration_at_zeta_max", "m/s²")
+    assert split_unit("slip_onset_g") == ("slip_onset", "g")
+    assert split_unit("dofs") == ("dofs", "")
+    assert label("slip_zone_height_m") == "Slip zone height"

@@ -1,0 +1,286 @@
+"""Judges of chapters 2 and 4: real evidence where it is cheap, written-down results where a criterion must fail."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.pretend_evidence import Pretend, bending_at, judges, member, reference
+from support.synthetic_roll import contact_points
+
+from reproduction import Evidence, friction_rate, lab_model, layers, preload_series
+from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
+from reproduction.words import monotone, numbers, rank_correlation, table
+from wroll_fem.plotting.study import SeriesMember
+
+# ---- real evidence -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["C1", "C2", "C3", "C4", "C5", "C6", "C7", "C8", "C10", "C11", "C12", "C13", "C32", "C57", "C61", "C62"]
+)
+def test_what_needs_no_run_is_judged_on_the_case_files(name: str, tmp_path: Path) -> None:
+    verdict = judges("ch2", "ch4")[name](Evidence(tmp_path, workers=1))
+    assert verdict.word == (THESIS_ERROR if name in ("C2", "C5", "C13") else MET), verdict.value
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("config", "override", "name"),
+    [
+        ("winding_case_study", "winding.wraps=299", "C10"),
+        ("winding_case_study", "winding.mu=0.25", "C11"),
+        ("winding_case_study", "winding.web.radial_modulus.K2=41", "C5"),
+        ("kapton_roll", "coil.material.E_r=0.1e9", "C32"),
+        ("lab_sweep", "coil.total_thickness=1.5e-3", "C57"),
+        ("lab_sweep", "excitation.f_end=180", "C62"),
+        ("winding_lab", "winding.wraps=100", "C61"),
+    ],
+)
+def test_another_input_is_noticed(config: str, override: str, name: str, tmp_path: Path) -> None:
+    evidence = Evidence(tmp_path, fast=True, workers=1)
+    evidence.__dict__["_coarse"] = {"cases": {config: [override]}, "studies": {}}
+    assert judges("ch2", "ch4")[name](evidence).holds is False
+
+
+def test_soft_and_hard_roll_are_judged_on_their_study(tmp_path: Path) -> None:
+    verdict = judges("ch2")["C9"](Evidence(tmp_path, workers=1))
+    assert verdict.word == MET
+    assert (tmp_path / "studies" / "winding_hardness" / "batch.csv").is_file()
+
+
+# ---- written-down results ------------------------------------------------------------------------
+
+
+PRELOADS = (1e4, 3e4, 1e5, 3e5)
+GOOD = {
+    "f_n": (134.0, 144.0, 153.0, 159.0),
+    "zeta": (0.045, 0.035, 0.025, 0.014),
+    "peak": (19.0, 22.0, 34.0, 63.0),
+    "work": (0.19, 0.16, 0.13, 0.11),
+    "skewness": (3.0, 2.0, 1.0, 0.5),
+}
+"""A series that meets C64 to C70, one value per preload."""
+
+
+def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float = 1.0) -> SeriesMember:
+    """A chirp from 100 to 200 Hz in 10 s; nine tenths of the friction work come around f_n, the rest at the start."""
+    time = np.linspace(0.0, 10.0, 20001)
+    frequency = 100.0 * 2.0 ** (time / 10.0)
+    around = 1.0 / (1.0 + np.exp(-np.clip((frequency - f_n) / 2.0, -50, 50)))
+    early = 1.0 - np.exp(-time / 0.05)
+    data = {
+        "friction_energy": ("time", work * (0.9 * around + 0.1 * early)),
+        "input_work": ("time", work * np.ones_like(time)),
+        "numerical_dissipation": ("time", 1e-3 * work * np.ones_like(time)),
+        "transmissibility_real": ("frequency", np.ones(3)),
+    }
+    attrs = {
+        "f_n_hz": f_n, "zeta": zeta, "peak_transmissibility": peak, "skewness": skewness,
+        "excitation_kind": "chirp", "f_start_hz": 100.0, "rate_oct_per_min": 6.0,
+    }  # fmt: skip
+    dataset = xr.Dataset(data, coords={"time": time, "frequency": [100.0, 150.0, 200.0]}, attrs=attrs)
+    return member(dataset, name=f"p{pressure:g}", preload__pressure=pressure)
+
+
+def roll(folder: Path, **changed: Sequence[float]) -> Pretend:
+    """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed."""
+    series = GOOD | changed
+    free = [sweep(p, **{key: values[k] for key, values in series.items()}) for k, p in enumerate(PRELOADS)]
+    stiff = [sweep(p, 167.3 + 1e-7 * p, 0.02 - 1e-9 * p, 398.0, 0.05 + 1e-8 * p, 6.0) for p in PRELOADS]
+    bounds = [
+        member(bending_at(f, mass_total_kg=0.37), modal__interface=interface, coil__base=base)
+        for interface, base, f in (
+            ("bonded", "free", 162.0), ("bonded", "clamped", 166.3), ("frictionless", "free", 126.0),
+            ("frictionless", "clamped", 165.9),
+        )
+    ]  # fmt: skip
+    alone = reference(bending_at(150.5, mass_total_kg=0.18))
+    summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
+    return Pretend(folder, {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone]}, summaries)
+
+
+SERIES = {**preload_series.FAMILY.judges, **{name: lab_model.FAMILY.judges[name] for name in ("C59", "C60", "C76")}}
+
+
+@pytest.mark.parametrize("name", list(SERIES))
+def test_a_series_as_the_source_has_it_is_met(name: str, tmp_path: Path) -> None:
+    verdict = SERIES[name](roll(tmp_path))
+    assert verdict.word == MET, verdict.value
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("C64", {"f_n": (120.0, 144.0, 153.0, 159.0)}),
+        ("C64", {"f_n": (134.0, 144.0, 153.0, 175.0)}),
+        ("C64", {"zeta": (0.09, 0.035, 0.025, 0.014)}),
+        ("C65", {"peak": (23.0, 22.0, 34.0, 63.0)}),
+        ("C65", {"skewness": (0.04, 0.0, 0.0, 0.0)}),
+        ("C66", {"f_n": (134.0, 144.0, 148.0, 149.0)}),
+        ("C66", {"f_n": (151.0, 152.0, 153.0, 159.0)}),
+        ("C67", {"zeta": (0.024, 0.035, 0.025, 0.014)}),
+        ("C69", {"work": (0.19, 0.20, 0.13, 0.11)}),
+        ("C70", {"work": (0.11, 0.13, 0.16, 0.19)}),
+        ("C59", {"f_n": (134.0, 144.0, 153.0, 158.0)}),
+        ("C60", {"f_n": (158.8, 158.9, 158.9, 159.0)}),
+    ],
+)
+def test_a_series_that_turns_is_not_met(name: str, changed: dict[str, Sequence[float]], tmp_path: Path) -> None:
+    assert SERIES[name](roll(tmp_path, **changed)).word == NOT_MET
+
+
+@pytest.mark.parametrize("end", [0, -1])
+@pytest.mark.parametrize("share", [0.15, 0.6])
+def test_friction_must_work_most_and_fastest_around_resonance(end: int, share: float, tmp_path: Path) -> None:
+    """0.15 of it there and the rest evenly: fastest, not most; 0.6 there and the rest at once: most, not fastest."""
+    evidence = roll(tmp_path)
+    m = evidence.given["preload"][end]
+    time, work = m.data["time"].values, m.data["friction_energy"].values
+    rest = time / time[-1] if share < 0.5 else np.minimum(time / 0.05, 1.0)
+    m.data["friction_energy"] = "time", share * work + (1.0 - share) * work[-1] * rest
+    assert preload_series.c68(evidence).word == NOT_MET
+
+
+def test_a_clamped_roll_that_spans_a_lot_needs_an_explanation(tmp_path: Path) -> None:
+    evidence = roll(tmp_path)
+    evidence.given["preload_clamped"] = evidence.given["preload"]
+    assert lab_model.c60(evidence).word == NOT_MET
+
+
+def test_energy_that_does_not_balance_fails_the_law_of_friction(tmp_path: Path) -> None:
+    evidence = roll(tmp_path)
+    evidence.summaries["p30000"]["energy_balance_error"] = 0.02
+    assert lab_model.c76(evidence).word == NOT_MET
+
+
+def test_masses_are_those_of_the_bodies(tmp_path: Path) -> None:
+    verdict = lab_model.c58(roll(tmp_path))
+    assert verdict.word == THESIS_ERROR
+    assert "coil 0.1900 kg" in verdict.value
+    assert "tube 0.1300 kg" in verdict.value
+
+
+@pytest.mark.parametrize(("coarse", "word"), [(161.5, MET), (158.0, NOT_MET)])
+def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_path: Path) -> None:
+    linear = [
+        member(bending_at(f), mesh__circumferential=around, mesh__axial=along)
+        for around, along, f in ((16, 5, 150.0), (30, 10, coarse), (30, 40, 162.0), (16, 40, 140.0))
+    ]
+    friction = [
+        member(sweep(1e5, f, 0.02, 30.0, 0.1).data, mesh__grading=grading, mesh__axial=along)
+        for grading, along, f in ((1, 10, 152.0), (6, 10, 153.0), (6, 20, 154.0))
+    ]
+    evidence = Pretend(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
+    verdict = lab_model.c63(evidence)
+    assert verdict.word == word
+    assert "-1.30 % off in f_n" in verdict.value
+
+
+# ---- layers --------------------------------------------------------------------------------------
+
+
+def dwelt(strength: Sequence[float]) -> list[SeriesMember]:
+    """Dwells at 1, 2, 3 g whose relative displacements are multiples of one field; it slips where it exceeds 1 um."""
+    found = []
+    for g, factor in zip((1, 2, 3), strength, strict=True):
+        data = contact_points(interfaces=5)
+        for name in ("peak_slip_axial", "peak_slip_hoop"):
+            data[name] = factor * data[name]
+        data["slipped"] = np.hypot(data["peak_slip_axial"], data["peak_slip_hoop"]) > 1e-6
+        found.append(member(data, name=f"{g} g", excitation__amplitude=9.80665 * g))
+    return found
+
+
+def stack(folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0)) -> Pretend:
+    summaries = {"1 g": {"interface_pressure_mean_pa": [1000.0, 800.0, 600.0, 400.0, 200.0]}}
+    members = dwelt(strength)
+    return Pretend(folder, {"dwell_layers": members, "dwell_layers_clamped": members}, summaries)
+
+
+@pytest.mark.parametrize("name", ["C71", "C72", "C73", "C74"])
+def test_layers_that_slip_as_the_source_has_it_are_met(name: str, tmp_path: Path) -> None:
+    verdict = layers.FAMILY.judges[name](stack(tmp_path))
+    assert verdict.word == MET, verdict.value
+
+
+def test_layers_that_slip_otherwise_are_not_met(tmp_path: Path) -> None:
+    rings = stack(tmp_path)
+    rings.summaries["1 g"]["interface_pressure_mean_pa"] = [569.0, 456.0, 343.0, 229.0, 115.0]
+    assert layers.c71(rings).word == NOT_MET
+    assert layers.c74(stack(tmp_path, (2.0, 1.0, 3.0))).word == NOT_MET
+    everywhere = stack(tmp_path, (1e3, 1e3, 1e3))
+    assert layers.c72(everywhere).word == NOT_MET
+    assert layers.c74(everywhere).word == NOT_MET
+    sideways = stack(tmp_path)
+    for m in sideways.given["dwell_layers"]:
+        m.data["peak_slip_hoop"], m.data["peak_slip_axial"] = m.data["peak_slip_axial"], m.data["peak_slip_hoop"]
+    assert layers.c73(sideways).word == NOT_MET
+    outside = stack(tmp_path)
+    slipped = outside.given["dwell_layers"][0].data["slipped"]
+    slipped.values[:2] = slipped.values[1::-1]
+    assert layers.c72(outside).word == NOT_MET
+    stuck = stack(tmp_path)
+    less, more = stuck.given["dwell_layers"][:2]
+    for one in more.data["slipped"].values[:2]:
+        one &= more.data["z_m"].values > 0.8 * more.data["z_m"].values[one].max()
+    assert layers.areas(more).sum() < layers.areas(less).sum()
+    assert np.count_nonzero(layers.areas(more)) >= np.count_nonzero(layers.areas(less))
+    assert layers.c74(stuck).word == NOT_MET
+
+
+def test_slipped_area_and_height_are_those_of_the_points(tmp_path: Path) -> None:
+    data = dwelt((1.0, 2.0, 3.0))[0]
+    slipped, area = data.data["slipped"].values, data.data["area"].values
+    np.testing.assert_allclose(layers.areas(data), (slipped * area).sum(axis=1), rtol=1e-12)
+    assert layers.top(data) == data.data["z_m"].values[slipped.any(axis=0)].max()
+    slip = layers.largest(data)
+    assert (slip.interface, slip.hoop, slip.angle) == (0, pytest.approx(0.0, abs=1e-20), 0.0)
+    assert slip.axial == pytest.approx(3e-6)
+
+
+@pytest.mark.parametrize(("two", "word"), [(0.03, MET), (0.02, NOT_MET)])
+def test_one_interface_is_compared_with_two(two: float, word: str, tmp_path: Path) -> None:
+    members = [
+        member(sweep(p, 140.0, zeta, 20.0, 0.1).data, preload__pressure=p, coil__layers=n)
+        for n, p, zeta in ((1, 1e4, 0.03), (1, 3e4, 0.04), (2, 1e4, two), (2, 3e4, 0.5 * two))
+    ]
+    assert layers.c75(Pretend(tmp_path, {"layer_count": members})).word == word
+
+
+@pytest.mark.parametrize(
+    ("f_n", "zeta", "word"), [(140.5, 0.032, MET), (142.0, 0.03, NOT_MET), (140.0, 0.034, NOT_MET)]
+)
+def test_rate_dependent_friction_is_compared_preload_by_preload(
+    f_n: float, zeta: float, word: str, tmp_path: Path
+) -> None:
+    members = [
+        member(sweep(p, f, z, 20.0, 0.1).data, preload__pressure=p, case=case)
+        for p in (1e4, 1e5)
+        for case, f, z in (("lab_sweep", 140.0, 0.03), ("lab_sweep_rate", f_n, zeta))
+    ]
+    evidence = Pretend(tmp_path, {"friction_laws": members})
+    assert friction_rate.c125(evidence).word == word
+    del members[-1]
+    assert friction_rate.c125(evidence).word == NOT_MET
+
+
+# ---- words ---------------------------------------------------------------------------------------
+
+
+def test_monotone_has_the_slack_of_the_checklist() -> None:
+    assert monotone([1.0, 2.0, 3.0], 1)
+    assert not monotone([1.0, 2.0, 3.0], -1)
+    assert monotone([0.0, 50.0, 49.6, 100.0], 1)
+    assert not monotone([0.0, 50.0, 49.4, 100.0], 1)
+    assert not monotone([1.0, 1.0], 1)
+    assert not monotone([1.0, np.nan, 2.0], 1)
+
+
+def test_words_of_a_table() -> None:
+    assert rank_correlation([1.0, 2.0, 5.0], [9.0, 8.0, 1.0]) == pytest.approx(-1.0)
+    assert numbers([1.0, 2.25], ".1f") == "1.0, 2.2"
+    assert table(("a", "b"), [("1", "2")]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"

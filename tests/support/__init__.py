@@ -1,0 +1,1 @@
+"""What several tests share: exact systems, synthetic rolls, fake analyses, paths."""
