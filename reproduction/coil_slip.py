@@ -15,7 +15,7 @@ from reproduction.words import table
 from wroll_fem.case.winding import completed
 from wroll_fem.coiled_stiff.slip_criterion import cycle_maximum, onset_levels, slips
 from wroll_fem.plotting.coil_slip import grid_of, plot_root_sections, plot_shear_distribution, plot_slip_zone
-from wroll_fem.plotting.style import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding import wound_roll
 
 STUDY = "case_study"

@@ -14,8 +14,8 @@ from reproduction.words import numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
 from wroll_fem.plotting.study import SeriesMember
-from wroll_fem.plotting.style import FloatArray
 from wroll_fem.structure.mode_shapes import main_bending
+from wroll_fem.typing import FloatArray
 
 STIFF, KAPTON, MANDREL = "coiled_stiff", "kapton_roll", "kapton_mandrel"
 MODULI = (2.5e9, 4.0e9)

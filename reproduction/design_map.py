@@ -11,7 +11,7 @@ from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting import plot_design_map
-from wroll_fem.plotting.style import FloatArray
+from wroll_fem.typing import FloatArray
 
 MAP = "design_map"
 NINE = (

@@ -28,7 +28,7 @@ from wroll_fem.signals.estimators import (
     rational_fraction,
     single_dof_transmissibility,
 )
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 FREQUENCY = np.linspace(0.0, 3.0, 3001)
 """Over f_n."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.constants import g as GRAVITY
 
 from reproduction.evidence import Evidence
 from reproduction.family import Family, study_figure
@@ -15,9 +16,8 @@ from reproduction.words import kpa, numbers
 from wroll_fem.analyses.advice import interface_pressures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import SeriesMember, is_sweep, read
-from wroll_fem.plotting.style import FloatArray
 from wroll_fem.results.interface_slip import slipping_area_fraction, surface
-from wroll_fem.units import GRAVITY
+from wroll_fem.typing import FloatArray
 
 AMPLITUDE = "excitation.amplitude"
 DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped"}

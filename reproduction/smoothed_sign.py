@@ -18,9 +18,9 @@ from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting import style
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import Pressed, TwoMasses, smoothed_sign
 from wroll_fem.two_dof.shooting import adapted_curve, off_neighbours, orbit_curve
+from wroll_fem.typing import FloatArray
 
 SCALES = (1.0, 2.0, 5.0, 10.0)
 STUCK = (50.0, 100.0)

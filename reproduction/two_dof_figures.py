@@ -14,8 +14,8 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
 from wroll_fem.plotting.two_dof import plot_two_dof
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import TwoMasses
+from wroll_fem.typing import FloatArray
 
 SPACE_STUDY = "layer_space"
 DENSITY, MODULUS = "coil.material.rho", "coil.material.E"

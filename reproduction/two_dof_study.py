@@ -11,9 +11,9 @@ import xarray as xr
 from reproduction.evidence import Evidence
 from reproduction.explicit import ZETA
 from wroll_fem.plotting.study import SeriesMember
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import PeriodicSolver, TwoMasses, response_map, settle
 from wroll_fem.two_dof.time import dwell
+from wroll_fem.typing import FloatArray
 
 CASE, SPACE = "two_dof", "two_dof_design_space"
 FE_STUDY = "layer_modulus"

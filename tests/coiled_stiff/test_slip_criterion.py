@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
+from scipy.constants import g as GRAVITY
 from support.coil_modes import MASS, SHAPE, beam, coil_points
 
 from wroll_fem.analyses import modal_transient
@@ -30,7 +31,6 @@ from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_
 from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
-from wroll_fem.units import GRAVITY
 
 LEVELS = [1.0, 3.0, 5.0, 8.0, 11.0, 15.0]
 CAPACITY = 3e5  # Pa, at the mandrel

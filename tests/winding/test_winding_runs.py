@@ -25,7 +25,7 @@ from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding import wound_roll
 from wroll_fem.winding.interface import external_pressures, ring_split, target_pressures
 

@@ -10,14 +10,13 @@ import xarray as xr
 
 from wroll_fem.mesh.revolve import cartesian, revolve
 from wroll_fem.results.dataset import annotate
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.fem.fourier import FourierModel
     from wroll_fem.fem.fourier_modes import FourierMode
     from wroll_fem.progress import Progress
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:

@@ -14,8 +14,9 @@ from wroll_fem.analyses.preparation import prepare, read_structure
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.body import Body, FloatArray
+from wroll_fem.structure.body import Body
 from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

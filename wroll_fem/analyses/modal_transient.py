@@ -7,13 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.constants import g as GRAVITY
 
-from wroll_fem.coiled_stiff.modal_response import (
-    FloatArray,
-    Oscillators,
-    run_to_steady_state,
-    steady_transmissibility,
-)
+from wroll_fem.coiled_stiff.modal_response import Oscillators, run_to_steady_state, steady_transmissibility
 from wroll_fem.coiled_stiff.slip_criterion import (
     ShearPerG,
     SlipZone,
@@ -26,7 +22,7 @@ from wroll_fem.coiled_stiff.slip_criterion import (
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.units import GRAVITY
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -13,7 +13,7 @@ from wroll_fem.analyses.modal_transient import CoilShape, remarks, transient_dat
 from wroll_fem.case.winding import completed
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding import WoundRoll, wound_roll
 
 if TYPE_CHECKING:

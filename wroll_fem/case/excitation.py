@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, _number, wrong
-from wroll_fem.units import GRAVITY
 
 Direction = Annotated[
     Literal["x", "y"],
@@ -99,7 +98,9 @@ class SineExcitation(Section):
     @property
     def amplitude(self) -> float:
         """Largest level, m/s^2, 0-peak."""
-        return GRAVITY * self.amplitude_g[-1]
+        from scipy.constants import g  # slow to import, and not needed to check a case
+
+        return float(g) * self.amplitude_g[-1]
 
     @property
     def highest_frequency_hz(self) -> float:

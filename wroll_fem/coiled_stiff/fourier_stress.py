@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
@@ -14,12 +13,12 @@ from wroll_fem.fem.fourier_modes import lowest_modes
 from wroll_fem.fem.fourier_roll import FourierRoll
 from wroll_fem.mesh.axisymmetric import RollSection, plain_section
 from wroll_fem.structure.materials import CylindricalOrthotropic
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.fem.fourier import FourierModel
 
-FloatArray = npt.NDArray[np.float64]
 
 GAUSS_POINTS = 2
 """Per direction and cell of the case, as in the three-dimensional model."""

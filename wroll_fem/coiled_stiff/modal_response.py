@@ -22,9 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import ConvergenceError, InputError
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
+from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY_CHANGE = 1e-4
 """Steady when the tip's motion changes by less than this share of its amplitude from one cycle to the next.

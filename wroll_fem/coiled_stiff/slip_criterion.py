@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.constants import g as GRAVITY
 
-from wroll_fem.coiled_stiff.modal_response import ComplexArray, FloatArray, Oscillators
+from wroll_fem.coiled_stiff.modal_response import Oscillators
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
-from wroll_fem.units import GRAVITY
+from wroll_fem.typing import ComplexArray, FloatArray
 
 
 class ShearPerG(NamedTuple):

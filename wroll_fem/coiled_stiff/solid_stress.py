@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from wroll_fem.analyses.assembly import DIRECTIONS, build_bodies
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
@@ -23,13 +22,12 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.structure.mode_shapes import align_pairs, are_twins, classify_mode
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.structure.body import SolidPart
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 GAUSS_POINTS = 2
 """Per direction and hex."""

@@ -12,7 +12,8 @@ from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray, Trace
+from wroll_fem.structure.body import Trace
+from wroll_fem.typing import FloatArray
 
 __all__ = [
     "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",

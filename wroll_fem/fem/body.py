@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 from mpi4py import MPI
 
@@ -17,12 +16,10 @@ from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh.generate import build_mesh, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices, ring_edges
 from wroll_fem.structure.body import Body, Trace
+from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 
 def assemble_bodies(

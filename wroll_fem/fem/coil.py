@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
@@ -31,12 +30,11 @@ from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import axial_stations
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, mirror_nodes
 from wroll_fem.structure.body import Body, SolidPart
+from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
 

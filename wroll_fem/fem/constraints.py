@@ -13,14 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.shells import mirror_nodes
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from wroll_fem.typing import FloatArray, IntArray
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 """Parity of [u, theta] under y -> -y: displacement is a polar vector, rotation an axial one."""

@@ -6,15 +6,13 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from wroll_fem.errors import WrollError
 from wroll_fem.fem import compat
-
-FloatArray = npt.NDArray[np.float64]
+from wroll_fem.typing import FloatArray
 
 DEFAULT_SHIFT = -((2 * np.pi * 10.0) ** 2)
 """Shift in (rad/s)^2. Negative: K - sigma M is then positive definite even for a free body (six zero frequencies)."""

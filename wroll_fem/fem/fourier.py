@@ -34,7 +34,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem, mesh
@@ -42,9 +41,7 @@ from mpi4py import MPI
 
 from wroll_fem.fem import compat
 from wroll_fem.mesh.axisymmetric import RollSection
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from wroll_fem.typing import FloatArray, IntArray
 
 COSINE, SINE = [0, 1, 2, 4], [3, 5]
 """Strains (rr, tt, zz, rz) and (tz, rt) in the Voigt order (rr, tt, zz, tz, rz, rt)."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wroll_fem.errors import WrollError
 from wroll_fem.fem.eigen import solve_pairs
 from wroll_fem.fem.fourier_roll import AXIAL, TORSION, Family, FamilyMatrices, FourierRoll, families
-
-FloatArray = npt.NDArray[np.float64]
+from wroll_fem.typing import FloatArray
 
 SHIFT = -((2 * np.pi * 100.0) ** 2)
 """Shift in (rad/s)^2: below the spectrum, and large enough that rounding in cells of half a millimetre stays small."""

@@ -6,19 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel, angular_weight
 from wroll_fem.mesh.axisymmetric import IN_SECTION, make_section
 from wroll_fem.structure.materials import CylindricalOrthotropic
+from wroll_fem.typing import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
 
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 _NEAR = 1e-9  # of the length: nodes on an edge of the section
 

@@ -41,16 +41,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
 from wroll_fem.fem import compat
+from wroll_fem.typing import FloatArray, IntArray
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 Director = Callable[[FloatArray], FloatArray]
 
 SHEAR_FACTOR = 5.0 / 6.0

@@ -24,7 +24,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
@@ -33,9 +32,7 @@ from mpi4py import MPI
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import Director, drop_small, radial_director
 from wroll_fem.structure.materials import CylindricalOrthotropic
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from wroll_fem.typing import FloatArray, IntArray
 
 _CELL = "hexahedron"
 _FULL, _REDUCED = 4, 2

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
+
+from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 WALL_CELLS = 1
 """Cells through the mandrel's wall: cubic ones need no more (docs/design-map.md)."""

@@ -14,7 +14,8 @@ import gmsh
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, FloatArray, IntArray, ring_edges
+from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, ring_edges
+from wroll_fem.typing import FloatArray, IntArray
 
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
 

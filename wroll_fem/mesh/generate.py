@@ -15,7 +15,8 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.files import extract_mesh, gmsh_model, read_mesh
-from wroll_fem.mesh.shells import CylinderMesh, FloatArray, canonical_vertices
+from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from wroll_fem.typing import FloatArray, IntArray
 
 # Points of one element row agree in height and radius to rounding on straight edges, and to the error of
 # quadratic arcs around the circumference; the finest of these shares of the span that finds a full grid is taken.

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 
 class CurveProblem(Protocol):

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 SMALL = 1000
 """Below this many DOFs SuperLU is as fast as MUMPS and needs no PETSc."""

@@ -11,11 +11,12 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Circle, Patch
+from scipy.constants import g as GRAVITY
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.point_grid import CoilGrid, coil_grid, largest_along
 from wroll_fem.plotting import style
-from wroll_fem.units import GRAVITY
+from wroll_fem.typing import FloatArray
 
 _POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "capacity_profile", "amplitude_g")
 _CAPACITY = "#C00000"
@@ -23,7 +24,7 @@ _MANDREL = "#BDBDBD"
 _LINEAR_UP_TO = 5.0  # times the capacity; a longer axis is logarithmic, so that the crossing can be read
 
 
-def points_of(dataset: xr.Dataset) -> style.FloatArray:
+def points_of(dataset: xr.Dataset) -> FloatArray:
     """(n_points, 3) theta, z, r of the quadrature points."""
     return np.stack([dataset[name].values for name in ("theta_rad", "z_m", "r_m")], axis=1)
 
@@ -52,7 +53,7 @@ def level_colours(count: int) -> list[str]:
     return [to_hex(colormaps["viridis_r"](share)) for share in np.linspace(0.15, 1.0, count)]
 
 
-def levels_to_draw(levels: style.FloatArray, most: int = 8) -> list[int]:
+def levels_to_draw(levels: FloatArray, most: int = 8) -> list[int]:
     """Numbers of at most `most` levels, evenly spaced in the list, first and last included."""
     return sorted(set(np.linspace(0, levels.size - 1, min(most, levels.size)).round().astype(int).tolist()))
 
@@ -123,7 +124,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     return ax
 
 
-def _largest(dataset: xr.Dataset, along: str, values: style.FloatArray) -> tuple[style.FloatArray, style.FloatArray]:
+def _largest(dataset: xr.Dataset, along: str, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions of the rows of points along "z" or "r", and the largest value in each."""
     grid = coil_grid(points_of(dataset))
     if grid is None:
@@ -182,7 +183,7 @@ def plot_root_section(
     radius, angle = np.meshgrid(1e3 * grid.r, theta, indexing="ij")
     x, y = radius * np.cos(angle), radius * np.sin(angle)
 
-    def closed(values: style.FloatArray) -> style.FloatArray:
+    def closed(values: FloatArray) -> FloatArray:
         return np.concatenate([values, values[:, :1]], axis=1)
 
     ax.pcolormesh(

@@ -17,6 +17,7 @@ from wroll_fem.mesh.point_grid import coil_cells, coil_grid
 from wroll_fem.plotting import style
 from wroll_fem.plotting.coil_slip import grid_of, level_colours, levels_to_draw, points_of
 from wroll_fem.plotting.mode_shapes import _cropped, _pyvista, _render
+from wroll_fem.typing import FloatArray
 
 _FIELDS = ("slip_onset", "shear_resultant", "shear_rz", "shear_rt", "friction_capacity")
 _STUCK = "#DDDDDD"
@@ -70,7 +71,7 @@ def _along_x(dataset: xr.Dataset) -> bool:
     return str(dataset.attrs.get("excitation_direction", "x")) == "x"
 
 
-def _levels(dataset: xr.Dataset) -> style.FloatArray:
+def _levels(dataset: xr.Dataset) -> FloatArray:
     levels = dataset["amplitude_g"].values
     return np.asarray(levels[levels_to_draw(levels)])
 

@@ -21,8 +21,8 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.slip import in_small_unit, interface_name
 from wroll_fem.results.dataset import label
 from wroll_fem.results.interface_slip import cylinder_cells, interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")
 GREY = (0.824, 0.824, 0.824, 1.0)
 AMBIENT, DIFFUSE, SHADOW = 0.6, 0.42, 0.85  # light from the viewer, and what of it reaches the inside

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 _VTK_QUAD9 = 28
 
 

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.typing import FloatArray
 
 
-def _mass_fraction(dataset: xr.Dataset) -> tuple[style.FloatArray, list[str]] | None:
+def _mass_fraction(dataset: xr.Dataset) -> tuple[FloatArray, list[str]] | None:
     """Largest effective mass fraction of each mode and its direction; None when not in the results."""
     if "effective_mass_fraction" not in dataset:
         return None

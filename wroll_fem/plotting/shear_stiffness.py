@@ -11,6 +11,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, grid_members, having, shown, values_of
 from wroll_fem.structure.mode_shapes import main_bending
+from wroll_fem.typing import FloatArray
 
 SHEAR, MODULUS = "coil.material.G_r_theta", "coil.material.E_theta"
 _LOW_MASS = 0.1  # a mode below bending with less than this share of bending's effective mass is "discarded"
@@ -33,7 +34,7 @@ def bending_mode(member: SeriesMember) -> tuple[float, int]:
     return float(frequency[index]), 1 + int(np.count_nonzero(np.diff(below, prepend=0.0) > 1e-5 * below))
 
 
-def _curve(group: Sequence[SeriesMember]) -> tuple[style.FloatArray, style.FloatArray, list[int]]:
+def _curve(group: Sequence[SeriesMember]) -> tuple[FloatArray, FloatArray, list[int]]:
     """Shear stiffness in Pa, bending frequency in Hz, number of the mode; rising stiffness."""
     ordered = sorted(group, key=lambda m: m.values[SHEAR])
     found = [bending_mode(m) for m in ordered]
@@ -52,7 +53,7 @@ def _log_axis(ax: Axes) -> None:
     ax.set_xlabel("Shear stiffness between wraps $G_{rz} = G_{r\\theta}$ (Pa)")
 
 
-def crossing(x: style.FloatArray, y: style.FloatArray, level: float) -> float:
+def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
     """First x at which the rising series y reaches a level, interpolated over log x; nan when it does not."""
     above = np.flatnonzero(y >= level)
     if above.size == 0 or above[0] == 0:

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import field, label
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.typing import FloatArray
 
 _STUCK = "#E4E4E4"
 
@@ -26,7 +27,7 @@ def interface_name(interface: int, dataset: xr.Dataset | None = None) -> str:
     return "mandrel and layer 1" if interface == 0 else f"layer {interface} and layer {interface + 1}"
 
 
-def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: style.FloatArray) -> None:
+def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: FloatArray) -> None:
     direction = dataset.attrs.get("excitation_direction", "x")
     faces = {"x": "; 0° and ±180° face the excitation", "y": "; ±90° face the excitation"}.get(direction, "")
     ax.set_xlim(-180.0, 180.0)
@@ -39,7 +40,7 @@ def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: style.FloatArray) -> None:
         ax.spines[side].set_visible(True)
 
 
-def in_small_unit(values_m: style.FloatArray) -> tuple[style.FloatArray, str]:
+def in_small_unit(values_m: FloatArray) -> tuple[FloatArray, str]:
     """Return lengths in the unit that suits the largest, micrometres or nanometres, and the unit."""
     largest = float(np.nanmax(np.abs(values_m), initial=0.0))
     return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")

@@ -15,6 +15,7 @@ from wroll_fem.plotting.slip import in_small_unit, interface_name
 from wroll_fem.plotting.study import SeriesMember, grid_members, shown
 from wroll_fem.results.dataset import label
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.typing import FloatArray
 
 AMPLITUDE = "excitation.amplitude"
 
@@ -93,7 +94,7 @@ def _share(fraction: float) -> str:
     return "0 %" if fraction == 0.0 else f"{100 * fraction:.0f} %" if fraction >= 0.01 else "< 1 %"
 
 
-def _extent_sentence(rows: Sequence[SeriesMember], fractions: style.FloatArray) -> str:
+def _extent_sentence(rows: Sequence[SeriesMember], fractions: FloatArray) -> str:
     parts = []
     for m, fraction in zip(rows, fractions, strict=True):
         slipping = int(np.count_nonzero(fraction))
@@ -169,9 +170,9 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) ->
 
 def _vector_sentence(
     m: SeriesMember,
-    hoop: Sequence[style.FloatArray],
-    axial: Sequence[style.FloatArray],
-    theta: Sequence[style.FloatArray],
+    hoop: Sequence[FloatArray],
+    axial: Sequence[FloatArray],
+    theta: Sequence[FloatArray],
 ) -> str:
     sizes = [np.hypot(h, a) for h, a in zip(hoop, axial, strict=True)]
     k = int(np.argmax([size.max() for size in sizes]))

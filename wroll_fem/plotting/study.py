@@ -13,6 +13,7 @@ import xarray as xr
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.transmissibility import reading
+from wroll_fem.typing import FloatArray
 
 PRESSURE, LAYER_BASE = "preload.pressure", "coil.base"
 MARKERS = ("o", "s", "^", "D", "v", "P")
@@ -90,7 +91,7 @@ def natural_frequency(member: SeriesMember) -> float:
     return float(member.data["mode_frequency"].values[np.abs(member.data["tip_participation"].values).argmax()])
 
 
-def undamped_curve(member: SeriesMember, frequency: style.FloatArray) -> style.FloatArray:
+def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
     """|T| of the modes of a modal analysis, (n,), without any damping: |1 + sum of p f^2 / (f_n^2 - f^2)|."""
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
     natural = member.data["mode_frequency"].values[:, None]

@@ -10,14 +10,13 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 DPI = 150
 WIDTH = 7.2  # inch: 1080 pixels, legible when a README shows it at 800
 # Okabe and Ito's colours, told apart by colour-blind readers

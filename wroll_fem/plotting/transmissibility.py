@@ -13,11 +13,12 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.signals.damping import HalfPower, half_power
+from wroll_fem.typing import FloatArray
 
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")
 
 
-def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> style.FloatArray:
+def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> FloatArray:
     """|T| of a curve, (n_frequency,)."""
     return np.hypot(dataset[f"{stem}_real"].values, dataset[f"{stem}_imag"].values)
 

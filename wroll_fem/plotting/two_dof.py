@@ -13,11 +13,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.typing import FloatArray
 
 _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_low", "omega_high", "zeta")
 
 
-def _line(dataset: xr.Dataset, k: int) -> tuple[style.FloatArray, style.FloatArray]:
+def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
     """Curve under the k-th capacity, with the points read off its refined peak."""
     one = dataset.isel(friction_capacity=k)
     x, y = dataset["omega"].values, one["transmissibility"].values

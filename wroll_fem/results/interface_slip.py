@@ -16,8 +16,8 @@ from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import Delaunay
 
 from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 ODD_FIELDS = frozenset({"peak_slip_hoop", "traction_hoop"})  # change sign under theta -> -theta
 _ANGLE_DIGITS = 6  # points whose angles agree to 1e-6 rad stand above each other
 

@@ -25,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 TWO_PI = 2.0 * pi
 
 

@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
-
-FloatArray = npt.NDArray[np.float64]
+from wroll_fem.typing import FloatArray
 
 
 @dataclass(frozen=True)

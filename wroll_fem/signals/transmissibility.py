@@ -58,10 +58,10 @@ from scipy.signal import CZT, fftconvolve
 
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell, FloatArray
+from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
+from wroll_fem.typing import ComplexArray, FloatArray
 
 SAMPLES_PER_CYCLE = 32  # of the phase grid; even
-ComplexArray = npt.NDArray[np.complex128]
 
 
 def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 
 @dataclass(frozen=True)

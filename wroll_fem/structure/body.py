@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-FloatArray = npt.NDArray[np.float64]
+from wroll_fem.typing import FloatArray
 
 
 @dataclass(frozen=True)

@@ -22,12 +22,11 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Protocol
 
 from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:  # cases are checked without numpy
-    import numpy as np
-    import numpy.typing as npt
+    pass
 
-    FloatArray = npt.NDArray[np.float64]
 
 MODULI = ("E_theta", "E_z", "E_r", "G_z_theta", "G_r_theta", "G_r_z")
 IN_PLANE = ("E_theta", "E_z", "nu_theta_z", "G_z_theta", "rho")

@@ -12,12 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.structure.body import Body
+from wroll_fem.typing import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 _HIGHEST = 12
 _NO_STRAIN = 1.0  # (rad/s)^2: strain energy over kinetic energy per (rad/s)^2 of a rigid-body motion, rounding included
 _AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0: hoop, axial, radial

@@ -30,7 +30,7 @@ import xarray as xr
 
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 StateLaw = Literal["ageing", "slip"]
 LAWS: tuple[StateLaw, ...] = get_args(StateLaw)

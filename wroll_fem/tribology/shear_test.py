@@ -26,7 +26,7 @@ from wroll_fem.dynamics.statics.static import solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
 """Share by which the other interfaces hold more than those at the platen; their stick stiffness is the same."""

@@ -15,9 +15,9 @@ from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import TwoMasses
 from wroll_fem.two_dof.periodic import PeriodicSolver
+from wroll_fem.typing import FloatArray
 
 FREE = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
 """What can be fitted besides the capacities."""

@@ -19,10 +19,10 @@ from threadpoolctl import threadpool_limits
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import HalfPower, half_power
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import TwoMasses
 from wroll_fem.two_dof.periodic import PeriodicMotion, PeriodicSolver
 from wroll_fem.two_dof.time import settle
+from wroll_fem.typing import FloatArray
 
 T = TypeVar("T")
 Report = Callable[[int], None]

@@ -34,7 +34,7 @@ import numpy.typing as npt
 
 from wroll_fem.contact.smoothed_coulomb import logistic_sign
 from wroll_fem.errors import InputError, require_positive
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 Arrangement = Literal["both_on_base", "secondary_isolated", "secondary_on_primary"]
 ARRANGEMENTS: tuple[str, ...] = get_args(Arrangement)

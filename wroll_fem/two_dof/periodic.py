@@ -26,8 +26,8 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl, solve_at
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import SLIDES, Pressed
+from wroll_fem.typing import FloatArray
 
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
 ACCURACY = 1e-5

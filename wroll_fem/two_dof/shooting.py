@@ -15,10 +15,10 @@ from scipy.integrate import odeint
 
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof import time as in_time
 from wroll_fem.two_dof.model import Pressed
 from wroll_fem.two_dof.time import _rates, _slopes, parameters, rates_into
+from wroll_fem.typing import FloatArray
 
 drop_stale_cache(__file__, in_time.__file__)
 

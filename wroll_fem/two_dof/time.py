@@ -11,8 +11,8 @@ from scipy.integrate import odeint
 
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
-from wroll_fem.structure.body import FloatArray
 from wroll_fem.two_dof.model import Pressed
+from wroll_fem.typing import FloatArray
 
 drop_stale_cache(__file__)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import quad
 
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 
 def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, core: float) -> FloatArray:

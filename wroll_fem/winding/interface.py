@@ -9,7 +9,7 @@ import numpy as np
 
 from wroll_fem.case.winding import completed
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding.stress import wound_roll
 
 if TYPE_CHECKING:

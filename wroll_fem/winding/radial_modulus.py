@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding import kernels
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 from wroll_fem.winding import kernels
 from wroll_fem.winding.core import mandrel_stiffness
 from wroll_fem.winding.radial_modulus import RadialModulus

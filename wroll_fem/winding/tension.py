@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case.winding import Winding

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 SETTLED = 1e-8
 """The memory has settled when the elastic slip repeats to this fraction of gamma* over a period."""

@@ -28,7 +28,7 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, follow, solve_at
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""

@@ -11,7 +11,7 @@ from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance, HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 SLIP_SHARE = 1e-9
 """Slip paths below this fraction of gamma* per period are rounding."""

@@ -32,7 +32,7 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 NEAR_RESONANCE = 0.02
 """The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""

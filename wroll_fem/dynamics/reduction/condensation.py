@@ -16,7 +16,7 @@ from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, by_component, spr
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 DENSE_LIMIT = 2500
 """Without rotational symmetry all modes are kept up to this many DOFs."""

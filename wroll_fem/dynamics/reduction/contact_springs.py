@@ -7,7 +7,7 @@ import numpy as np
 from wroll_fem.contact.laws import SMOOTHED
 from wroll_fem.dynamics.statics.static import ContactState, stick_springs
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 
 def built_in_springs(system: System, state: ContactState, dt: float) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 DECOUPLING = 1e-9
 """Largest relative coupling between harmonics that still counts as none (rounding leaves 1e-15)."""

@@ -18,7 +18,7 @@ import scipy.linalg as la
 
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 DEPENDENT = 1e-7
 """A vector whose part outside the span is below this fraction of its energy norm adds nothing but rounding."""

@@ -22,7 +22,7 @@ from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, TrialContact, unconverged
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.numerics.linear import Factorisation, factorise
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 ROUNDING = 1e3
 """A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""

@@ -10,7 +10,7 @@ from wroll_fem.dynamics.statics.condensed import CondensedStatic
 from wroll_fem.dynamics.statics.static import ContactState, solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 TOLERANCE = 1e-4
 """Largest relative error of a mean interface pressure; the linear split is off by some per cent."""

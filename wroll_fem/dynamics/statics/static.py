@@ -14,7 +14,7 @@ from wroll_fem.contact.laws import SMOOTHED, PointLaws
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.linear import Factorisation, factorise
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.dynamics.statics.condensed import CondensedStatic

@@ -18,7 +18,7 @@ import scipy.io
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 SUFFIXES = (".npz", ".mat")
 _PARTS = ("data", "indices", "indptr", "shape", "format")

@@ -46,7 +46,7 @@ from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 VERSION = 1
 """Of the format; files of a later one are refused."""

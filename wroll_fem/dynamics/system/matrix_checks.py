@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 SYMMETRY = 1e-9
 """Largest difference between an entry and its mirror image, relative to the largest entry."""

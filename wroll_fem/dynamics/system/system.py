@@ -14,7 +14,8 @@ from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, f
 from wroll_fem.contact.laws import PointLaws, stack_laws
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Body, FloatArray
+from wroll_fem.structure.body import Body
+from wroll_fem.typing import FloatArray
 
 
 @dataclass(frozen=True)

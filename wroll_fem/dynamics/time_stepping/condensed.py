@@ -35,7 +35,7 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 
 class CondensedStepper(Stepper):

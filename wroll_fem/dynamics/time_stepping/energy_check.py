@@ -17,7 +17,7 @@ from wroll_fem.dynamics.time_stepping.stepper import (
     VISCOUS,
 )
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 ABSURD = 100.0
 """Energy from nothing in one step, over the largest the system has held, that stops a run."""

@@ -28,7 +28,7 @@ from wroll_fem.dynamics.time_stepping.stepper import (
 )
 from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
 from wroll_fem.numerics.linear import Factorisation, factorise
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 FULL_NEWTON_RATE = 0.1
 """A kept factorisation is renewed when an iteration reduces the residual by less than this."""

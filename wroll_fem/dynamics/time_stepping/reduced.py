@@ -28,7 +28,7 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import advance_reduced, sum
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 BLOCK = 50
 """Steps that are done again when the span is enriched."""

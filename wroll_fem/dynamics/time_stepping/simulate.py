@@ -24,7 +24,7 @@ from wroll_fem.dynamics.time_stepping.stepper import INPUT, ITERATIONS, KINETIC,
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 CHUNK = 200
 """Steps between two looks at progress, checkpoint and interrupt; a resumed run keeps these borders."""

@@ -11,7 +11,7 @@ from wroll_fem.dynamics.statics.static import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 RECORDS = (
     "tip_displacement",

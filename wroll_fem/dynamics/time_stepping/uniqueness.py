@@ -21,7 +21,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.structure.body import FloatArray
+from wroll_fem.typing import FloatArray
 
 FEW = 40
 """Slots up to which the largest eigenvalue is found densely."""

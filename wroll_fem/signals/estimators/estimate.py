@@ -11,9 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
+from wroll_fem.typing import ComplexArray, FloatArray
 
 _DIFFERENCE = 4  # order of the differences that leave noise and take a smooth curve away
 _DIFFERENCE_GAIN = np.sqrt(70.0)  # norm of (1, -4, 6, -4, 1)

@@ -33,13 +33,8 @@ from scipy.optimize import brentq, least_squares, minimize_scalar
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import half_power
-from wroll_fem.signals.estimators.estimate import (
-    DampingEstimate,
-    FloatArray,
-    checked_curve,
-    no_estimate,
-    scatter,
-)
+from wroll_fem.signals.estimators.estimate import DampingEstimate, checked_curve, no_estimate, scatter
+from wroll_fem.typing import FloatArray
 
 METHOD = "Gaussian fit"
 Centre = Literal["peak", "free"]

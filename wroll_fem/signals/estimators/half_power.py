@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy.typing as npt
 
 from wroll_fem.signals.damping import half_power
-from wroll_fem.signals.estimators.estimate import DampingEstimate, FloatArray, checked_curve, no_estimate, scatter
+from wroll_fem.signals.estimators.estimate import DampingEstimate, checked_curve, no_estimate, scatter
+from wroll_fem.typing import FloatArray
 
 METHOD = "half power"
 

@@ -27,13 +27,8 @@ from scipy.optimize import least_squares
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import half_power
-from wroll_fem.signals.estimators.estimate import (
-    ComplexArray,
-    DampingEstimate,
-    FloatArray,
-    checked_curve,
-    no_estimate,
-)
+from wroll_fem.signals.estimators.estimate import DampingEstimate, checked_curve, no_estimate
+from wroll_fem.typing import ComplexArray, FloatArray
 
 METHOD = "rational fraction"
 LEVEL = 0.3

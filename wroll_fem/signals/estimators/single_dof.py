@@ -13,10 +13,11 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.estimators.estimate import ComplexArray, DampingEstimate
+from wroll_fem.signals.estimators.estimate import DampingEstimate
 from wroll_fem.signals.estimators.gaussian import METHOD as GAUSSIAN
 from wroll_fem.signals.estimators.gaussian import Centre, gaussian_fit
 from wroll_fem.signals.estimators.half_power import METHOD as HALF_POWER
+from wroll_fem.typing import ComplexArray
 
 HIGHEST_READABLE = 0.5411961001461969
 """Damping ratio from which half power has no lower point: the peak is sqrt 2 there, and T = 1 at rest."""
