@@ -259,7 +259,7 @@ def test_a_defect_of_the_program_is_not_hidden(wroll: Callable[..., Result], ana
 
 def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
     code = (
-        "import sys, time; from tests.stand_in import StandIn\n"
+        "import sys, time; sys.path.insert(0, 'tests'); from support.stand_in import StandIn\n"
         "class Slow(StandIn):\n"
         "    def run_analysis(self, case, **keywords):\n"
         "        print('started', flush=True); time.sleep(60)\n"
