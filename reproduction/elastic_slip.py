@@ -12,7 +12,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.analyses.summary import energy_balance_error
+from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work

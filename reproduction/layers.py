@@ -13,7 +13,7 @@ from reproduction.family import Family, study_figure
 from reproduction.lab_studies import beside
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, numbers
-from wroll_fem.analyses.advice import interface_pressures
+from wroll_fem.analyses.shared.preflight import interface_pressures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import SeriesMember, is_sweep, read
 from wroll_fem.results.interface_slip import slipping_area_fraction, surface

@@ -14,7 +14,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import Case, load_case
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.progress import SilentProgress

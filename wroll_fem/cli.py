@@ -234,7 +234,7 @@ def export(
         from wroll_fem.dynamics.system.array_file import check_suffix
 
         check_suffix(out)  # before the work
-        from wroll_fem.analyses.preparation import prepare
+        from wroll_fem.analyses.shared.preparation import prepare
         from wroll_fem.dynamics.system.io import save_system
 
         with TerminalProgress() as progress:

@@ -145,7 +145,7 @@ def test_the_rigid_sleeve_of_the_recipe_is_a_body() -> None:
 def test_an_absorber_added_to_the_matrices_splits_the_resonance(tmp_path: Path, monkeypatch) -> None:
     from wroll_fem import example_case
     from wroll_fem.analyses import run_analysis
-    from wroll_fem.analyses.preparation import prepare
+    from wroll_fem.analyses.shared.preparation import prepare
     from wroll_fem.case import build_case
     from wroll_fem.dynamics.system.io import save_system
     from wroll_fem.progress import SilentProgress

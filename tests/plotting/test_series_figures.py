@@ -17,8 +17,8 @@ from matplotlib.quiver import Quiver
 from support.paths import ROOT
 from support.synthetic_roll import contact_points, modes, sweep
 
-from wroll_fem.analyses.assembly import build_bodies, build_system
 from wroll_fem.analyses.modal import tip_participation
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import save_figure, style

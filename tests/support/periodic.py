@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from support.paths import CONFIGS
-from wroll_fem.analyses.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance

@@ -13,7 +13,7 @@ from support.paths import CONFIGS
 from typer.testing import CliRunner
 
 from wroll_fem import Case, cli, load_case
-from wroll_fem.analyses.preparation import prepare
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.winding import doubts
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures, press_to
 from wroll_fem.dynamics.statics.static import solve_preload

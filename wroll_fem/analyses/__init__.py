@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wroll_fem.analyses.advice import case_warnings, estimate
+from wroll_fem.analyses.shared.preflight import case_warnings, estimate
 from wroll_fem.case import RESUMABLE
 
 if TYPE_CHECKING:

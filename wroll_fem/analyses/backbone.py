@@ -10,7 +10,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.harmonic import condensed_structure, memory_remark
-from wroll_fem.analyses.preparation import prepare
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.datasets import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
 from wroll_fem.dynamics.periodic.enrichment import trained_backbone

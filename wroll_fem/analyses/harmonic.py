@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.analyses.preparation import prepare
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve

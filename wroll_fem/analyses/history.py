@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from wroll_fem.analyses.preparation import prepare
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.contact.laws import SMOOTHED
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.fields import interface_fields

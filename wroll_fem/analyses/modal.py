@@ -9,8 +9,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
-from wroll_fem.analyses.assembly import build_bodies, build_system
-from wroll_fem.analyses.preparation import prepare, read_structure
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.results.dataset import annotate

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from wroll_fem.analyses import pictures, summary
+from wroll_fem.analyses.shared import figures, summary
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
@@ -46,7 +46,7 @@ def _own(module: str, function: str) -> Summary:
     return part
 
 
-_figure = pictures.figure
+_figure = figures.figure
 _CONTACT = (summary.readings, summary.interfaces)
 _HISTORY = Outputs(
     (*_CONTACT, summary.ledger, summary.slip),
@@ -54,9 +54,9 @@ _HISTORY = Outputs(
         _figure("transmissibility", "plot_transmissibility", needs="transmissibility_real"),
         _figure("response", "plot_response"),
         _figure("energy_ledger", "plot_energy_ledger"),
-        pictures.slip_maps, pictures.slip_in_space,
+        figures.slip_maps, figures.slip_in_space,
     ),
-    (pictures.write_slip,),
+    (figures.write_slip,),
 )  # fmt: skip
 _PERIODIC = (*_CONTACT, summary.work_per_cycle, summary.slip)
 
@@ -65,29 +65,29 @@ OUTPUTS: dict[str, Outputs] = {
     "dwell": _HISTORY,
     "harmonic": Outputs(
         _PERIODIC,
-        (_figure("transmissibility", "plot_harmonic_response"), pictures.slip_maps, pictures.slip_in_space),
-        (pictures.write_slip,),
+        (_figure("transmissibility", "plot_harmonic_response"), figures.slip_maps, figures.slip_in_space),
+        (figures.write_slip,),
     ),
     "backbone": Outputs(
         _PERIODIC,
-        (_figure("backbone", "plot_backbone"), pictures.slip_maps, pictures.slip_in_space),
-        (pictures.write_slip,),
+        (_figure("backbone", "plot_backbone"), figures.slip_maps, figures.slip_in_space),
+        (figures.write_slip,),
     ),
     "modal": Outputs(
         (*_CONTACT, summary.modes),
-        (_figure("modes", "plot_modes"), pictures.mode_shapes),
-        (pictures.write_modes,),
+        (_figure("modes", "plot_modes"), figures.mode_shapes),
+        (figures.write_modes,),
     ),
     "modal_transient": Outputs(
         (*_CONTACT, _own("modal_transient", "slip_summary"), summary.modes),
         (
             _figure("steady_response", "plot_steady_response", "coil_slip"),
             _figure("shear_distribution", "plot_shear_distribution", "coil_slip"),
-            pictures.coil_sections, _figure("modes", "plot_modes"), pictures.coil_in_space,
+            figures.coil_sections, _figure("modes", "plot_modes"), figures.coil_in_space,
         ),
-        (pictures.write_coil,),
+        (figures.write_coil,),
     ),
-    "preload": Outputs(_CONTACT, (pictures.pressure_maps,), (pictures.write_slip,)),
+    "preload": Outputs(_CONTACT, (figures.pressure_maps,), (figures.write_slip,)),
     "design_map": Outputs((_own("design_map", "summarise_design_map"),), (_figure("design_map", "plot_design_map"),)),
     "winding": Outputs(_CONTACT, (_figure("winding", "plot_winding"),)),
     "two_dof": Outputs(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.analyses.assembly import DIRECTIONS, build_bodies
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs

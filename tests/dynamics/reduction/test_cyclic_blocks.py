@@ -10,7 +10,7 @@ import pytest
 import scipy.sparse.linalg as spla
 from support.paths import CONFIGS
 
-from wroll_fem.analyses.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense, condense_cyclic
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread

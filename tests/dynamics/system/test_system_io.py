@@ -18,7 +18,7 @@ from support.paths import ROOT
 from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, write_case, wroll
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.preparation import prepare
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case import Case, example_case, load_case
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
 from wroll_fem.dynamics.statics.static import ContactState, solve_preload

@@ -12,8 +12,8 @@ from support.exact_systems import orbiting_mass, slipping_pair
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.assembly import build_bodies, build_system
-from wroll_fem.analyses.summary import energy_balance_error
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump

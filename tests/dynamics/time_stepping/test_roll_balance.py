@@ -8,7 +8,7 @@ import pytest
 from support.exact_systems import STEPPERS, stepper
 from support.paths import CONFIGS
 
-from wroll_fem.analyses.assembly import build_bodies, build_system, normal_penalty
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system, normal_penalty
 from wroll_fem.case import load_case
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.statics.static import equilibrium_force, solve_preload

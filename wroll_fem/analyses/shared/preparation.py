@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.analyses.assembly import build_bodies, build_system, friction_law
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
 from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, solve_preload
 from wroll_fem.dynamics.system.io import load_system
 from wroll_fem.dynamics.system.matrix_checks import is_singular, massless_dofs

@@ -6,7 +6,7 @@ import numpy as np
 from support.paths import ROOT
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.advice import interface_pressures
+from wroll_fem.analyses.shared.preflight import interface_pressures
 from wroll_fem.case import load_case
 from wroll_fem.progress import SilentProgress
 

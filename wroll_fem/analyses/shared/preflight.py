@@ -143,7 +143,7 @@ def _scheme_warnings(case: Case) -> list[str]:
 
 def _structure_warnings(case: Case) -> list[str]:
     """What is doubtful in a file of matrices."""
-    from wroll_fem.analyses.preparation import read_structure
+    from wroll_fem.analyses.shared.preparation import read_structure
 
     system, state = read_structure(case)
     warnings = []

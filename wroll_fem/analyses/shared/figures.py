@@ -38,7 +38,7 @@ def figure(
 def _save(stem: str, function: str, dataset: xr.Dataset, folder: Path, module: str = "", **options: Any) -> Path:
     from wroll_fem import plotting
 
-    home = import_module(f"..plotting.{module}", __package__) if module else plotting
+    home = import_module(f"wroll_fem.plotting.{module}") if module else plotting
     return plotting.save_figure(getattr(home, function)(dataset, **options), folder / f"{stem}.png")
 
 
