@@ -18,7 +18,7 @@ from support.stand_in import CONFIGS, TINY, StandIn, failure, tree
 from typer.testing import Result
 
 from wroll_fem import example_case, load_case
-from wroll_fem.jobs.folder import RunFolder, plain
+from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
@@ -279,17 +279,6 @@ def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
 
 
 # ---- from Python --------------------------------------------------------------------------------
-
-
-def test_plain_turns_numpy_and_odd_numbers_into_json() -> None:
-    value = {
-        "a": np.float32(1.5),
-        "b": np.array([[1, 2]]),
-        "c": (np.inf, -np.inf, np.nan),
-        "d": Path("x"),
-        3: np.bool_(True),
-    }
-    assert plain(value) == {"a": 1.5, "b": [[1, 2]], "c": [None, None, None], "d": "x", "3": True}
 
 
 def test_run_case_is_the_same_from_python(analyses: StandIn, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from wroll_fem.case.case import Case
 from wroll_fem.case.messages import input_error
 from wroll_fem.errors import InputError
+from wroll_fem.results.json_types import json_types
 
 #: Sections whose `file` is a path relative to the case file (or, with --set, to the working directory).
 _WITH_FILE = ("mesh", "structure")
@@ -73,8 +74,6 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
 
 def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
     """Overrides as `load_case` takes them; a mapping of dotted keys to values becomes one text per key."""
-    from wroll_fem.jobs.folder import plain  # which needs the case
-
     texts: list[str] = []
     for given in overrides:
         if isinstance(given, str):
@@ -83,7 +82,7 @@ def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
             remedy = 'give "dotted.key=value", or a dict of dotted keys and values'
             raise InputError(f"cannot change a case by {given!r}", remedy=remedy)
         else:
-            texts += [f"{key}={json.dumps(plain(value))}" for key, value in given.items()]
+            texts += [f"{key}={json.dumps(json_types(value))}" for key, value in given.items()]
     return texts
 
 

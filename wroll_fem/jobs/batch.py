@@ -16,10 +16,11 @@ import numpy as np
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.batch_progress import Tally
 from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
-from wroll_fem.jobs.folder import RunFolder, plain
+from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.report.values import split_unit
+from wroll_fem.results.json_types import json_types
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -245,7 +246,7 @@ def table_rows(outcomes: Sequence[Outcome], out: Path) -> list[dict[str, Any]]:
 
 
 def _cell(value: Any) -> Any:
-    return json.dumps(plain(value)) if isinstance(value, list | dict) else value
+    return json.dumps(json_types(value)) if isinstance(value, list | dict) else value
 
 
 def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import json
-import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from wroll_fem import __version__
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
+from wroll_fem.results.json_types import json_types
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -162,7 +162,7 @@ class RunFolder:
 
     def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
         """Write plain JSON, numbers that are not finite as null, replacing the file only when complete."""
-        self._write(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+        self._write(path, json.dumps(json_types(content), indent=2, allow_nan=False) + "\n")
 
     def _write(self, path: Path, text: str) -> None:
         partial = path.with_name(f"{path.name}.partial")
@@ -180,18 +180,3 @@ class RunFolder:
 
     def _refuse(self, problem: str, remedy: str) -> InputError:
         return InputError(problem, file=str(self.path), remedy=remedy)
-
-
-def plain(value: Any) -> Any:
-    """Value as JSON knows it: numpy scalars and arrays become Python, paths text, nan and infinity None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, Path):
-        return str(value)
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -17,7 +17,7 @@ from wroll_fem.case.base import Real, Section, Whole, wrong
 from wroll_fem.case.loader import read_yaml
 from wroll_fem.case.messages import input_error
 from wroll_fem.errors import InputError
-from wroll_fem.jobs.folder import plain
+from wroll_fem.results.json_types import json_types
 
 REFERENCE = "reference"
 """Name of the one case outside the grid."""
@@ -111,7 +111,7 @@ class GridFile(Section):
                 raise wrong(
                     f"{key} {problem}", remedy=f"write the values in brackets, {key}: [value, ...]", value=values
                 )
-            if len({json.dumps(plain(v)) for v in values}) < len(values):
+            if len({json.dumps(json_types(v)) for v in values}) < len(values):
                 raise wrong(f"{key} holds a value twice", remedy="write each value once", value=values)
         return value
 
@@ -227,7 +227,7 @@ def _case(
     for dotted, value in chosen.items():
         if dotted == "mesh.file" and isinstance(value, str):  # relative to the grid file, as case files are
             value = str((source.parent / value).resolve())
-        overrides.append(f"{dotted}={json.dumps(plain(value))}")
+        overrides.append(f"{dotted}={json.dumps(json_types(value))}")
     try:
         case = load_case(file, overrides)
     except InputError as error:

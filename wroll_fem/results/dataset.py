@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.errors import InputError
+from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
 
 __all__ = ["FIELDS", "Field", "annotate", "field", "label", "load_dataset", "provenance", "save_dataset"]
@@ -257,25 +258,12 @@ def annotate(dataset: xr.Dataset) -> xr.Dataset:
     return result
 
 
-def _plain(value: object) -> object:
-    """Value as JSON knows it: numpy scalars and arrays, tuples and paths become plain Python."""
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    if isinstance(value, Path):
-        return str(value)
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value
-
-
 def _encode_attrs(attrs: Mapping[Hashable, Any]) -> dict[str, Any]:
     """Attributes that NetCDF can hold: text and numbers as they are, everything else as JSON text."""
     encoded: dict[str, Any] = {}
     as_json: list[str] = []
     for key, raw in attrs.items():
-        value = _plain(raw)
+        value = json_types(raw, keep_non_finite=True)
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             try:
                 value = json.dumps(value)

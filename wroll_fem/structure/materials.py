@@ -22,7 +22,9 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Protocol
 
 from wroll_fem.errors import InputError
-from wroll_fem.typing import FloatArray
+
+if TYPE_CHECKING:
+    from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:  # cases are checked without numpy
     pass
