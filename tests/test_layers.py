@@ -23,14 +23,16 @@ LAYERS = (
     ("coiled_stiff",),
     ("analyses",),
     ("jobs",),
-    ("report", "api", "roll"),
+    ("report", "api"),
+    ("result",),
+    ("roll",),
     ("cli",),
 )
 """Rooms and loose modules, lowest first. A module imports from its own room, its own layer, or lower ones."""
 
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 
-LOOSE = {"__init__", "api", "cli", "errors", "progress", "typing", "roll"}
+LOOSE = {"__init__", "api", "cli", "errors", "progress", "typing", "result", "roll"}
 """Modules at the top: the doors, and what every room uses."""
 
 MANY_FILES = {"case": "one file per section of the case file", "plotting": "one file per figure"}

@@ -34,44 +34,100 @@ if TYPE_CHECKING:
         transmissibility,
     )
     from wroll_fem.case import Case, example_case, load_case
+    from wroll_fem.case.coil import Coil
+    from wroll_fem.case.contact import Contact, Normal, PenaltyFriction, RateFriction, RateTable, SmoothedFriction
+    from wroll_fem.case.design_map import DesignMap
+    from wroll_fem.case.excitation import ChirpExcitation as Chirp
+    from wroll_fem.case.excitation import DwellExcitation as Dwell
+    from wroll_fem.case.excitation import SineExcitation as Sine
+    from wroll_fem.case.geometry import Geometry
+    from wroll_fem.case.harmonic import Backbone, Harmonic
+    from wroll_fem.case.integrator import Integrator
+    from wroll_fem.case.mandrel import Mandrel
+    from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
+    from wroll_fem.case.mesh import Mesh
+    from wroll_fem.case.modal import Modal
+    from wroll_fem.case.output import Output
+    from wroll_fem.case.preload import Preload
+    from wroll_fem.case.solver import Solver
+    from wroll_fem.case.winding import Winding
+    from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+    from wroll_fem.dynamics.system.system import System
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
     from wroll_fem.jobs.grid import load_grid
     from wroll_fem.plotting import names as plot
     from wroll_fem.plotting.study import SeriesMember
     from wroll_fem.report import write_report
+    from wroll_fem.result import Result
     from wroll_fem.results.dataset import save_dataset as save_result
+    from wroll_fem.roll import Roll
     from wroll_fem.signals import estimators
     from wroll_fem.signals.damping import half_power
 
+_HOMES = {
+    "roll": "Roll",
+    "result": "Result",
+    "api": "run load_result summarise case_of run_series run_grid load_series batch_table slip_model transmissibility "
+    "CaseWarning",
+    "case": "Case example_case load_case",
+    "case.geometry": "Geometry",
+    "case.mandrel": "Mandrel",
+    "case.coil": "Coil",
+    "case.material": "IsotropicMaterial OrthotropicMaterial",
+    "case.contact": "Contact Normal PenaltyFriction RateFriction RateTable SmoothedFriction",
+    "case.preload": "Preload",
+    "case.winding": "Winding",
+    "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation Sine=SineExcitation",
+    "case.integrator": "Integrator",
+    "case.solver": "Solver",
+    "case.mesh": "Mesh",
+    "case.modal": "Modal",
+    "case.harmonic": "Harmonic Backbone",
+    "case.design_map": "DesignMap",
+    "case.output": "Output",
+    "dynamics.system.system": "System",
+    "contact.interface": "Interface NormalPenalty PenaltyCoulomb RateCoulomb SmoothedCoulomb",
+    "analyses": "case_warnings estimate",
+    "analyses.slip_model": "SlipModel",
+    "jobs.grid": "load_grid",
+    "plotting.study": "SeriesMember",
+    "results.dataset": "save_result=save_dataset",
+    "report": "write_report",
+    "signals.damping": "half_power",
+    "errors": "ConvergenceError InputError WrollError",
+}
+"""Module -> public names that it has; "public=own" where the module has another name."""
+
+_MODULES = {"plot": "plotting.names", "two_dof": "two_dof", "estimators": "signals.estimators"}
+"""Public name -> module that it stands for."""
+
 _WHERE = {
-    "Case": "case", "example_case": "case", "load_case": "case",
-    "run": "api", "load_result": "api", "summarise": "api", "case_of": "api",
-    "save_result": "results.dataset:save_dataset",
-    "case_warnings": "analyses", "estimate": "analyses", "CaseWarning": "api",
-    "run_series": "api", "run_grid": "api", "load_grid": "jobs.grid", "load_series": "api", "batch_table": "api",
-    "SeriesMember": "plotting.study", "write_report": "report",
-    "slip_model": "api", "SlipModel": "analyses.slip_model",
-    "transmissibility": "api", "half_power": "signals.damping", "estimators": "signals.estimators:",
-    "plot": "plotting.names:", "two_dof": "two_dof:",
-    "ConvergenceError": "errors", "InputError": "errors", "WrollError": "errors",
-}  # fmt: skip
-"""Public name -> module that has it, "module:other name" where the name there is another, "module:" for a module."""
+    public: (module, own or public)
+    for module, names in _HOMES.items()
+    for public, _, own in (name.partition("=") for name in names.split())
+}
 
 __all__ = [
-    "Case", "CaseWarning", "ConvergenceError", "InputError", "SeriesMember", "SlipModel", "WrollError", "__version__",
-    "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case",
-    "load_grid", "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model",
-    "summarise", "transmissibility", "two_dof", "write_report",
+    "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell", "Geometry",
+    "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal",
+    "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload", "RateCoulomb",
+    "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel", "SmoothedCoulomb",
+    "SmoothedFriction", "Solver", "System", "Winding", "WrollError", "__version__", "batch_table", "case_of",
+    "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case", "load_grid", "load_result",
+    "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model", "summarise",
+    "transmissibility", "two_dof", "write_report",
 ]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name on first use, so that `import wroll_fem` stays instant."""
-    if name not in _WHERE:
+    if name in _MODULES:
+        value: Any = import_module(f"{__name__}.{_MODULES[name]}")
+    elif name in _WHERE:
+        module, own = _WHERE[name]
+        value = getattr(import_module(f"{__name__}.{module}"), own)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, colon, other = _WHERE[name].partition(":")
-    found = import_module(f".{module}", __name__)
-    value = found if colon and not other else getattr(found, other or name)
     globals()[name] = value
     return value
 

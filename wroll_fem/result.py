@@ -1,0 +1,149 @@
+"""The result of a run in Python: its Dataset, its numbers and its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wroll_fem import api
+from wroll_fem.api import ShowProgress
+from wroll_fem.case import Case
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["Result", "ShowProgress", "run_case"]
+
+
+def run_case(case: Case, *, out: str | Path | None = None, progress: ShowProgress = None) -> Result:
+    """Run a case as `wroll_fem.run` does and return its `Result`."""
+    return Result(api.run(case, out=out, progress=progress))
+
+
+class Result:
+    """Result of one run: a thin layer over its Dataset.
+
+    Parameters
+    ----------
+    data
+        Dataset of a run, from `wroll_fem.run` or `wroll_fem.load_result`.
+
+    Attributes
+    ----------
+    data
+        xarray.Dataset with `units` and `long_name` on every variable.
+    """
+
+    def __init__(self, data: xr.Dataset) -> None:
+        self.data = data
+        self._summary: dict[str, Any] | None = None
+
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """Read a run folder or a file that `save` wrote."""
+        return cls(api.load_result(path))
+
+    def __repr__(self) -> str:
+        numbers = ("f_n_hz", "zeta", "peak_transmissibility")
+        known = [f"{name}={self.summary[name]:.4g}" for name in numbers if self.summary.get(name) is not None]
+        return f"<Result of {', '.join([str(self.summary['analysis']), *known])}>"
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """Entries of summary.json: flat, SI, the unit in the name."""
+        if self._summary is None:
+            self._summary = api.summarise(self.data)
+        return self._summary
+
+    @property
+    def case(self) -> Case:
+        """Case that the result was computed from."""
+        return api.case_of(self.data)
+
+    @property
+    def f_n_hz(self) -> float | None:
+        """Resonance frequency in Hz; None when the analysis does not estimate it."""
+        return self.summary.get("f_n_hz")
+
+    @property
+    def zeta(self) -> float | None:
+        """Damping ratio, dimensionless; None when the analysis does not estimate it."""
+        return self.summary.get("zeta")
+
+    @property
+    def peak_transmissibility(self) -> float | None:
+        """Largest transmissibility, dimensionless; None when the analysis does not compute it."""
+        return self.summary.get("peak_transmissibility")
+
+    @property
+    def transmissibility(self) -> xr.DataArray:
+        """|T| over frequency in Hz; raises `InputError` when the analysis has none."""
+        return api.transmissibility(self.data)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the Dataset as NetCDF; `load` reads it."""
+        from wroll_fem.results.dataset import save_dataset
+
+        return save_dataset(self.data, path)
+
+    def plot_transmissibility(self, ax: Axes | None = None) -> Axes:
+        """Draw the transmissibility over frequency, with f_n and the half-power points."""
+        return self._plot("transmissibility", ax)
+
+    def plot_harmonic_response(self, ax: Axes | None = None) -> Axes:
+        """Draw the steady response over frequency."""
+        return self._plot("harmonic_response", ax)
+
+    def plot_backbone(self, ax: Axes | None = None) -> Axes:
+        """Draw frequency and damping over the amplitude of the tip."""
+        return self._plot("backbone", ax)
+
+    def plot_response(self, ax: Axes | None = None) -> Axes:
+        """Draw the acceleration of the tip over time."""
+        return self._plot("response", ax)
+
+    def plot_energy_ledger(self, ax: Axes | None = None) -> Axes:
+        """Draw input work, stored energy and losses over time."""
+        return self._plot("energy_ledger", ax)
+
+    def plot_modes(self, ax: Axes | None = None) -> Axes:
+        """Draw the natural frequencies by kind of mode."""
+        return self._plot("modes", ax)
+
+    def plot_slip_map(self, ax: Axes | None = None, **options: Any) -> Axes:
+        """Draw the slip of an interface over angle and height."""
+        return self._plot("slip_map", ax, **options)
+
+    def plot_pressure_map(self, ax: Axes | None = None, **options: Any) -> Axes:
+        """Draw the pressure of an interface over angle and height."""
+        return self._plot("pressure_map", ax, **options)
+
+    def plot_winding(self, ax: Axes | None = None) -> Axes:
+        """Draw pressure, friction capacity and hoop stress over the radius of the wound roll."""
+        return self._plot("winding", ax)
+
+    def plot_steady_response(self, ax: Axes | None = None) -> Axes:
+        """Draw the start of the motion of a solid coil and its steady response."""
+        return self._plot("steady_response", ax)
+
+    def plot_design_map(self, ax: Axes | None = None) -> Axes:
+        """Draw the frequency disparity over radius and wall of the mandrel."""
+        return self._plot("design_map", ax)
+
+    def plot(self, figure: str, *args: Any, **options: Any) -> Any:
+        """Draw any figure of `wroll_fem.plot` by its name.
+
+        Raises
+        ------
+        InputError
+            When the result lacks what the figure needs.
+        """
+        from wroll_fem.plotting import names
+
+        return getattr(names, figure)(self.data, *args, **options)
+
+    def _plot(self, figure: str, ax: Axes | None, **options: Any) -> Axes:
+        drawn: Axes = self.plot(figure, **options, **({} if ax is None else {"ax": ax}))
+        return drawn
