@@ -19,6 +19,7 @@ from wroll_fem.contact import penalty_coulomb, rate_coulomb, smoothed_coulomb
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.errors import InputError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__)
@@ -60,6 +61,14 @@ class PointLaws(NamedTuple):
         """Number of points."""
         return len(self.area)
 
+    def take(self, points: np.ndarray) -> PointLaws:
+        """Laws of some ``points`` (index array): every column of them, the tables being shared by all."""
+        return self._replace(**{name: getattr(self, name)[points] for name in self._fields if name not in SHARED})
+
+
+SHARED = ("rates", "coefficients")
+"""Fields of `PointLaws` that have no entry per point."""
+
 
 def stack_laws(
     areas: list[np.ndarray], friction: list[FrictionLaw], stiffness: list[float], separation: list[bool]
@@ -70,6 +79,11 @@ def stack_laws(
     ----------
     areas : (n_i,) area per point of each interface, m^2
     friction, stiffness, separation : tangential law, normal penalty (Pa/m) and flag of each interface
+
+    Raises
+    ------
+    InputError
+        For an object that is not a known friction law.
     """
     counts = [len(area) for area in areas]
     tables = [law for law in friction if isinstance(law, RateCoulomb)]
@@ -95,10 +109,16 @@ def stack_laws(
     )
 
 
+_KINDS: dict[type, int] = {PenaltyCoulomb: PENALTY, RateCoulomb: RATE, SmoothedCoulomb: SMOOTHED}
+
+
 def _kind(law: FrictionLaw) -> int:
-    if isinstance(law, RateCoulomb):
-        return RATE
-    return SMOOTHED if isinstance(law, SmoothedCoulomb) else PENALTY
+    if type(law) not in _KINDS:
+        known = ", ".join(kind.__name__ for kind in _KINDS)
+        raise InputError(
+            f"{type(law).__name__} is not a registered friction law", key="contact.friction", remedy=f"use {known}"
+        )
+    return _KINDS[type(law)]
 
 
 @numba.njit(cache=True, inline="always")

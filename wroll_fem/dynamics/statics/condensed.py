@@ -151,18 +151,16 @@ class CondensedStatic:
     def _even_around(self) -> _Unknowns | None:
         """One point for each row; None when the laws vary around a row."""
         laws, (rows, n_theta) = self.system.laws, self.blocks.area.shape
-        per_point = [laws.kn, laws.separation, laws.mu, laws.gamma, laws.kind, laws.speed, laws.table]
-        firsts = [values.reshape(rows, n_theta)[:, 0] for values in per_point]
-        if not all(np.array_equal(np.repeat(a, n_theta), b) for a, b in zip(firsts, per_point, strict=True)):
+        first = laws.take(n_theta * np.arange(rows))
+        around = first.take(np.repeat(np.arange(rows), n_theta))._replace(area=laws.area)
+        if not all(np.array_equal(a, b) for a, b in zip(around, laws, strict=True)):
             return None
         area = self.blocks.area.sum(axis=1)
         ring = [b for b, space in enumerate(self.system.subspaces) if space.harmonic == 0]
         blocks = np.array([self._compliance(b) for b in ring]).reshape(-1, 3 * rows, 3 * rows)
         # a profile of harmonic 0 is 1 or 0 all around: the same for the one point that stands for a row
         compliance = spread(blocks, self.blocks.profiles[ring][:, :, :1], area)
-        names = ("kn", "separation", "mu", "gamma", "kind", "speed", "table")
-        single = laws._replace(area=area, **dict(zip(names, firsts, strict=True)))
-        return _Unknowns(single, self._rows(self.blocks.springs), compliance)
+        return _Unknowns(first._replace(area=area), self._rows(self.blocks.springs), compliance)
 
     def _is_even(self, force: FloatArray, state: ContactState) -> bool:
         """Whether load and state are the same all around."""
