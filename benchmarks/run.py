@@ -3,7 +3,7 @@
 Each method runs in a fresh process on one core with warm compilation caches (a tiny run of each comes first). This
 process stays small, because a child's peak memory is never less than its parent's.
 
-* Whole chirp, 14.56 s at the source's density of steps: `condensed`, `reduced`, `harmonic`; errors against `condensed`.
+* Whole chirp, 14.56 s at the thesis's density of steps: `condensed`, `reduced`, `harmonic`; errors against `condensed`.
 * `full` solves the whole structure in every step and would take hours: it runs a window, a dwell at resonance of a few
   hundred steps, which the others run too for their errors against it. Its time for the chirp is the measured time per
   step x number of steps, and is called that.
@@ -25,14 +25,14 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 CASE = ROOT / "configs" / "lab_sweep.yaml"
 SOURCE_HOURS = (50.0, 100.0)
-"""CPU hours of one sweep that the source states, on a server of its own."""
+"""CPU hours of one sweep that the thesis states, on a server of its own."""
 
 AROUND, ALONG = 30, 11
 """Contact points of the lab job: around, and along the height."""
 
 MESH = f"mesh={{circumferential: {AROUND}, axial: {ALONG - 1}, grading: 3}}"
 FINE = "mesh={circumferential: 60, axial: 30, grading: 3}"
-SOURCE_STEPS = ("integrator.steps_per_cycle=19", "solver.allow_coarse=true")  # 21.8 at 153 Hz, as the source
+SOURCE_STEPS = ("integrator.steps_per_cycle=19", "solver.allow_coarse=true")  # 21.8 at 153 Hz, as the thesis
 WINDOW_CYCLES = 10
 METHODS = ("full", "condensed", "reduced", "harmonic")
 
@@ -136,7 +136,7 @@ def hours(seconds: float) -> str:
 
 
 def against_source(seconds: float) -> str:
-    """How many times less than the source's hours."""
+    """How many times less than the thesis's hours."""
     return " to ".join(f"{three(3600 * stated / seconds)}" for stated in SOURCE_HOURS)
 
 
@@ -169,9 +169,9 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
         f"CPU seconds on one core ({machine()}); each method in a fresh process, compilation caches warm.",
         "Set-up holds imports, mesh, matrices, preload, condensation and the reading of the curves; the loop of",
         "`reduced` and `harmonic` holds their training. The last column compares with the 50 to 100 CPU hours that the",
-        "source states for one sweep **on another machine with another program**: an order of magnitude, no more.",
+        "thesis states for one sweep **on another machine with another program**: an order of magnitude, no more.",
         "",
-        "| method | set-up | loop | total | steps/s | peak memory | times faster than full | than the source |",
+        "| method | set-up | loop | total | steps/s | peak memory | times faster than full | than the thesis |",
         "|---|---|---|---|---|---|---|---|",
     ]
     if full is not None:
@@ -203,7 +203,7 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
         lines += [
             "",
             f"Lab roll of `configs/lab_sweep.yaml` on a {AROUND} x {ALONG - 1} mesh ({AROUND * ALONG} contact points",
-            f"around, {half} with the symmetry plane), {int(chirp['steps']):,} steps as dense as the source's; the",
+            f"around, {half} with the symmetry plane), {int(chirp['steps']):,} steps as dense as the thesis's; the",
             "default integrator takes 40 steps per cycle at 175 Hz. Errors, each relative to the reference:",
         ]
     lines += [
@@ -228,7 +228,7 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
             "| `harmonic`, against the default steps | " + " | ".join(["–"] * 4 + cells) + " |",
             "",
             "`harmonic` is the steady state; a chirp differs by its rate and by the integrator, whose steps, when as",
-            "dense as the source's, lengthen the period.",
+            "dense as the thesis's, lengthen the period.",
         ]
     return "\n".join(lines) + "\n"
 

@@ -12,7 +12,7 @@
 # # A first roll
 #
 # A tube of 300 mm x 80 mm x 1.5 mm with one layer of web pressed onto it, shaken at its base through the first
-# bending resonance: the laboratory roll of chapter 4 of the source, on a coarse mesh. Between tube and layer there is
+# bending resonance: the laboratory roll of chapter 4 of the thesis, on a coarse mesh. Between tube and layer there is
 # Coulomb friction; it is the only damping.
 #
 # **What is solved**: shells by finite elements, reduced to what their contact points see, and 30 000 time steps of a

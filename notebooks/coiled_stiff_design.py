@@ -13,7 +13,7 @@
 #
 # While nothing slips, a coil is a solid whose wraps shear against each other: how stiffly, winding tension decides.
 # That shear stiffness is the least known number of a roll, and it moves the bending frequency. A good mandrel for an
-# experiment is one on which a loose and a tight coil are far apart (section 2.5 of the source); a good mandrel for
+# experiment is one on which a loose and a tight coil are far apart (section 2.5 of the thesis); a good mandrel for
 # flight is one on which they are close.
 #
 # **What is solved**: modes of mandrel and homogenised coil in harmonics around the axis (`mesh.discretisation:

@@ -13,7 +13,7 @@
 #
 # A layer that is pressed too lightly slides freely and dissipates little; one that is pressed too hard sticks and
 # dissipates nothing. Between the two lies the preload of the largest damping. The laboratory roll of chapter 4 of the
-# source: tube, one layer, Coulomb friction, no other damping.
+# thesis: tube, one layer, Coulomb friction, no other damping.
 #
 # **What is solved**: periodic motions of the finite-element roll by harmonic balance, one curve per preload, on a
 # coarse mesh with the root resolved.

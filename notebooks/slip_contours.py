@@ -11,7 +11,7 @@
 # %% [markdown]
 # # Where does a coil slip?
 #
-# The case study of section 2.4 of the source: 300 wraps on a cantilevered aluminium mandrel, base shaken at the first
+# The case study of section 2.4 of the thesis: 300 wraps on a cantilevered aluminium mandrel, base shaken at the first
 # natural frequency, 2 % modal damping. The coil is a homogenised solid bonded to the mandrel; it *would* slip where
 # the shear resultant $\sigma_s = \sqrt{\sigma_{rz}^2 + \sigma_{r\theta}^2}$ exceeds the friction capacity $\mu P(r)$
 # that winding leaves.

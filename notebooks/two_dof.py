@@ -11,7 +11,7 @@
 # %% [markdown]
 # # Two masses that rub
 #
-# The reduced-order model of chapter 5 of the source: a primary mass (mandrel) and a secondary one (roll), each on a
+# The reduced-order model of chapter 5 of the thesis: a primary mass (mandrel) and a secondary one (roll), each on a
 # spring and a dashpot, pressed together with a fixed force, on a base that moves as a sine. Seconds for a family of
 # curves, so that it can be fitted to a family that was measured, or computed by finite elements.
 #
@@ -43,7 +43,7 @@ case = wf.Case(
     two_dof={
         "friction_capacity": [1, 2, 3, 5, 10, 20, 50, 100],
         "omega": {"start": 0.4, "stop": 2.0, "points": 200 if quick else 400},
-    },  # all else is Table 5.2 of the source
+    },  # all else is Table 5.2 of the thesis
 )
 family = wf.run(case)
 wf.plot.two_dof(family)

@@ -1,4 +1,4 @@
-"""The claims of the source: the checklist, what is computed for each, and the verdicts (`wroll reproduce`)."""
+"""The claims of the thesis: the checklist, what is computed for each, and the verdicts (`wroll reproduce`)."""
 
 from __future__ import annotations
 

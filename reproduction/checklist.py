@@ -1,4 +1,4 @@
-"""The checklist: every claim of the source, where it stands, and when it counts as met."""
+"""The checklist: every claim of the thesis, where it stands, and when it counts as met."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CHAPTERS = {
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the source.
+    """One claim of the thesis.
 
     Attributes
     ----------
@@ -33,13 +33,13 @@ class Claim:
     chapter
         Key of `CHAPTERS`.
     claim, where
-        What the source says, and where.
+        What the thesis states, and where.
     kind
         value, ordering, definition or experiment.
     accept
         When it counts as met.
     caution
-        What is wrong or open in the source; may be empty.
+        What is wrong or open in the thesis; may be empty.
     """
 
     id: str
@@ -79,7 +79,7 @@ def of_chapters(names: Sequence[str]) -> list[Claim]:
 
 @cache
 def explanations() -> dict[str, str]:
-    """Id -> Markdown text about a claim that is not met, or that names an error of the source."""
+    """Id -> Markdown text about a claim that is not met, or that names an error in the thesis."""
     found: dict[str, str] = {}
     for file in sorted((files(__package__) / "explanations").iterdir(), key=lambda f: f.name):
         for part in file.read_text(encoding="utf-8").split("\n### ")[1:]:

@@ -27,7 +27,7 @@ OPEN = {
     "2700 to 2800 kg/m^3": "mandrel.material.rho=2800",
     "tip mass of 0.05 kg": "mandrel.tip_mass=0.05",
 }
-"""What the source leaves open of its case study -> a value other than the shipped one."""
+"""What the thesis leaves open of its case study -> a value other than the shipped one."""
 
 
 def bending_index(data: xr.Dataset) -> int:
@@ -65,7 +65,7 @@ def c14(evidence: Evidence) -> Verdict:
         evidence, [(STIFF, SOLID), (STIFF, HARMONICS), *((STIFF, change) for change in OPEN.values())]
     )
     said = ", ".join(f"{words} {other:.1f}" for words, other in zip(OPEN, others, strict=True))
-    value = f"f_n = {f:.2f} Hz; harmonics around the axis {independent:.2f} Hz; what the source leaves open: {said} Hz"
+    value = f"f_n = {f:.2f} Hz; harmonics around the axis {independent:.2f} Hz; what the thesis leaves open: {said} Hz"
     return Verdict(value, 95.0 <= f <= 105.0)
 
 

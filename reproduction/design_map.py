@@ -1,4 +1,4 @@
-"""Claims on the map of mandrels (section 2.5, Fig 2.16): C26 and C27; what the source leaves open of it."""
+"""Claims on the map of mandrels (section 2.5, Fig 2.16): C26 and C27; what the thesis leaves open of it."""
 
 from __future__ import annotations
 
@@ -108,5 +108,5 @@ def map_figure(evidence: Evidence) -> Axes:
 FAMILY = Family(
     {"C26": c26, "C27": c27},
     figures={"design_map": ("Fig 2.16: frequency disparity over radius and wall of the mandrel", map_figure)},
-    tables={"Disparity with what the source leaves open": variants},
+    tables={"Disparity with what the thesis leaves open": variants},
 )

@@ -61,7 +61,7 @@ class Evidence:
         self.progress: Progress = progress if progress is not None else SilentProgress()
         if not (self.configs / "studies").is_dir():
             raise InputError(
-                "there are no case files of the source's studies here", file=str(self.configs),
+                "there are no case files of the thesis's studies here", file=str(self.configs),
                 remedy="run from a clone of the project, whose folder configs/ has them",
             )  # fmt: skip
         self._studies: dict[str, list[SeriesMember]] = {}

@@ -1,4 +1,4 @@
-"""Runs from rest as the source made them: an explicit pair of orders 5 and 4 for six of its time constants.
+"""Runs from rest as the thesis made them: an explicit pair of orders 5 and 4 for six of its time constants.
 
 What a loose tolerance makes of the model's curves (appendix C); `time` and `periodic` are the solvers to use.
 """
@@ -19,7 +19,7 @@ from wroll_fem.typing import FloatArray
 drop_stale_cache(__file__, in_time.__file__)
 
 ZETA = 0.002
-"""Damping ratio of the source's estimate of the time constant (equation 5.5)."""
+"""Damping ratio of the thesis's estimate of the time constant (equation 5.5)."""
 
 # Dormand and Prince (1980), J. Comput. Appl. Math. 6, 19-26
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])

@@ -24,11 +24,11 @@ NAMES = ("no_damping", "transient_fidelity", "moderate_dissipation", "quasi_stat
 PRINTED = {-0.05: ("0.275625", "0.55"), -0.41421: ("0.5", "0.91421"), 0.0: ("0.25", "0.5")}
 """alpha -> beta and gamma as Table B.1 prints them."""
 STEP = 3.0722e-4
-"""Time step of the source's run (figure B.2), s."""
+"""Time step of the thesis's run (figure B.2), s."""
 ANGLE = 0.29
 """omega dt of 150 Hz at that step, rad."""
 FINER = 4
-"""Steps of the reference over those of the source."""
+"""Steps of the reference over those of the thesis."""
 ENERGIES = ("input_work", "friction_energy", "numerical_dissipation")
 
 
@@ -76,13 +76,13 @@ def c112(evidence: Evidence) -> Verdict:
 
 
 def by_scheme(evidence: Evidence) -> dict[str, SeriesMember]:
-    """Scheme -> sweep with it at the source's step."""
+    """Scheme -> sweep with it at the thesis's step."""
     found = {str(m.values[SCHEME]): m for m in evidence.study(STUDY)}
     return {name: found[name] for name in NAMES if name in found}
 
 
 def reference(evidence: Evidence) -> SeriesMember:
-    """Return the sweep with alpha = -0.05 at a fraction of the source's step."""
+    """Return the sweep with alpha = -0.05 at a fraction of the thesis's step."""
     one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
     steps = FINER * one.case.integrator.steps_per_cycle
     data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
@@ -124,7 +124,7 @@ def plot_damping(evidence: Evidence) -> Axes:
     for name, colour in zip(NAMES[:0:-1], style.LINES, strict=False):
         ratio = [numerical_damping(Scheme.named(name), 2.0 * np.pi / n)[0] for n in steps]
         ax.loglog(steps, ratio, color=colour, lw=1.6, label=name)
-    ax.axvline(1.0 / (150.0 * STEP), color="black", lw=0.8, ls="--", label="the source's step at 150 Hz: 21.7")
+    ax.axvline(1.0 / (150.0 * STEP), color="black", lw=0.8, ls="--", label="the thesis's step at 150 Hz: 21.7")
     ax.axhspan(0.01, 0.05, color="#DDDDDD", label="damping of the roll: 1 to 5 %")
     ax.plot([], [], " ", label="no_damping: zero")
     ax.set_xlabel("Steps per cycle (–)")
@@ -158,7 +158,7 @@ FAMILY = Family(
     {"C111": c111, "C112": c112, "C113": c113},
     figures={
         "appendix_b_damping": ("Figs B.1 and B.2: numerical damping of the schemes", plot_damping),
-        "appendix_b_schemes": ("Fig B.3: sweep with each scheme at the source's step", plot_schemes),
+        "appendix_b_schemes": ("Fig B.3: sweep with each scheme at the thesis's step", plot_schemes),
     },
     tables={"Schemes on a free oscillator at omega dt = 0.29, and the lab roll's sweep with each": schemes_table},
 )

@@ -16,9 +16,9 @@ from wroll_fem.tribology import RateAndState, VelocitySteps, shear_history
 from wroll_fem.tribology.rate_and_state import LAWS
 
 STEPS = VelocitySteps(1.0e-6, 1.0e-5)
-"""1 and 10 um/s, changed every 0.5 mm up to 3 mm, as in the source."""
+"""1 and 10 um/s, changed every 0.5 mm up to 3 mm, as in the thesis."""
 CONSTANTS = RateAndState()
-"""The source prints none of its constants; these are ours: mu_R of the lab roll, a and b as rocks have them."""
+"""The thesis prints none of its constants; these are ours: mu_R of the lab roll, a and b as rocks have them."""
 
 
 def c122(evidence: Evidence) -> Verdict:

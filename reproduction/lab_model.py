@@ -79,7 +79,7 @@ def c62(evidence: Evidence) -> Verdict:
 
 def c63(evidence: Evidence) -> Verdict:
     parts, offs = [], []
-    for study, base in (("mesh_linear_clamped", "base clamped as in the source"), ("mesh_linear", "base free")):
+    for study, base in (("mesh_linear_clamped", "base clamped as in the thesis"), ("mesh_linear", "base free")):
         finest = max(evidence.study(study), key=lambda m: m.values["mesh.circumferential"] * m.values["mesh.axial"])
         coarse = evidence.one(study, mesh__circumferential=30, mesh__axial=10)
         offs.append(first_bending(coarse) / first_bending(finest) - 1)
@@ -89,7 +89,7 @@ def c63(evidence: Evidence) -> Verdict:
     uniform = read(evidence.one("mesh_friction", mesh__grading=1, mesh__axial=10))
     change = [100 * (getattr(uniform, key) / getattr(best, key) - 1) for key in ("f_n", "peak", "zeta")]
     value = (
-        f"linear, bonded, 30 x 10: {'; '.join(parts)}; friction at 100 kPa, which the source did not check: uniform "
+        f"linear, bonded, 30 x 10: {'; '.join(parts)}; friction at 100 kPa, which the thesis did not check: uniform "
         f"30 x 10 is {change[0]:+.2f} % off in f_n, {change[1]:+.1f} % in the peak, {change[2]:+.1f} % in zeta"
     )
     return Verdict(value, max(abs(off) for off in offs) <= 0.01)
@@ -150,7 +150,7 @@ FAMILY = Family(
         "ch4_friction_law": ("Fig 4.2: penalty law and Coulomb's", friction_law_figure),
         "winding_tension": ("Fig 4.3: pressure at the mandrel over winding tension", study_figure("winding_tension")),
         "ch4_mesh_linear_clamped_mesh_frequency": (
-            "Linear frequency over the mesh, base clamped as in the source (C63)",
+            "Linear frequency over the mesh, base clamped as in the thesis (C63)",
             study_figure("mesh_linear_clamped", "mesh_frequency"),
         ),
         "ch4_mesh_linear_mesh_frequency": (

@@ -15,7 +15,7 @@ from wroll_fem.plotting import save_figure
 
 
 def unexplained(judged: Sequence[Judged]) -> list[str]:
-    """Ids of claims that are not met, or name an error of the source, and have no explanation."""
+    """Ids of claims that are not met, or name an error in the thesis, and have no explanation."""
     return [
         one.claim.id
         for one in judged
@@ -38,12 +38,12 @@ def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     coarse = " with coarse meshes (`--fast`)" if evidence.fast else ""
-    lines = ["# The claims of the source", ""]
+    lines = ["# The claims of the thesis", ""]
     lines += [f"Written by `{command}`{coarse}: {count(judged)}.", ""]
     lines += [
-        "Each row restates a claim of the source (\"Vibration Damping of Coiled Structures Through Frictional Slip\", "
-        "Caltech, 2024) as a check on computed results, with the condition for its being met. Nothing is tuned; an "
-        "input that the source leaves open is named with its value.",
+        "Each row restates one claim of the thesis (A. Wen, \"Vibration Damping of Coiled Structures Through Frictional "
+        "Slip\", PhD thesis, California Institute of Technology, 2024) as a test of computed results, with its "
+        "criterion. No input was tuned. An input that the thesis does not state is named with the value used.",
         "",
     ]  # fmt: skip
     written = [path]
@@ -67,7 +67,7 @@ def table_of(judged: Sequence[Judged]) -> str:
         )
         for one in judged
     ]  # fmt: skip
-    return table(("id", "the source says", "met when", "computed here", "verdict"), rows)
+    return table(("id", "claim of the thesis", "criterion", "computed here", "verdict"), rows)
 
 
 def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], list[str]]:

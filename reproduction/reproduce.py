@@ -1,4 +1,4 @@
-"""`wroll reproduce`: every claim of the source, what was computed for it, and the verdict."""
+"""`wroll reproduce`: every claim of the thesis, what was computed for it, and the verdict."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ class Judged:
 
     @property
     def line(self) -> str:
-        """Id, verdict, what the source says, what was computed."""
-        return f"{self.claim.id:<5} {self.verdict.word:<24} source: {self.claim.claim}  here: {self.verdict.value}"
+        """Id, verdict, what the thesis states, what was computed."""
+        return f"{self.claim.id:<5} {self.verdict.word:<24} thesis: {self.claim.claim}  here: {self.verdict.value}"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Claims on the scale s of the smoothed sign: C114 and C115 (appendix C).
 
-Orbits by shooting (`two_dof.shooting`), beside runs as the source made them (`two_dof.explicit`).
+Orbits by shooting (`two_dof.shooting`), beside runs as the thesis made them (`two_dof.explicit`).
 """
 
 from __future__ import annotations

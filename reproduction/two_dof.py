@@ -231,7 +231,7 @@ def constant(evidence: Evidence) -> str:
             for d in ones
         ]
         rows.append((f"{capacity:g}", *cells))
-    return table(("F_c", "peak omega, T_pk, SK as in the source", "with constant masses and stiffness"), rows)
+    return table(("F_c", "peak omega, T_pk, SK as in the thesis", "with constant masses and stiffness"), rows)
 
 
 FAMILY = Family(

@@ -92,7 +92,7 @@ def settled(evidence: Evidence) -> xr.Dataset:
 
 
 def dwelt(evidence: Evidence) -> xr.Dataset:
-    """Transmissibility of the periodic motion, and of a run over six of the source's time constants."""
+    """Transmissibility of the periodic motion, and of a run over six of the thesis's time constants."""
     omegas = rounded(np.linspace(0.4, 2.0, 9 if evidence.fast else 41))
     return _over_motions(
         evidence, "two_dof_dwelt", _dwelt, capacities(evidence), omegas, ("periodic", "six_time_constants")

@@ -1,4 +1,4 @@
-"""Verdict on one claim of the source."""
+"""Verdict on one claim of the thesis."""
 
 from __future__ import annotations
 

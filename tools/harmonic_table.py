@@ -1,6 +1,6 @@
 """Harmonic balance against slow chirps; writes docs/tables/harmonic.md: `.venv/bin/python tools/harmonic_table.py`.
 
-The lab roll on the source's mesh (30 x 10 cells), 40 steps per cycle. A chirp approaches the steady state as its
+The lab roll on the thesis's mesh (30 x 10 cells), 40 steps per cycle. A chirp approaches the steady state as its
 rate falls; the last lines of each preload show how far it has come.
 """
 

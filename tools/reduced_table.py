@@ -1,7 +1,7 @@
 """Reduced against condensed, preload by preload; writes docs/tables/reduced.md.
 
-`.venv/bin/python tools/reduced_table.py`, about two minutes. The lab chirp on the source's mesh (30 x 10 cells) at its
-density of 47 400 steps (19 per cycle at 175 Hz; the source has 21.7 per cycle at 150 Hz). CPU seconds on one core.
+`.venv/bin/python tools/reduced_table.py`, about two minutes. The lab chirp on the thesis's mesh (30 x 10 cells) at its
+density of 47 400 steps (19 per cycle at 175 Hz; the thesis has 21.7 per cycle at 150 Hz). CPU seconds on one core.
 """
 
 from __future__ import annotations
