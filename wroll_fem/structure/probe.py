@@ -1,0 +1,122 @@
+"""Probes: the displacement of one point of a shell in one direction, as a row of its degrees of freedom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from wroll_fem.errors import InputError
+from wroll_fem.structure.body import Body
+from wroll_fem.typing import FloatArray
+
+Direction = Literal["x", "y", "z", "radial", "hoop"]
+DIRECTIONS: tuple[str, ...] = get_args(Direction)
+
+_ITERATIONS = 20
+_ON_CELL = 1e-6
+"""How far outside of its cell, in reference coordinates, a point may lie."""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A point on the mid-surface of a shell, and a direction.
+
+    Attributes
+    ----------
+    theta, z
+        Angle from the x-axis in rad and height above the base in m.
+    direction
+        x, y, z (axial), radial (outward) or hoop (towards growing theta).
+    body
+        Name of the shell: mandrel, layer_01, ...
+    """
+
+    theta: float
+    z: float
+    direction: Direction = "x"
+    body: str = "mandrel"
+
+
+def probe_row(body: Body, probe: Probe) -> FloatArray:
+    """Return the row (n_dofs,) that gives the displacement at the probe, m, from the degrees of freedom of the body.
+
+    The displacement is interpolated by the body's own shape functions, so the row is exact between nodes as well.
+
+    Raises
+    ------
+    InputError
+        When the point is not on the body.
+    """
+    cell, local = _locate(body, probe)
+    weights = shape_functions(local)
+    row = np.zeros(body.n_dofs)
+    for node, weight in zip(body.cells[cell], weights, strict=True):
+        for component, share in enumerate(_unit_vector(probe)):
+            if share != 0.0:
+                row += weight * share * np.asarray(body.expand[6 * node + component].todense()).ravel()
+    return row
+
+
+def _unit_vector(probe: Probe) -> FloatArray:
+    """Cartesian components (3,) of the probe's direction."""
+    c, s = np.cos(probe.theta), np.sin(probe.theta)
+    vectors = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "radial": (c, s, 0), "hoop": (-s, c, 0)}
+    return np.array(vectors[probe.direction], float)
+
+
+def shape_functions(local: FloatArray) -> FloatArray:
+    """Values (9,) of the biquadratic shape functions at reference coordinates (2,) in [-1, 1].
+
+    Order of VTK_BIQUADRATIC_QUAD: corners, middles of the edges, centre.
+    """
+    along, across = (np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]) for x in local)
+    order = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
+    return np.array([along[i] * across[j] for i, j in order])
+
+
+def _slopes(local: FloatArray) -> FloatArray:
+    """Derivatives (9, 2) of the shape functions."""
+    step = 1e-6  # quadratic: central differences are exact but for rounding
+    offsets = step * np.eye(2)
+    return np.column_stack(
+        [(shape_functions(local + offset) - shape_functions(local - offset)) / (2 * step) for offset in offsets]
+    )
+
+
+def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
+    """Cell that holds the probe, and its reference coordinates (2,) there."""
+    nodes = body.nodes
+    low, high = float(nodes[:, 2].min()), float(nodes[:, 2].max())
+    length = high - low
+    if not low - _ON_CELL * length <= probe.z <= high + _ON_CELL * length:
+        remedy = f"give a height between {low:g} and {high:g} m"
+        raise InputError(f"{probe.z:g} m is not on {body.name}", key="z", remedy=remedy)
+    turned = np.angle(np.exp(1j * (np.arctan2(nodes[:, 1], nodes[:, 0]) - probe.theta)))  # 0 at the probe
+    height = (nodes[:, 2] - probe.z) / length
+    corners = body.cells[:, :4]
+    spread = np.ptp(turned[corners], axis=1) < np.pi  # not the cells opposite, whose angles jump by 2 pi
+    close = spread & (np.abs(turned[corners]).min(axis=1) <= np.ptp(turned[corners], axis=1) + _ON_CELL)
+    close &= (height[corners].min(axis=1) <= _ON_CELL) & (height[corners].max(axis=1) >= -_ON_CELL)
+    best: tuple[float, int, FloatArray] | None = None
+    for cell in np.flatnonzero(close):
+        own = body.cells[cell]
+        local = _invert(np.column_stack([turned[own], height[own]]))
+        outside = float(np.abs(local).max()) - 1.0
+        if best is None or outside < best[0]:
+            best = (outside, int(cell), local)
+    if best is None or best[0] > _ON_CELL:
+        raise InputError(f"no element of {body.name} holds the point", key="theta", remedy="give a point of the shell")
+    return best[1], np.clip(best[2], -1.0, 1.0)
+
+
+def _invert(places: FloatArray) -> FloatArray:
+    """Reference coordinates (2,) at which the nodes' ``places`` (9, 2) interpolate to the origin (Newton)."""
+    local = np.zeros(2)
+    for _ in range(_ITERATIONS):
+        change = np.linalg.solve(places.T @ _slopes(local), -places.T @ shape_functions(local))
+        local = local + change
+        if np.abs(change).max() < 1e-12:
+            break
+    return local
