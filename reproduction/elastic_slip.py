@@ -16,7 +16,7 @@ from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
-from wroll_fem.dynamics.statics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, read

@@ -10,7 +10,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping

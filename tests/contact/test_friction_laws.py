@@ -19,8 +19,9 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
 from wroll_fem.contact.rate_coulomb import coefficient
 from wroll_fem.contact.smoothed_coulomb import logistic_sign
-from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
-from wroll_fem.dynamics.statics.static import ContactState, TrialContact, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import built_in_springs, stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,

@@ -9,7 +9,8 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.full import FullStepper

@@ -14,7 +14,9 @@ from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 

@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 from wroll_fem import Case, cli, load_case
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.winding import doubts
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures, press_to
-from wroll_fem.dynamics.statics.static import solve_preload
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.jobs.run import run_case

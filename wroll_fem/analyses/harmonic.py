@@ -15,7 +15,8 @@ from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError

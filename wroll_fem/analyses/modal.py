@@ -11,7 +11,9 @@ import xarray as xr
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.results.dataset import annotate
 from wroll_fem.structure.body import Body

@@ -22,7 +22,7 @@ import scipy.sparse as sp
 import xarray as xr
 
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
-from wroll_fem.dynamics.statics.static import solve_load_path
+from wroll_fem.dynamics.statics.preload import solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.results.dataset import annotate

@@ -21,7 +21,8 @@ from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact, Sa
 from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError

@@ -21,7 +21,8 @@ from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.full import FullStepper

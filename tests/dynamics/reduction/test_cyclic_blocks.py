@@ -15,7 +15,9 @@ from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense, condense_cyclic
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.condensed import CondensedStatic
-from wroll_fem.dynamics.statics.static import ContactState, solve_load_path, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_load_path, solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import condensed
 from wroll_fem.dynamics.time_stepping.hht import Scheme

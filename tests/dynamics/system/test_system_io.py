@@ -21,7 +21,8 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case import Case, example_case, load_case
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system, save_system, system_size
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError

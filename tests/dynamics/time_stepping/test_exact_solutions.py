@@ -16,7 +16,7 @@ from support.exact_systems import (
     with_preload,
 )
 
-from wroll_fem.dynamics.statics.static import solve_load_path, solve_preload
+from wroll_fem.dynamics.statics.preload import solve_load_path, solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import (
     FRICTION,

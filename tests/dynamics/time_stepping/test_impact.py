@@ -11,7 +11,7 @@ from support.exact_systems import contact_point, dense_system, stepper
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import stack_laws
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
-from wroll_fem.dynamics.statics.static import solve_preload
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import CONTACT, IMPACT, INPUT, KINETIC, NUMERICAL, STRAIN
 

@@ -17,7 +17,9 @@ from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
-from wroll_fem.dynamics.statics.static import ContactState, solve_preload, stick_springs
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import reduced
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper

@@ -11,7 +11,7 @@ from support.paths import CONFIGS
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, normal_penalty
 from wroll_fem.case import load_case
 from wroll_fem.contact import kernels
-from wroll_fem.dynamics.statics.static import equilibrium_force, solve_preload
+from wroll_fem.dynamics.statics.preload import equilibrium_force, solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,

@@ -12,7 +12,7 @@ from support.exact_systems import (
     unbalanced,
 )
 
-from wroll_fem.dynamics.statics.static import solve_preload
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import (
     CONTACT,

@@ -7,7 +7,8 @@ import pytest
 from support.exact_systems import STEPPERS, coulomb_oscillator, stepper, with_law
 
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
-from wroll_fem.dynamics.statics.static import TrialContact, solve_preload
+from wroll_fem.dynamics.statics.contact_state import TrialContact
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.uniqueness import ambiguity
 from wroll_fem.errors import InputError

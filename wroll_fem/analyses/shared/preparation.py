@@ -8,7 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
-from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, solve_preload
+from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
+from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system
 from wroll_fem.dynamics.system.matrix_checks import is_singular, massless_dofs
 from wroll_fem.dynamics.system.system import System

@@ -23,7 +23,7 @@ import numpy as np
 from wroll_fem.contact.kernels import PointLaws
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 

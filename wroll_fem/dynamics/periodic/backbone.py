@@ -25,7 +25,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, follow, solve_at
 from wroll_fem.typing import FloatArray

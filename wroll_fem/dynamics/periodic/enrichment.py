@@ -29,7 +29,7 @@ from wroll_fem.dynamics.periodic.backbone import BackboneCurve, main_mode, solve
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_response
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.typing import FloatArray

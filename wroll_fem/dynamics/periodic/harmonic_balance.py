@@ -27,7 +27,7 @@ from wroll_fem.contact.laws import SMOOTHED, PointLaws
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, follow, solve_at
 from wroll_fem.typing import FloatArray

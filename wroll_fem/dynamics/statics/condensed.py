@@ -19,7 +19,8 @@ import scipy.sparse as sp
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
-from wroll_fem.dynamics.statics.static import LEAST_TANGENT, ContactState, TrialContact, unconverged
+from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState, TrialContact
+from wroll_fem.dynamics.statics.full import unconverged
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.typing import FloatArray

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from wroll_fem.dynamics.statics.condensed import CondensedStatic
-from wroll_fem.dynamics.statics.static import ContactState, solve_load_path
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.preload import solve_load_path
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
@@ -52,7 +53,7 @@ def press_to(
 
     Notes
     -----
-    The pressures are those of the whole ramp with friction from the unloaded roll, as `static.solve_preload` solves it:
+    The pressures are those of the whole ramp with friction from the unloaded roll (`preload.solve_preload`):
     friction makes them depend on the path a little.
     """
     solver = CondensedStatic.of(system, float(targets.max()))

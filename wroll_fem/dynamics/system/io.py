@@ -40,7 +40,7 @@ from wroll_fem.contact.interface import (
     RateCoulomb,
     SmoothedCoulomb,
 )
-from wroll_fem.dynamics.statics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
@@ -172,7 +172,7 @@ def load_system(
     Returns
     -------
     System, ContactState or None
-        The state at the start of the motion; None when the file holds none, so that `static.solve_preload` finds it.
+        The state at the start of the motion; None when the file holds none, so that `preload.solve_preload` finds it.
 
     Raises
     ------

@@ -27,8 +27,8 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
-from wroll_fem.dynamics.statics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.contact_springs import built_in_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed_kernel import advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
-from wroll_fem.dynamics.statics.static import ContactState, TrialContact
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import (

@@ -19,9 +19,9 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.reduction.contact_springs import built_in_springs
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_springs import built_in_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced_kernel import advance_reduced, sum_up

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from wroll_fem.contact.laws import RATE
-from wroll_fem.dynamics.statics.static import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import InputError

@@ -5,9 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.contact.laws import SMOOTHED
-from wroll_fem.dynamics.statics.static import ContactState, stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
+
+
+def stick_springs(system: System, state: ContactState) -> FloatArray:
+    """(3 n_points,) stiffness per slot of the contact that sticks at ``state``, Pa/m.
+
+    Open points have none, nor has the smoothed law along the surface: it holds nothing at rest.
+    """
+    law, pressure = system.laws, state.pressure
+    closed = (pressure > 0) | ~law.separation
+    stick = np.where(law.kind == SMOOTHED, 0.0, law.mu * pressure / law.gamma)
+    return np.concatenate([np.repeat(stick, 2), np.where(closed, law.kn, 0.0)])
 
 
 def built_in_springs(system: System, state: ContactState, dt: float) -> FloatArray:

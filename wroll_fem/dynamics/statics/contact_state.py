@@ -1,0 +1,107 @@
+"""Committed state of the contact, and its trial evaluation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+
+from wroll_fem.contact import kernels
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.typing import FloatArray
+
+LEAST_TANGENT = 1e-6
+"""Share of the normal penalty that Newton's matrix (never the residual) gives to a point that holds nothing yet."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Committed state of a system at rest or between two steps.
+
+    Attributes
+    ----------
+    displacement
+        (n_dofs,) m.
+    jump
+        (3 n_points,) relative displacement in slot order, m.
+    elastic_slip
+        (2 n_points,) m.
+    traction
+        (3 n_points,) Pa; tangential slots first, the normal is negative in compression.
+    status
+        (n_points,) `contact.kernels.STICK`, ``SLIP`` or ``OPEN``.
+    """
+
+    displacement: FloatArray
+    jump: FloatArray
+    elastic_slip: FloatArray
+    traction: FloatArray
+    status: np.ndarray
+
+    @property
+    def pressure(self) -> FloatArray:
+        """(n_points,) contact pressure, Pa, positive in compression."""
+        n = len(self.status)
+        return np.maximum(0.0, -self.traction[2 * n :])
+
+    @classmethod
+    def unloaded(cls, system: System) -> ContactState:
+        """State of a system that nothing has touched yet: no gap, no pressure."""
+        n = system.n_points
+        return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
+
+
+def slot_blocks(d: FloatArray) -> sp.csr_matrix:
+    """(n, 3, 3) point tangents (hoop, axial, normal) as a (3 n, 3 n) sparse matrix in slot order."""
+    n = len(d)
+    k = np.arange(n)
+    slots = np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
+    rows = np.repeat(slots, 3, axis=1).ravel()
+    cols = np.tile(slots, (1, 3)).ravel()
+    return sp.csr_matrix((d.ravel(), (rows, cols)), shape=(3 * n, 3 * n))
+
+
+class WithLaws(Protocol):
+    """A system, or a part of its points."""
+
+    @property
+    def laws(self) -> PointLaws:
+        """Law parameters of the points."""
+        ...
+
+
+class TrialContact:
+    """Trial evaluation of all interfaces from a committed state (which it never changes)."""
+
+    def __init__(self, system: WithLaws):
+        self.laws = system.laws
+        n = self.laws.n
+        self.traction, self.elastic_slip = np.zeros(3 * n), np.zeros(2 * n)
+        self.status, self.tangent = np.zeros(n, np.int64), np.zeros((n, 3, 3))
+
+    def __call__(self, jump: FloatArray, state: ContactState, dt: float = np.inf) -> FloatArray:
+        """Trial traction (3 n_points,), Pa, ``dt`` s after ``state``; also fills ``elastic_slip`` and ``status``."""
+        kernels.trial_traction(
+            jump, state.jump, state.elastic_slip, self.laws, dt, self.traction, self.elastic_slip, self.status
+        )
+        return self.traction
+
+    def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0, dt: float = np.inf) -> sp.csr_matrix:
+        """Consistent tangent (3 n, 3 n) in slot order; ``floor`` is the least stiffness per slot, Pa/m."""
+        kernels.consistent_tangent(jump, state.jump, state.elastic_slip, self.laws, dt, self.tangent)
+        if floor > 0.0:
+            # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method
+            sticks = (self.status == kernels.STICK) & (self.tangent[:, 0, 0] > 0.0)
+            for c in range(3):
+                least = np.where(sticks, self.tangent[:, c, c], floor)
+                self.tangent[:, c, c] = np.maximum(self.tangent[:, c, c], least)
+        return slot_blocks(self.tangent)
+
+    def committed(self, displacement: FloatArray, jump: FloatArray) -> ContactState:
+        """The state that results when the last trial is accepted."""
+        return ContactState(
+            displacement, jump.copy(), self.elastic_slip.copy(), self.traction.copy(), self.status.copy()
+        )

@@ -1,0 +1,83 @@
+"""Preload: quasi-static load paths with friction, on the interfaces alone or on the whole structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from wroll_fem.dynamics.statics.condensed import CondensedStatic
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.full import solve_static
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.typing import FloatArray
+
+
+def solve_load_path(
+    system: System,
+    forces: Sequence[FloatArray],
+    state: ContactState | None = None,
+    *,
+    max_cuts: int = 6,
+    progress: Callable[[int], None] | None = None,
+    condensed: CondensedStatic | None = None,
+) -> list[ContactState]:
+    """Quasi-static path through a sequence of force vectors, committing friction at each.
+
+    A step that does not converge is cut in halves up to ``max_cuts`` times. ``condensed`` solves on the interfaces
+    alone; without it the whole structure is solved.
+
+    Returns
+    -------
+    list of ContactState
+        One per force vector.
+    """
+    current = ContactState.unloaded(system) if state is None else state
+    previous = np.zeros(system.n_dofs) if state is None else equilibrium_force(system, current)
+    path = []
+    for i, target in enumerate(forces):
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            step = min(step, 1.0 - done)
+            try:
+                force = previous + (done + step) * (target - previous)
+                if condensed is None:
+                    current = solve_static(system, force, current, load_factor=i + done + step)
+                else:
+                    current = condensed(force, current, load_factor=i + done + step)
+            except ConvergenceError:
+                step *= 0.5
+                if step < 0.5**max_cuts:
+                    raise
+                continue
+            done += step
+        previous = target
+        path.append(current)
+        if progress is not None:
+            progress(i + 1)
+    return path
+
+
+def equilibrium_force(system: System, state: ContactState) -> FloatArray:
+    """External force (n_dofs,) in N that holds ``state`` in equilibrium."""
+    return system.stiffness @ state.displacement + system.jump.T @ (system.weights * state.traction)
+
+
+def solve_preload(
+    system: System, *, steps: int = 10, progress: Callable[[int], None] | None = None, condensed: bool = True
+) -> ContactState:
+    """Ramp the load "preload" in equal steps with friction; the state it leaves starts the dynamics.
+
+    Parameters
+    ----------
+    condensed
+        Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
+    """
+    force = system.loads.get("preload", np.zeros(system.n_dofs))
+    if not np.any(force):
+        return ContactState.unloaded(system)
+    scale = float(np.abs(force).sum() / max(system.laws.area.sum(), 1e-300)) / np.sqrt(3.0)
+    solver = CondensedStatic.of(system, scale) if condensed else None
+    path = [force * (i + 1) / steps for i in range(steps)]
+    return solve_load_path(system, path, progress=progress, condensed=solver)[-1]
