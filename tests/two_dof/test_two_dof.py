@@ -74,7 +74,7 @@ def test_compiled_equations_are_those_of_the_source_and_of_the_matrices(arrangem
     system, omega = two_mass_system(p), 0.9
     for t in (0.3, 2.0):
         state = rng.standard_normal(4)
-        found = _rates(state, t, omega, parameters(p))
+        found = _rates(t, state, omega, parameters(p))
         np.testing.assert_allclose(found, [*state[2:], *accelerations(model, 3.0, omega, t, state)], rtol=1e-13)
         # relative to the base, as the System has it
         y = p.base_amplitude * np.sin(omega * t)
@@ -85,10 +85,10 @@ def test_compiled_equations_are_those_of_the_source_and_of_the_matrices(arrangem
         load = -system.mass.toarray()[:2, :2] @ np.ones(2) * yddot + p.unshaken * (p.k2 * y + p.c2 * ydot)
         np.testing.assert_allclose(np.diag(p.mass) * (found[2:] - yddot), load - pull, rtol=1e-12, atol=1e-12)
         differences = np.array(
-            [(_rates(state + h, t, omega, parameters(p)) - _rates(state - h, t, omega, parameters(p))) / 2e-6
+            [(_rates(t, state + h, omega, parameters(p)) - _rates(t, state - h, omega, parameters(p))) / 2e-6
              for h in 1e-6 * np.eye(4)]
         ).T  # fmt: skip
-        np.testing.assert_allclose(_slopes(state, t, omega, parameters(p)), differences, atol=1e-8)
+        np.testing.assert_allclose(_slopes(t, state, omega, parameters(p)), differences, atol=1e-8)
 
 
 def test_values_without_a_meaning_are_refused() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.fem.fourier_modes import FourierMode, family_modes, lowest_modes
@@ -15,8 +16,8 @@ from wroll_fem.structure.materials import CylindricalOrthotropic
 LOWEST_MODULUS = 1.0
 """Pa: next to nothing beside any web. A coil that leaves bending the fundamental mode down to here has no limit."""
 
-_TOLERANCE = 1e-5  # of the frequencies that meet
-_ITERATIONS = 40
+_TOLERANCE = 1e-8  # of ln G
+_REACH = 2.5  # first interval over the gap at its start; 2 would meet the zero where the gap has the slope 1/2
 _ASIDE = 1e-3  # step above the crossing at which the fundamental mode is looked up, in the shear modulus
 
 
@@ -88,43 +89,56 @@ def loosest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> LooseCo
         found: dict[float, tuple[FourierMode, FourierMode]] = {}
 
         def gap(log_modulus: float, rivals: list[Family] = rivals, found: dict = found) -> float:
-            roll.set_coil(with_shear_modulus(material, float(np.exp(log_modulus))))
-            bending = family_modes(roll, BENDING, 1)[0]
-            rival = min((family_modes(roll, f, 1)[0] for f in rivals), key=lambda mode: mode.frequency_hz)
-            found[log_modulus] = bending, rival
+            if log_modulus not in found:
+                roll.set_coil(with_shear_modulus(material, float(np.exp(log_modulus))))
+                bending = family_modes(roll, BENDING, 1)[0]
+                rival = min((family_modes(roll, f, 1)[0] for f in rivals), key=lambda mode: mode.frequency_hz)
+                found[log_modulus] = bending, rival
+            bending, rival = found[log_modulus]
             return float(np.log(rival.frequency_hz / bending.frequency_hz))
 
         thickness = roll.model.section.radii[-1] - roll.model.section.wall_radius
-        root = _root(gap, float(np.log(material.rho * (4 * thickness * first.frequency_hz) ** 2)))
+        estimate = float(np.log(material.rho * (4 * thickness * first.frequency_hz) ** 2))
+        root = _crossing(gap, estimate, float(np.log(max(material.G_r_theta, material.G_r_z))))
         G = float(np.exp(root))
         roll.set_coil(with_shear_modulus(material, G * (1 + _ASIDE)))
         lowest = fundamental(roll)
         roll.set_coil(with_shear_modulus(material, G))
         if lowest.family == BENDING or lowest.family in rivals:
             bending, rival = found[root]
-            unlimited = rival.frequency_hz > bending.frequency_hz * (1 + 2 * _TOLERANCE)
+            unlimited = rival.frequency_hz > bending.frequency_hz * (1 + _ASIDE)
             return LooseCoil(G, bending, first, "" if unlimited else rival.kind)
         rivals = [*rivals, lowest.family]
 
 
-def _root(gap: Callable[[float], float], start: float) -> float:
-    """Zero of a growing function by secants, or the lowest modulus where it is still positive there.
+def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
+    """Zero of a growing function below ``top``, or the lowest modulus where the function is still positive there.
 
-    The first step assumes the slope 1/2 of a shear frequency.
+    Parameters
+    ----------
+    gap
+        ln(rival / bending frequency) by ln G.
+    start
+        Estimate of the zero. A shear frequency grows as sqrt(G), so the zero is about 2 gap(start) below it.
+
+    Raises
+    ------
+    ConvergenceError
+        If the function is negative at ``top``.
     """
-    x, floor = start, float(np.log(LOWEST_MODULUS))
-    history: list[float] = []
-    previous: tuple[float, float] | None = None
-    while len(history) < _ITERATIONS:
-        y = gap(x)
-        history.append(abs(y))
-        if abs(y) < _TOLERANCE or (x == floor and y > 0):
-            return x
-        slope = 0.5 if previous is None or x == previous[0] else (y - previous[1]) / (x - previous[0])
-        previous = x, y
-        x = max(floor, x - float(np.clip(y / max(slope, 0.05), -3.0, 3.0)))
-    raise ConvergenceError(
-        "the shear modulus at which bending stops being the fundamental mode was not found",
-        time_s=None, iterations=len(history), residual_history=history,
-        advice="give design_map.loosest as a shear modulus in Pa",
-    )  # fmt: skip
+    floor = float(np.log(LOWEST_MODULUS))
+    start = min(max(start, floor), top)
+    beyond = min(max(start - _REACH * gap(start), floor), top)
+    low, high = sorted((start, beyond))
+    if gap(high) < 0:
+        high = top
+        if gap(high) < 0:
+            raise ConvergenceError(
+                "bending stops being the fundamental mode above the coil's own shear modulus", time_s=None,
+                iterations=3, residual_history=[], advice="give design_map.loosest as a shear modulus in Pa",
+            )  # fmt: skip
+    if gap(low) > 0:
+        low = floor
+        if gap(low) > 0:
+            return floor
+    return float(brentq(gap, low, high, xtol=_TOLERANCE))

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numba
 import numpy as np
-from scipy.integrate import odeint
+from scipy.integrate import solve_ivp
 
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
@@ -27,11 +27,11 @@ LEAST_SMOOTHING = 1e-6
 
 
 @numba.njit(cache=True)
-def _with_derivative(y: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArray:
+def _with_derivative(t: float, y: FloatArray, omega: float, p: FloatArray) -> FloatArray:
     """Rates of the state (4,) and of its derivative (4, 4) by the start, stacked in ``y`` (20,)."""
     out = np.empty(20)
     rates_into(y, t, omega, p, out)
-    out[4:] = (_slopes(y[:4], t, omega, p) @ np.ascontiguousarray(y[4:]).reshape(4, 4)).ravel()
+    out[4:] = (_slopes(t, y[:4], omega, p) @ np.ascontiguousarray(y[4:]).reshape(4, 4)).ravel()
     return out
 
 
@@ -69,13 +69,13 @@ def periodic_orbit(
 
 def _newton(pressed: Pressed, omega: float, x: FloatArray, tolerance: float) -> FloatArray | None:
     """State at t = 0 of the periodic orbit, or None; steps that do not reduce the gap are halved."""
-    half, size, step, p = np.array([0.0, np.pi / omega]), np.inf, np.zeros(4), parameters(pressed)
+    half, size, step, p = (0.0, np.pi / omega), np.inf, np.zeros(4), parameters(pressed)
     for _ in range(40):
         start = np.concatenate([x, np.eye(4).ravel()])
-        end = odeint(
-            _with_derivative, start, half, args=(omega, p), rtol=tolerance, atol=tolerance * pressed.base_amplitude,
-            mxstep=1_000_000,
-        )[-1]  # fmt: skip
+        end = solve_ivp(
+            _with_derivative, half, start, method="LSODA", args=(omega, p), rtol=tolerance,
+            atol=tolerance * pressed.base_amplitude,
+        ).y[:, -1]  # fmt: skip
         gap = x + end[:4]
         new = float(np.abs(gap).max())
         if new < 1e3 * tolerance * (1.0 + np.abs(x).max()):
@@ -98,7 +98,7 @@ def orbit_transmissibility(
     path = in_time.integrate(pressed, omega, state, times, tolerance)
     k = int(np.argmax(np.abs(path[:, 0])))
     x, v = path[k, 0], path[k, 2]
-    a = _rates(path[k], times[k], omega, parameters(pressed))[2]
+    a = _rates(times[k], path[k], omega, parameters(pressed))[2]
     return float(abs(x - 0.5 * v * v / a) / pressed.base_amplitude)
 
 

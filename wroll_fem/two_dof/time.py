@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
-from scipy.integrate import odeint
+from scipy.integrate import solve_ivp
 
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
@@ -52,7 +52,7 @@ def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: Fl
 
 
 @numba.njit(cache=True)
-def _rates(state: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArray:
+def _rates(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArray:
     """(4,) rates."""
     out = np.empty(4)
     rates_into(state, t, omega, p, out)
@@ -60,7 +60,7 @@ def _rates(state: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArr
 
 
 @numba.njit(cache=True)
-def _slopes(state: FloatArray, t: float, omega: float, p: FloatArray) -> FloatArray:
+def _slopes(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArray:
     """(4, 4) derivatives of the rates."""
     m1, k1, c1, m2, k2, c2, capacity, smoothing, _, a, _ = p
     s = np.tanh(0.5 * smoothing * (state[2] - state[3]))
@@ -89,16 +89,16 @@ def integrate(
     ConvergenceError
         When LSODA gives up.
     """
-    path, info = odeint(
-        _rates, state, times, args=(omega, parameters(pressed)), Dfun=_slopes, rtol=tolerance,
-        atol=tolerance * pressed.base_amplitude, mxstep=1_000_000, full_output=True,
+    found = solve_ivp(
+        _rates, (times[0], times[-1]), state, method="LSODA", t_eval=times, args=(omega, parameters(pressed)),
+        jac=_slopes, rtol=tolerance, atol=tolerance * pressed.base_amplitude,
     )  # fmt: skip
-    if info["message"] != "Integration successful.":
+    if not found.success:
         raise ConvergenceError(
-            f"time integration at omega = {omega:.6g} rad/s: {info['message']}", time_s=float(times[-1]), iterations=0,
+            f"time integration at omega = {omega:.6g} rad/s: {found.message}", time_s=float(times[-1]), iterations=0,
             residual_history=[], advice="use a smaller two_dof.smoothing",
         )  # fmt: skip
-    return np.asarray(path)
+    return np.asarray(found.y.T)
 
 
 def settle(pressed: Pressed, omega: float, *, settled: float = 1e-6, tolerance: float = 1e-10) -> SettledMotion:
@@ -154,5 +154,5 @@ def _largest(pressed: Pressed, omega: float, state: FloatArray, tolerance: float
     path = integrate(pressed, omega, state, times, tolerance)
     k = int(np.argmax(np.abs(path[:, 0])))
     x, v = path[k, 0], path[k, 2]
-    a = _rates(path[k], times[k], omega, parameters(pressed))[2]
+    a = _rates(times[k], path[k], omega, parameters(pressed))[2]
     return float(abs(x - 0.5 * v * v / a) / pressed.base_amplitude)

@@ -32,6 +32,7 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
+from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
 
 NEAR_RESONANCE = 0.02
@@ -40,7 +41,7 @@ NEAR_RESONANCE = 0.02
 Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 
 KRYLOV, KRYLOV_TOLERANCE = 80, 1e-3
-"""Most products of GMRES and the relative residual at which it stops."""
+"""Maximum number of GMRES iterations, and the relative residual at which they end."""
 
 SMALL = 40
 """Structures with fewer modes are not reduced."""
@@ -63,14 +64,12 @@ class Correction:
     shapes : (r, R) the same for unit energy norm of the motion
     energy : its energy norm over that of the motion
     tip : change of the fundamental of the tip over that of the motion
-    krylov : GMRES products
     """
 
     modal: FloatArray
     shapes: FloatArray
     energy: float
     tip: float
-    krylov: int
 
 
 def correction(
@@ -121,7 +120,9 @@ def correction(
         return np.asarray(inverse * modal_force(c, contact.weights[:, None] * changed(z)))
 
     direct = -inverse * residual
-    z, count = _gmres(lambda v: v + slot_jump(c, answer(v)), slot_jump(c, direct))
+    z = gmres(
+        lambda v: v + slot_jump(c, answer(v)), slot_jump(c, direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
+    )
     delta = direct - answer(z)
     root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]
     if along is not None:
@@ -136,7 +137,6 @@ def correction(
         delta / size,
         float(np.linalg.norm(root * delta)) / size,
         float(np.linalg.norm(tip) / np.linalg.norm(moved)),
-        count,
     )
 
 
@@ -338,27 +338,3 @@ def trained_backbone(
 
     model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
     return _trained(model, solve, look, tolerance, max_rounds, on_round)
-
-
-def _gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray) -> tuple[FloatArray, int]:
-    """Solution of apply(z) = b without restart; z like b."""
-    shape, size = b.shape, float(np.linalg.norm(b))
-    if size == 0.0:
-        return np.zeros(shape), 0
-    basis, h = [b.ravel() / size], np.zeros((KRYLOV + 1, KRYLOV))
-    y, k = np.zeros(0), 0
-    for k in range(KRYLOV):
-        v = apply(basis[k].reshape(shape)).ravel()
-        for _ in range(2):
-            for i, u in enumerate(basis):
-                along = float(u @ v)
-                h[i, k] += along
-                v = v - along * u
-        h[k + 1, k] = np.linalg.norm(v)
-        rhs = np.zeros(k + 2)
-        rhs[0] = size
-        y, *_ = la.lstsq(h[: k + 2, : k + 1], rhs)
-        if np.linalg.norm(h[: k + 2, : k + 1] @ y - rhs) < KRYLOV_TOLERANCE * size or h[k + 1, k] < 1e-14 * size:
-            break
-        basis.append(v / h[k + 1, k])
-    return (np.column_stack(basis[: k + 1]) @ y).reshape(shape), k + 1
