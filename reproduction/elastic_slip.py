@@ -12,7 +12,6 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
@@ -21,6 +20,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, read
 from wroll_fem.plotting.transmissibility import magnitude
+from wroll_fem.results.energy import energy_balance_error
 
 SLIP = "contact.friction.elastic_slip"
 LOW, REDUCED, TIED = "elastic_slip_low", "elastic_slip_reduced", "elastic_slip_tied"

@@ -180,7 +180,7 @@ def test_wrong_input_is_one_line(tmp_path: Path, dwell: wf.Case) -> None:
         (lambda: wf.batch_table(tmp_path), "no table of a batch"),
         (lambda: wf.run_grid(tmp_path / "no.yaml", tmp_path), "file not found"),
         (lambda: wf.run_series(two_masses(), {"two_dof.m3": [1]}), "two_dof.m3: unknown key"),
-        (lambda: wf.slip_model(two_masses()), "analysis: a slip model is none of two_dof"),
+        (lambda: wf.slip_model(two_masses()), "analysis: SlipModel needs analysis: modal_transient, got two_dof"),
         (lambda: wf.plot.study_figure("nothing", []), "figure: no figure 'nothing'; use one of"),
     ):
         with pytest.raises(wf.InputError) as told:

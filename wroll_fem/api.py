@@ -95,7 +95,7 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     if not isinstance(case, Case):
         remedy = "load it first: run(load_case(path))"
         raise InputError(f"is not a case but a {type(case).__name__}", key="case", remedy=remedy)
-    from wroll_fem.jobs.run import run_case, with_origin
+    from wroll_fem.jobs.run import run_case, with_provenance
 
     with _reporting(progress) as reporter:
         if out is not None:
@@ -105,7 +105,7 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
 
         for text in analyses.case_warnings(case):
             reporter.warning(text)
-        return with_origin(analyses.run_analysis(case, progress=reporter), case)
+        return with_provenance(analyses.run_analysis(case, progress=reporter), case)
 
 
 def load_result(path: str | Path) -> xr.Dataset:
@@ -146,16 +146,16 @@ def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
     Parameters
     ----------
     case
-        The case, where the result does not say which it is from.
+        Only for a Dataset that does not name its analysis.
 
     Raises
     ------
     InputError
-        When neither says.
+        When neither names the analysis.
     """
     from wroll_fem import analyses
 
-    return analyses.summarise(result, case if case is not None else case_of(result))
+    return analyses.summarise(result, case)
 
 
 def transmissibility(result: xr.Dataset) -> xr.DataArray:

@@ -23,9 +23,9 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 import typer
 
 from wroll_fem import __version__
-from wroll_fem.case import RESUMABLE, load_case, schema_text
+from wroll_fem.case import load_case, schema_text
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
-from wroll_fem.jobs.console import closing_lines
+from wroll_fem.jobs.console import summary_lines
 from wroll_fem.progress import TerminalProgress
 
 app = typer.Typer(
@@ -90,11 +90,13 @@ def run(
             with _sigterm_interrupts(), TerminalProgress() as progress:
                 done = run_case(case, target, progress=progress, resume=resume, command=shlex.join(command))
         except KeyboardInterrupt:
-            _explain_interrupt(target, command, resumable=case.analysis in RESUMABLE)
+            from wroll_fem import analyses
+
+            _explain_interrupt(target, command, resumable=analyses.find_analysis(case.analysis).resumable)
             raise typer.Exit(130) from None
         if done.already_done:
             typer.echo(f"{target}: this case is already done; delete the folder to run it again")
-        for line in closing_lines(done.summary):
+        for line in summary_lines(done.summary):
             typer.echo(line)
         typer.echo(f"run folder  {done.folder.path}")
         for figure in done.figures:
@@ -253,11 +255,11 @@ def plot(
         from wroll_fem.jobs.folder import RunFolder
 
         folder = RunFolder(run_dir)
-        case, dataset = folder.load()
+        dataset = folder.load()
         from wroll_fem import analyses
 
         folder.figures.mkdir(exist_ok=True)
-        for path in analyses.write_figures(dataset, case, folder.figures):
+        for path in analyses.write_figures(dataset, folder.figures):
             typer.echo(str(path))
 
 

@@ -13,8 +13,9 @@ from matplotlib.image import imread
 from scipy.constants import g as GRAVITY
 from support.coil_modes import MASS, SHAPE, beam, coil_points
 
-from wroll_fem.analyses import modal_transient
-from wroll_fem.analyses.modal_transient import remarks, slip_statement, slip_summary, transient_dataset
+from wroll_fem.analyses import modal_transient, slip_model
+from wroll_fem.analyses.modal_transient import slip_statement, slip_summary
+from wroll_fem.analyses.slip_dataset import remarks, transient_dataset
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.modal_response import Oscillators
 from wroll_fem.coiled_stiff.slip_criterion import (
@@ -179,7 +180,7 @@ def test_a_coil_a_little_thicker_than_the_wound_roll_holds_up_to_its_skin(root, 
     modes = beam()
     points = modes.points.copy()
     points[:, 2] += np.where(points[:, 2] == points[:, 2].max(), 0.0251 - 1e-5 - points[:, 2].max(), 0.0)
-    monkeypatch.setattr(modal_transient, "shear_modes", lambda case: replace(modes, points=points))
+    monkeypatch.setattr(slip_model, "shear_modes", lambda case: replace(modes, points=points))
     exact = load_case(root / "configs" / "case_study.yaml")
     thick = exact.changed("coil.thickness=0.0151")
     found = modal_transient.run_modal_transient(thick, progress=SilentProgress())

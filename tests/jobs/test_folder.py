@@ -57,10 +57,10 @@ def test_a_run_leaves_the_documented_files(wroll: Callable[..., Result], tmp_pat
 def test_the_run_ends_with_a_table_and_the_paths(wroll: Callable[..., Result]) -> None:
     text = wroll("run", TINY, "--out", "here").stdout
     for line in (
-        r"resonance f_n +150\.25 Hz",
+        r"resonance frequency f_n +150\.25 Hz",
         r"damping ratio zeta +0\.0213",
         r"energy balance error +0\.12%",
-        r"friction energy +0\.0015 J",
+        r"energy dissipated by friction +0\.0015 J",
         r"mean interface pressure +5e\+04 Pa",
         r"degrees of freedom +1200",
         r"run folder +here",

@@ -16,12 +16,12 @@ from pydantic import BaseModel
 from support.paths import ROOT
 
 from tools.reference import PAGES
-from tools.reference.case import NEEDS, sections, type_name, unit_of
-from tools.reference.results import SUMMARY
+from tools.reference.analyses import with_table
+from tools.reference.case import sections, type_name, unit_of
+from wroll_fem.analyses.registry import find_analysis
 from wroll_fem.case import ANALYSES, Case, build_case, load_case
 from wroll_fem.errors import InputError
-from wroll_fem.report import values
-from wroll_fem.results.dataset import FIELDS
+from wroll_fem.results.summary import GROUPS, SUMMARY
 
 DOCS = ROOT / "docs"
 
@@ -30,6 +30,11 @@ DOCS = ROOT / "docs"
 def test_the_reference_pages_are_those_of_the_code(name: str) -> None:
     written = (DOCS / "reference" / name).read_text(encoding="utf-8")
     assert written == PAGES[name](), f"docs/reference/{name} is behind the code: make schema, and commit it"
+
+
+def test_the_table_of_analyses_is_that_of_the_registry() -> None:
+    page = (DOCS / "api.md").read_text(encoding="utf-8")
+    assert page == with_table(page), "docs/api.md is behind the code: make schema, and commit it"
 
 
 def models(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, type[BaseModel]]]:
@@ -71,14 +76,12 @@ def test_an_analysis_needs_the_sections_that_the_reference_names(analysis: str) 
             build_case({name: value for name, value in data.items() if name != key})
         except InputError:
             needed.add(key)
-    assert needed == set(NEEDS[analysis])
+    assert needed == set(find_analysis(analysis).sections)
 
 
-def test_every_name_of_the_summary_is_told_once() -> None:
-    names = [name for group in SUMMARY.values() for name in group]
-    assert len(names) == len(set(names))
-    labels = {name for name in values._LABELS if name not in FIELDS}
-    assert labels <= set(names), f"add to tools/reference/results.py: {sorted(labels - set(names))}"
+def test_every_name_of_the_summary_is_in_one_group() -> None:
+    names = [name for group in GROUPS.values() for name in group]
+    assert len(names) == len(set(names)) == len(SUMMARY)
 
 
 # --- pages ------------------------------------------------------------------------------------------------------------

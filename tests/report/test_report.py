@@ -26,7 +26,8 @@ from wroll_fem.report import write_report
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.run import metrics
-from wroll_fem.report.values import label, quantity
+from wroll_fem.report.values import quantity
+from wroll_fem.results.summary import label
 from wroll_fem.signals.estimators import single_dof_transmissibility
 
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
@@ -121,7 +122,10 @@ def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, tmp_path: P
     assert found["Resonance frequency f_n"] == ["148.25 Hz", "f_n_hz"]
     assert found["Damping ratio zeta"] == ["1.23 %", "zeta"]
     summary = run.summary()
-    assert found["Largest slip"] == [quantity(summary["max_slip_m"], "m"), "max_slip_m"]
+    assert found["Largest accumulated slip"] == [
+        quantity(summary["max_accumulated_slip_m"], "m"),
+        "max_accumulated_slip_m",
+    ]
     named = {cells[-1] for cells in found.values()}
     assert {k for k, v in summary.items() if not isinstance(v, list) and k != "analysis"} <= named
     assert [found[str(k + 1)][0] for k in range(2)] == ["50 kPa", "50 kPa"]  # interfaces

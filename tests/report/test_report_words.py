@@ -9,8 +9,9 @@ import yaml
 from support.paths import CONFIGS
 
 from wroll_fem import load_case
-from wroll_fem.report.values import label, shown, split_unit
+from wroll_fem.report.values import shown
 from wroll_fem.report.words import _SECTIONS, case_words
+from wroll_fem.results.summary import SUMMARY, label, split_unit
 
 CASES = sorted(CONFIGS.glob("*.yaml"))
 
@@ -64,3 +65,9 @@ def test_units_are_those_at_the_end_of_a_name() -> None:
     assert split_unit("slip_onset_g") == ("slip_onset", "g")
     assert split_unit("dofs") == ("dofs", "")
     assert label("slip_zone_height_m") == "Slip zone height"
+
+
+def test_the_table_of_the_summary_has_the_units_of_its_names() -> None:
+    for name, entry in SUMMARY.items():
+        assert entry.unit == split_unit(name)[1], name
+        assert entry.label, name

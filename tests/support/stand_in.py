@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,10 @@ class StandIn(ModuleType):
         attrs = {"seed": 3, "flag": True, "nothing": None, "list": [1.0, 2.0]}
         return xr.Dataset({"tip_displacement": ("time", [0.0, 1e-5])}, {"time": [0.0, 1e-4]}, attrs)
 
-    def summarise(self, dataset: xr.Dataset, case: Any) -> dict[str, Any]:
+    def find_analysis(self, name: str) -> SimpleNamespace:
+        return SimpleNamespace(resumable=name in ("sweep", "dwell"))
+
+    def summarise(self, dataset: xr.Dataset) -> dict[str, Any]:
         return {
             "f_n_hz": np.float64(150.25), "zeta": 0.0213, "peak_transmissibility": float("nan"), "dofs": 1200,
             "energy_balance_error": 0.0012, "friction_energy_j": 1.5e-3, "interface_pressure_mean_pa": np.array([5e4]),
@@ -53,10 +56,10 @@ class StandIn(ModuleType):
     def case_warnings(self, case: Any) -> list[str]:
         return ["the mesh is coarse; use mesh.axial >= 20"] if case.mesh.axial < 5 else []
 
-    def write_fields(self, dataset: xr.Dataset, case: Any, folder: Path) -> None:
+    def write_fields(self, dataset: xr.Dataset, folder: Path) -> None:
         (folder / "slip_map.vtu").write_text("fields")
 
-    def write_figures(self, dataset: xr.Dataset, case: Any, folder: Path) -> list[Path]:
+    def write_figures(self, dataset: xr.Dataset, folder: Path) -> list[Path]:
         path = folder / "tip.png"
         path.write_bytes(b"picture")
         return [path]

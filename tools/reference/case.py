@@ -14,8 +14,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from tools.reference.markdown import GENERATED, code, prose, table
+from wroll_fem.analyses.registry import all_analyses
 from wroll_fem.case import Case
-from wroll_fem.report.words import ANALYSES as ANALYSIS_WORDS
 
 UNITS = (
     "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
@@ -47,20 +47,6 @@ def unit_of(description: str) -> str:
     return found[1] if found else ""
 
 
-NEEDS: dict[str, tuple[str, ...]] = {
-    "sweep": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
-    "dwell": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
-    "harmonic": ("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
-    "backbone": ("geometry", "mandrel", "coil", "contact", "preload"),
-    "modal": ("geometry", "mandrel", "coil"),
-    "modal_transient": ("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
-    "preload": ("geometry", "mandrel", "coil", "contact", "preload"),
-    "winding": ("winding",),
-    "design_map": ("geometry", "mandrel", "coil", "design_map", "mesh"),
-    "two_dof": ("two_dof",),
-}
-"""Sections without which an analysis of a roll with layers (or of a solid coil) is refused."""
-
 _ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` alone (by `modal` with `modal.interface:
 stuck`). `structure` replaces geometry, mandrel, coil, mesh and preload; contact may then be left out.
 `preload.kind: winding_tension` asks for `winding`. `design_map`, `two_dof` and `damping_ratio` belong to one analysis
@@ -91,9 +77,7 @@ def _overview() -> str:
 
 
 def _analyses() -> str:
-    rows = (
-        (code(name), ANALYSIS_WORDS.get(name, ""), ", ".join(code(key) for key in keys)) for name, keys in NEEDS.items()
-    )
+    rows = ((code(one.name), one.sentence, ", ".join(code(key) for key in one.sections)) for one in all_analyses())
     return table(("analysis", "computes", "needs"), rows)
 
 

@@ -2,56 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wroll_fem.analyses.shared.preflight import case_warnings, estimate
-from wroll_fem.case import RESUMABLE
+from wroll_fem.analyses.registry import Analysis, all_analyses, find_analysis
+from wroll_fem.errors import ConvergenceError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
     from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
-__all__ = ["ANALYSES", "case_warnings", "estimate", "run_analysis", "summarise", "write_fields", "write_figures"]
+__all__ = [
+    "Analysis", "all_analyses", "case_warnings", "estimate", "find_analysis", "run_analysis", "summarise",
+    "write_fields", "write_figures",
+]  # fmt: skip
 
 
-def _imported(module: str, function: str) -> Callable[..., xr.Dataset]:
-    """Analysis in a module of this package, imported when it runs."""
+def case_warnings(case: Case) -> list[str]:
+    """Checks before the run: what is doubtful, each with what to change; reads the file of `structure`.
 
-    def run(case: Case, **keywords: Any) -> xr.Dataset:
-        dataset: xr.Dataset = getattr(import_module(f".{module}", __name__), function)(case, **keywords)
-        return dataset
-
-    return run
-
-
-_MODAL = {
-    "three_dimensional": _imported("modal", "run_modal"),
-    "fourier": _imported("fourier", "run_fourier_modal"),
-}
+    Raises
+    ------
+    InputError
+        When that file is wrong.
+    """
+    return [text for check in find_analysis(case.analysis).preflight for text in check(case)]
 
 
-def _modal(case: Case, **keywords: Any) -> xr.Dataset:
-    return _MODAL[case.mesh.discretisation](case, **keywords)
+def estimate(case: Case) -> dict[str, Any]:
+    """Size of the job and an approximate time, for ``--dry-run``.
 
-
-ANALYSES: dict[str, Callable[..., xr.Dataset]] = {
-    "sweep": _imported("history", "run_history"),
-    "dwell": _imported("history", "run_history"),
-    "harmonic": _imported("harmonic", "run_harmonic"),
-    "backbone": _imported("backbone", "run_backbone"),
-    "modal": _modal,
-    "modal_transient": _imported("modal_transient", "run_modal_transient"),
-    "preload": _imported("history", "run_preload"),
-    "design_map": _imported("design_map", "run_design_map"),
-    "winding": _imported("winding", "run_winding"),
-    "two_dof": _imported("two_dof", "run_two_dof"),
-}
-"""Name in the case file -> function of the case, returning an annotated Dataset."""
+    Returns
+    -------
+    dict
+        dofs, interface_points, steps, time_step_s, duration_s, and for a roll estimated_seconds (one core, set-up
+        included).
+    """
+    return find_analysis(case.analysis).estimate(case)
 
 
 def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
@@ -60,35 +51,79 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     Parameters
     ----------
     checkpoint
-        File for checkpoints of the analyses that write them (`case.RESUMABLE`); None writes none.
+        File for checkpoints of resumable analyses; None writes none.
     resume
         Go on from it.
+
+    Returns
+    -------
+    xr.Dataset
+        Self-contained: `summarise`, `write_fields` and `write_figures` need nothing else.
 
     Raises
     ------
     ConvergenceError
         With the results until then in ``partial`` (or no such attribute when there are none).
     """
-    saved = {"checkpoint": checkpoint, "resume": resume} if case.analysis in RESUMABLE else {}
-    return ANALYSES[case.analysis](case, progress=progress, **saved)
+    from wroll_fem.analyses.shared.self_contained import described
+
+    analysis = find_analysis(case.analysis)
+    saved = {"checkpoint": checkpoint, "resume": resume} if analysis.resumable else {}
+    try:
+        return described(analysis.run(case, progress=progress, **saved), case)
+    except ConvergenceError as error:
+        if getattr(error, "partial", None) is not None:
+            error.partial = described(error.partial, case)  # type: ignore[attr-defined]
+        raise
 
 
-def summarise(dataset: xr.Dataset, case: Case) -> dict[str, Any]:
-    """Flat summary in SI, the unit in the name (summary.json)."""
-    from wroll_fem.analyses.outputs import summarise as summary
+def summarise(dataset: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
+    """Flat summary in SI, the unit in the name; lists run over interfaces (inner first) or modes.
 
-    return summary(dataset, case)
+    Parameters
+    ----------
+    case
+        Only for a Dataset that does not name its analysis.
+
+    Raises
+    ------
+    InputError
+        When neither names the analysis.
+    """
+    from wroll_fem.analyses.shared.summary import attributes
+
+    dataset, analysis = _own(dataset, case)
+    found: dict[str, Any] = {"analysis": analysis.name} | attributes(dataset)
+    for part in analysis.summary:
+        found |= part(dataset)
+    return found
 
 
-def write_fields(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
-    """Slip maps, kept fields and mode shapes as .vtu."""
-    from wroll_fem.analyses.outputs import write_fields as write
+def write_fields(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    """Write the .vtu files of the analysis: slip maps, kept fields, mode shapes."""
+    dataset, analysis = _own(dataset)
+    return _written(analysis.fields, dataset, folder)
 
-    return write(dataset, case, folder)
+
+def write_figures(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw the figures of the analysis (.png) as far as the results go: those of an unconverged run hold less.
+
+    Figures in space need pyvista and are left out without it; slip maps need points that span a cylinder.
+    """
+    dataset, analysis = _own(dataset)
+    return _written(analysis.figures, dataset, folder)
 
 
-def write_figures(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
-    """Figures of the analysis as .png."""
-    from wroll_fem.analyses.outputs import write_figures as write
+def _own(dataset: xr.Dataset, case: Case | None = None) -> tuple[xr.Dataset, Analysis]:
+    """Self-contained Dataset and its analysis."""
+    from wroll_fem.analyses.shared.self_contained import completed, described
 
-    return write(dataset, case, folder)
+    dataset = completed(dataset) if case is None else described(dataset, case)
+    return dataset, find_analysis(str(dataset.attrs["analysis"]))
+
+
+def _written(
+    parts: tuple[Callable[[xr.Dataset, Path], list[Path]], ...], dataset: xr.Dataset, folder: Path
+) -> list[Path]:
+    folder.mkdir(parents=True, exist_ok=True)
+    return [path for part in parts for path in part(dataset, folder)]

@@ -9,7 +9,10 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.analyses.harmonic import condensed_structure, memory_remark
+from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass_line
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import figures, preflight, summary
+from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.datasets import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
@@ -74,7 +77,7 @@ def run_backbone(case: Case, *, progress: Progress) -> xr.Dataset:
         with threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage:
 
             def report(number: int, model: ReducedModel, error: float) -> None:
-                progress.info(f"curve {number}: {model.size} shapes, {error:.1e} missing")
+                progress.info(pass_line(number, model.size, error, settings.reduction_tolerance))
 
             trained = trained_backbone(
                 condensation, state, system.laws,
@@ -101,3 +104,23 @@ def run_backbone(case: Case, *, progress: Progress) -> xr.Dataset:
             "energy_balance_error": cycle_balance_error(dataset),
         }
     )
+
+
+ANALYSIS = Analysis(
+    name="backbone",
+    sentence="Periodic motion at resonance over its amplitude: frequency and damping against level.",
+    sections=("geometry", "mandrel", "coil", "contact", "preload"),
+    run=run_backbone,
+    summary=(summary.interfaces, summary.work_per_cycle, summary.slip),
+    figures=(figures.figure("backbone", "plot_backbone"), figures.slip_maps, figures.slip_in_space),
+    fields=(figures.write_slip,),
+    variables={
+        "tip_amplitude": (
+            "resonance_frequency", "modal_damping", "resonant_base_acceleration", "friction_work_per_cycle",
+        ),
+        "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
+    },
+    plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map"),
+    preflight=(preflight.contact_warnings, preflight.structure_warnings),
+    estimate=estimate_roll,
+)  # fmt: skip

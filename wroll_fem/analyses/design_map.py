@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared.estimates import SECONDS_PER_FOURIER_DOF, fourier_dofs
+from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.geometry import Geometry
 from wroll_fem.results.dataset import annotate
@@ -136,3 +139,29 @@ def summarise_design_map(dataset: xr.Dataset) -> dict[str, Any]:
             summary[f"disparity_{name}_mandrel_radius_m"] = float(there["mandrel_radius"])
             summary[f"disparity_{name}_mandrel_thickness_m"] = float(there["mandrel_thickness"])
     return summary
+
+
+def estimate_design_map(case: Case) -> dict[str, Any]:
+    """DOFs of one wave number, number of mandrels and approximate time."""
+    assert case.design_map is not None
+    dofs = fourier_dofs(case)
+    designs = len(case.design_map.mandrel_radius) * len(case.design_map.mandrel_thickness) + 1
+    seconds = 2.0 + 26 * SECONDS_PER_FOURIER_DOF * dofs * designs
+    return {"dofs": dofs, "designs": designs, "estimated_seconds": seconds}
+
+
+ANALYSIS = Analysis(
+    name="design_map",
+    sentence="Frequencies of the softest and stiffest coil over mandrel radius and wall.",
+    sections=("geometry", "mandrel", "coil", "design_map", "mesh"),
+    run=run_design_map,
+    summary=(summarise_design_map,),
+    figures=(figure("design_map", "plot_design_map"),),
+    variables={
+        "mandrel_radius, mandrel_thickness": (
+            "frequency_tightest", "frequency_loosest", "frequency_disparity", "frequency_mandrel", "limit_kind",
+        ),
+    },
+    plots=("design_map",),
+    estimate=estimate_design_map,
+)  # fmt: skip

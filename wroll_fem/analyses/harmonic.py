@@ -9,6 +9,9 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import figures, preflight, summary
+from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
@@ -48,6 +51,11 @@ def condensed_structure(case: Case, system: System, state: ContactState, progres
     return condensation
 
 
+def pass_line(number: int, size: int, error: float, target: float) -> str:
+    """Progress of the adaptive basis after a pass along the curve."""
+    return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
+
+
 def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
     """Response curve with work per cycle and slip, and its half-power reading.
 
@@ -64,7 +72,7 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
         with threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage:
 
             def report(number: int, model: ReducedModel, error: float) -> None:
-                progress.info(f"curve {number}: {model.size} shapes, {error:.1e} missing")
+                progress.info(pass_line(number, model.size, error, settings.reduction_tolerance))
 
             trained = trained_response(
                 condensation, state, system.laws, amplitude=excitation.amplitude,
@@ -160,3 +168,26 @@ def memory_remark(dataset: xr.Dataset) -> str:
         f"the memory of friction still changes by {100 * change:.2g} % of elastic_slip per period at some point; "
         "raise harmonic.max_periods"
     )
+
+
+ANALYSIS = Analysis(
+    name="harmonic",
+    sentence="Periodic response to a sine of the base over frequency, by harmonic balance.",
+    sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
+    run=run_harmonic,
+    summary=(summary.interfaces, summary.work_per_cycle, summary.slip),
+    figures=(
+        figures.figure("transmissibility", "plot_harmonic_response"),
+        figures.slip_maps,
+        figures.slip_in_space,
+    ),
+    fields=(figures.write_slip,),
+    variables={
+        "frequency": ("transmissibility_real", "transmissibility_imag", "tip_amplitude", "friction_work_per_cycle"),
+        "frequency, interface, point": ("slip_amplitude",),
+        "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
+    },
+    plots=("harmonic_response", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
+    preflight=(preflight.missed_resonance, preflight.contact_warnings, preflight.structure_warnings),
+    estimate=estimate_roll,
+)

@@ -1,4 +1,4 @@
-"""Time histories of a case: preload, then sweep or dwell."""
+"""Time history of a case, shared by sweep and dwell: preload, condensation, time integration."""
 
 from __future__ import annotations
 
@@ -8,40 +8,52 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.contact.laws import SMOOTHED
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
-from wroll_fem.dynamics.time_stepping.fields import interface_fields
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import base_motion
-from wroll_fem.signals.damping import sweep_warning
-from wroll_fem.signals.estimators import read_curve
-from wroll_fem.signals.transmissibility import dwell_response, transmissibility
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
 
-LOOSE_SPAN = 0.01
-"""Error estimate of the reduced model above which the user is told; at 10 to 300 kPa the lab roll stays below 0.004."""
+LARGE_REDUCTION_ERROR = 0.01
+"""Error estimate of the reduced model above which the run warns; at 10 to 300 kPa the lab roll stays below 0.004."""
 
 
-def run_preload(case: Case, *, progress: Progress) -> xr.Dataset:
-    """Static preload alone: pressure, tractions, and which points slipped while the layer was pressed on."""
-    system, state = prepare(case, progress)
-    dataset = interface_fields(system, state)
-    dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points}
-    return annotate(dataset)
+SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
+FIGURES = (
+    figures.figure("response", "plot_response"),
+    figures.figure("energy_ledger", "plot_energy_ledger"),
+    figures.slip_maps,
+    figures.slip_in_space,
+)
+FIELDS = (figures.write_slip,)
+VARIABLES: dict[str, tuple[str, ...]] = {
+    "time": (
+        "tip_displacement", "tip_acceleration", "base_acceleration", "input_work", "kinetic_energy", "strain_energy",
+        "friction_energy",
+    ),
+    "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
+}  # fmt: skip
+PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder")
 
 
-def run_history(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
-    """Sweep or dwell: time history with energy ledger, slip fields, and for a sweep the transmissibility."""
+def time_history(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
+    """Time history with energy ledger and slip fields.
+
+    Raises
+    ------
+    ConvergenceError
+        With the history until then in ``partial``.
+    """
     motion = base_motion(case.excitation)
     system, state = prepare(case, progress)
     integrator, solver = case.integrator, case.solver
@@ -73,13 +85,13 @@ def run_history(case: Case, *, progress: Progress, checkpoint: Path | None = Non
             error.partial = _described(partial, case)  # type: ignore[attr-defined]
         raise
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
-    if estimate > LOOSE_SPAN:
+    if estimate > LARGE_REDUCTION_ERROR:
         progress.warning(
             f"the reduced model missed {100 * estimate:.1f} % of what the contact can hold: layers open and slide so "
             "widely that peak and damping can be off by several per cent; compare with solver.method: condensed, or "
             "lower solver.reduction_tolerance"
         )
-    return _with_response(_described(history, case), case, progress)
+    return _described(history, case)
 
 
 def _remarks(stepper: Stepper, progress: Progress) -> None:
@@ -111,23 +123,3 @@ def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     else:
         attrs["frequency_hz"] = excitation.frequency
     return dataset.assign_attrs(attrs | {"amplitude_m_s2": excitation.amplitude, "method": case.solver.method})
-
-
-def _with_response(history: xr.Dataset, case: Case, progress: Progress) -> xr.Dataset:
-    """Add transmissibility and its readings (sweep), or the steady response (dwell)."""
-    motion = base_motion(case.excitation)
-    if case.analysis == "dwell":
-        steady = int(case.excitation.cycles - case.excitation.ramp_cycles)  # type: ignore[union-attr]
-        if steady >= 2:
-            tip = history["tip_acceleration"] + history["base_acceleration"]
-            response = dwell_response(history["time"].values, tip.values, motion, cycles=min(5, steady))  # type: ignore[arg-type]
-            history.attrs |= {f"steady_{key}": value for key, value in response.items()}
-        return history
-    curve = transmissibility(history, motion)  # type: ignore[arg-type]
-    dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
-    T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
-    read = read_curve(curve["frequency"].values, T, case.output.damping)
-    for text in (sweep_warning(motion, read.shape), *read.doubts):  # type: ignore[arg-type]
-        if text:
-            progress.warning(text)
-    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope"))

@@ -9,7 +9,11 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
+from wroll_fem.analyses.fourier import run_fourier_modal
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.estimates import estimate_modes
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -48,7 +52,12 @@ def interface_springs(case: Case, system: System, state: ContactState | None = N
 
 
 def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the whole roll, named and weighed.
+    """Lowest modes of the whole roll, by the discretisation of the case."""
+    return _RUNS[case.mesh.discretisation](case, progress=progress)
+
+
+def run_three_dimensional(case: Case, *, progress: Progress) -> xr.Dataset:
+    """Lowest modes of the three-dimensional model, named and weighed.
 
     Returns
     -------
@@ -185,3 +194,25 @@ def _solid_cells(bodies: list[Body]) -> dict[str, tuple[tuple[str, str], np.ndar
         if body.solid is not None
     ]
     return {"solid_cell_nodes": (("solid_cell", "solid_corner"), np.vstack(cells))} if cells else {}
+
+
+_RUNS = {"three_dimensional": run_three_dimensional, "fourier": run_fourier_modal}
+"""Value of `mesh.discretisation` -> its eigenvalue analysis."""
+
+ANALYSIS = Analysis(
+    name="modal",
+    sentence="Natural frequencies and mode shapes.",
+    sections=("geometry", "mandrel", "coil"),
+    run=run_modal,
+    summary=(summary.interfaces, summary.modes),
+    figures=(figures.figure("modes", "plot_modes"), figures.mode_shapes),
+    fields=(figures.write_modes,),
+    variables={
+        "mode": ("mode_frequency", "mode_kind", "mode_harmonic", "tip_participation"),
+        "mode, component": ("effective_mass_fraction",),
+        "mode, node, component": ("mode_shape",),
+    },
+    plots=("modes",),
+    preflight=(preflight.structure_warnings,),
+    estimate=estimate_modes,
+)

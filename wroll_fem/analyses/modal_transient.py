@@ -1,228 +1,33 @@
-"""Solid coil under a sine of the base: response in the modes, shear against capacity, where it would slip."""
+"""Solid coil under a steady sine of the base: where shear exceeds the friction capacity."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from scipy.constants import g as GRAVITY
 
-from wroll_fem.coiled_stiff.modal_response import Oscillators, run_to_steady_state, steady_transmissibility
-from wroll_fem.coiled_stiff.slip_criterion import (
-    ShearPerG,
-    SlipZone,
-    driven_mode,
-    onset_levels,
-    shear_per_g,
-    slip_zone,
-    slips,
-)
-from wroll_fem.coiled_stiff.stress_modes import ShearModes
-from wroll_fem.errors import InputError
-from wroll_fem.results.dataset import annotate
-from wroll_fem.typing import FloatArray
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import figures, summary
+from wroll_fem.analyses.shared.estimates import estimate_modes
+from wroll_fem.analyses.slip_model import SlipModel
+from wroll_fem.coiled_stiff.slip_criterion import slips
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
-FEWEST_MASS = 0.9
-"""Modes that carry less than this share of the mass along the excitation are told to be too few."""
-
-
-LEAST_MASS = 1e-6
-"""Share of the mass that the driven mode must move; less is rounding."""
-
-
-class CoilShape(NamedTuple):
-    """Where the coil is: `mandrel_radius`, `outer_radius`, `length` in m."""
-
-    mandrel_radius: float
-    outer_radius: float
-    length: float
-
 
 def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
-    """Modes with their stress, winding pressure, steady response and slip of a case; see `transient_dataset`."""
-    from wroll_fem.analyses.slip_model import SlipModel
-
+    """Modes with their stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
     return SlipModel.of(case, progress=progress).run(progress=progress)
-
-
-def shear_modes(case: Case) -> ShearModes:
-    """Modes with their shear stress from the discretisation that the case asks for."""
-    if case.mesh.discretisation == "fourier":
-        from wroll_fem.coiled_stiff.fourier_stress import shear_modes as modes_of
-    else:
-        from wroll_fem.coiled_stiff.solid_stress import shear_modes as modes_of
-    return modes_of(case)
-
-
-def transient_dataset(
-    modes: ShearModes,
-    capacity_at: Callable[[FloatArray], FloatArray],
-    shape: CoilShape,
-    *,
-    damping_ratio: float,
-    frequency_hz: float | None,
-    levels_g: list[float],
-) -> xr.Dataset:
-    """Response from rest at the top level, steady shear and slip at every level.
-
-    Parameters
-    ----------
-    modes
-        Modes of the roll with the shear stress in its coil.
-    capacity_at
-        Friction capacity in Pa at radii (k,) in m.
-    shape
-        Extent of the coil.
-    damping_ratio
-        Of every mode.
-    frequency_hz
-        Of the base; None is the natural frequency of the mode with the largest effective mass.
-    levels_g
-        Base acceleration (0-peak) over 9.80665 m/s^2, ascending.
-
-    Returns
-    -------
-    xr.Dataset
-        Over `mode`: frequency, effective mass. Over `time`, from rest to the first steady cycle at the top level:
-        base, tip and shear where slip starts. Over `point`: shear at 1 g, capacity, onset. Over `amplitude_g`: slip
-        zone.
-
-    Raises
-    ------
-    InputError
-        When no mode moves along the excitation.
-    """
-    driven = driven_mode(modes)
-    if modes.participation[driven] ** 2 < LEAST_MASS * modes.mass_total:
-        raise InputError(
-            f"none of {len(modes.frequencies_hz)} modes moves along the excitation", key="modal.count",
-            remedy="take more modes",
-        )  # fmt: skip
-    frequency = float(modes.frequencies_hz[driven]) if frequency_hz is None else frequency_hz
-    oscillators = Oscillators(modes.frequencies_hz, modes.participation, damping_ratio)
-    shear = shear_per_g(modes, oscillators, frequency)
-    capacity = np.asarray(capacity_at(modes.points[:, 2]))
-    onset = onset_levels(shear.resultant, capacity)
-    first = int(np.argmin(onset))
-    zones = [slip_zone(modes, slips(g * shear.resultant, capacity), shape.mandrel_radius) for g in levels_g]
-
-    amplitude = GRAVITY * levels_g[-1]
-    run = run_to_steady_state(oscillators, modes.tip, frequency, amplitude)
-    base = amplitude * np.sin(2.0 * np.pi * frequency * run.time)
-    absolute = base + modes.tip @ run.state.acceleration
-    history = np.hypot(modes.srz[:, first] @ run.state.coordinate, modes.srt[:, first] @ run.state.coordinate)
-    data: dict[str, Any] = {
-        **_mode_fields(modes),
-        "base_acceleration": ("time", base),
-        "tip_displacement": ("time", modes.tip @ run.state.coordinate),
-        "tip_acceleration_absolute": ("time", absolute),
-        "shear_resultant_history": ("time", history),
-        "change_per_cycle": ("cycle", run.change),
-        **_point_fields(modes, shear, capacity, onset),
-        **_zone_fields(zones),
-        **_capacity_fields(capacity_at, shape),
-    }
-    coords = {
-        "mode": np.arange(1, len(modes.frequencies_hz) + 1), "time": run.time,
-        "cycle": np.arange(1, run.change.size + 1), "amplitude_g": levels_g,
-    }  # fmt: skip
-    dataset = xr.Dataset(data, coords=coords)
-    dataset.attrs |= {
-        "f_n_hz": float(modes.frequencies_hz[driven]),
-        "driven_mode": driven + 1,
-        "excitation_frequency_hz": frequency,
-        "zeta": damping_ratio,
-        "zeta_method": "given, the same for every mode",
-        "participating_mass_fraction": float((np.asarray(modes.participation) ** 2).sum() / modes.mass_total),
-        "mass_total_kg": modes.mass_total,
-        "transmissibility": abs(steady_transmissibility(oscillators, modes.tip, frequency)),
-        "transmissibility_last_cycle": float(np.abs(absolute[run.last_cycle]).max()) / amplitude,
-        "steady_cycles": run.change.size,
-        "mandrel_radius_m": shape.mandrel_radius,
-        "coil_outer_radius_m": shape.outer_radius,
-        "length_m": shape.length,
-        "capacity_mandrel_pa": float(dataset["capacity_profile"][0]),
-    }
-    return annotate(dataset)
-
-
-def _mode_fields(modes: ShearModes) -> dict[str, Any]:
-    """Frequency and effective mass of every mode, and its name where the model has one."""
-    mass = np.asarray(modes.participation) ** 2
-    fields: dict[str, Any] = {
-        "mode_frequency": ("mode", modes.frequencies_hz), "effective_mass_fraction": ("mode", mass / modes.mass_total),
-    }  # fmt: skip
-    return fields | ({"mode_kind": ("mode", np.array(modes.kinds))} if modes.kinds else {})
-
-
-def _capacity_fields(capacity_at: Callable[[FloatArray], FloatArray], shape: CoilShape) -> dict[str, Any]:
-    """Friction capacity over the radius, from the mandrel outwards."""
-    radius = np.linspace(shape.mandrel_radius, shape.outer_radius, 301)
-    return {
-        "capacity_radius": ("capacity_point", radius),
-        "capacity_profile": ("capacity_point", np.asarray(capacity_at(radius))),
-    }
-
-
-def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, onset: FloatArray) -> dict[str, Any]:
-    """Place, shear at 1 g, capacity and onset of every quadrature point."""
-    return {
-        "theta_rad": ("point", modes.points[:, 0]),
-        "z_m": ("point", modes.points[:, 1]),
-        "r_m": ("point", modes.points[:, 2]),
-        "volume": ("point", modes.volumes),
-        "shear_rz": ("point", np.abs(shear.srz)),
-        "shear_rt": ("point", np.abs(shear.srt)),
-        "shear_resultant": ("point", shear.resultant),
-        "friction_capacity": ("point", capacity),
-        "slip_onset": ("point", onset),
-    }
-
-
-def _zone_fields(zones: list[SlipZone]) -> dict[str, Any]:
-    """Extent of slip at every level."""
-    return {
-        "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
-        "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
-        "slip_zone_depth": ("amplitude_g", [zone.depth for zone in zones]),
-    }
-
-
-def remarks(dataset: xr.Dataset) -> list[str]:
-    """What a user should know about the result, each with what to change."""
-    found = []
-    share = float(dataset.attrs["participating_mass_fraction"])
-    if share < FEWEST_MASS:
-        found.append(
-            f"{dataset.sizes['mode']} modes carry {100 * share:.0f} % of the mass along the excitation; what the "
-            "others would add is missing from the stresses: raise modal.count until "
-            f"{100 * FEWEST_MASS:.0f} % are reached"
-        )
-    f, top = float(dataset.attrs["excitation_frequency_hz"]), float(dataset["mode_frequency"].max())
-    if f > 0.7 * top:
-        found.append(
-            f"the base moves at {f:.1f} Hz and the highest mode is at {top:.1f} Hz: raise modal.count until the "
-            "highest lies well above"
-        )
-    return found
 
 
 def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
     """Onset and slip zone for summary.json; lists run over the levels `amplitude_g`."""
     onset, levels = dataset["slip_onset"].values, dataset["amplitude_g"].values
     first = int(np.argmin(onset))
-    names = (
-        "driven_mode", "excitation_frequency_hz", "participating_mass_fraction", "transmissibility",
-        "transmissibility_last_cycle", "capacity_mandrel_pa",
-    )  # fmt: skip
-    found: dict[str, Any] = {name: dataset.attrs[name] for name in names}
-    found |= {
+    found: dict[str, Any] = {
         "amplitude_g": levels.tolist(),
         "shear_resultant_max_pa": (levels * float(dataset["shear_resultant"].max())).tolist(),
         "slipping_volume_fraction": dataset["slipping_volume_fraction"].values.tolist(),
@@ -255,3 +60,28 @@ def slip_statement(dataset: xr.Dataset) -> str:
         return f"no slip up to {top:g} g; slip would start above {onset[first]:.3g} g, {place}"
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
     return f"slip starts above {onset[first]:.3g} g, {place}; at {top:g} g {share:.3g} % of the coil's volume slips"
+
+
+ANALYSIS = Analysis(
+    name="modal_transient",
+    sentence="Solid coil under a steady sine of the base: where shear exceeds the friction capacity.",
+    sections=("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
+    run=run_modal_transient,
+    summary=(slip_summary, summary.modes),
+    figures=(
+        figures.figure("steady_response", "plot_steady_response", "coil_slip"),
+        figures.figure("shear_distribution", "plot_shear_distribution", "coil_slip"),
+        figures.coil_sections,
+        figures.figure("modes", "plot_modes"),
+        figures.coil_in_space,
+    ),
+    fields=(figures.write_coil,),
+    variables={
+        "point": ("shear_resultant", "friction_capacity", "slip_onset"),
+        "amplitude_g": ("slipping_volume_fraction", "slip_zone_height", "slip_zone_depth"),
+        "time": ("tip_displacement", "tip_acceleration_absolute"),
+        "mode": ("mode_frequency", "effective_mass_fraction"),
+    },
+    plots=("steady_response", "shear_along", "root_section", "slip_zone", "slip_scene", "slip_in_coil"),
+    estimate=estimate_modes,
+)

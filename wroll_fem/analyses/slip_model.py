@@ -1,4 +1,4 @@
-"""Solid coil solved once, its slip asked for many times: level, friction, damping, frequency, winding."""
+"""Slip of a solid coil for many levels, frictions, dampings, frequencies and windings from one set of modes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 import xarray as xr
 
-from wroll_fem.analyses import modal_transient
-from wroll_fem.analyses.modal_transient import CoilShape, remarks, transient_dataset
+from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
 from wroll_fem.case.winding import completed
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
@@ -22,6 +21,15 @@ if TYPE_CHECKING:
 
 _MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
 """Sections that the modes depend on, besides the direction of the excitation."""
+
+
+def shear_modes(case: Case) -> ShearModes:
+    """Modes with their shear stress from the discretisation that the case asks for."""
+    if case.mesh.discretisation == "fourier":
+        from wroll_fem.coiled_stiff.fourier_stress import shear_modes as modes_of
+    else:
+        from wroll_fem.coiled_stiff.solid_stress import shear_modes as modes_of
+    return modes_of(case)
 
 
 @dataclass(frozen=True)
@@ -57,13 +65,14 @@ class SlipModel:
 
         if case.analysis != "modal_transient":
             remedy = "use analysis: modal_transient"
-            raise InputError(f"a slip model is none of {case.analysis}", key="analysis", remedy=remedy)
+            problem = f"SlipModel needs analysis: modal_transient, got {case.analysis}"
+            raise InputError(problem, key="analysis", remedy=remedy)
         progress = progress if progress is not None else SilentProgress()
         with progress.stage("winding", 1) as stage:
             roll = wound_roll(completed(case))
             stage.update(1)
         with progress.stage("modes and their stress", 1) as stage:
-            modes = modal_transient.shear_modes(case)
+            modes = shear_modes(case)
             stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
         return cls(case, modes, roll)
 

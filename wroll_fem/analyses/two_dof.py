@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import Reading, lower_bound, read_curve
 from wroll_fem.two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
@@ -143,7 +145,6 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
 
     peaks = dataset["peak_transmissibility"]
     summary: dict[str, Any] = {
-        "method": dataset.attrs["method"],
         "friction_capacity_n": dataset["friction_capacity"].values.tolist(),
         "zeta": listed("zeta"),
         "zeta_method": dataset["zeta_method"].values.tolist(),
@@ -152,10 +153,7 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
         "peak_transmissibility": listed("peak_transmissibility"),
         "skewness": listed("skewness"),
         "friction_capacity_lowest_peak_n": float(peaks["friction_capacity"][int(peaks.values.argmin())]),
-        "solver_time_s": dataset.attrs["solver_time_s"],
     }
-    if "energy_balance_error" in dataset.attrs:
-        summary["energy_balance_error"] = dataset.attrs["energy_balance_error"]
     if dataset["zeta"].notnull().any():
         at = int(np.nanargmax(dataset["zeta"].values))
         summary["zeta_max"] = float(dataset["zeta"][at])
@@ -170,10 +168,12 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
-def estimate_two_dof(section: TwoDof) -> dict[str, Any]:
-    """Size of the job and a rough time on this machine, for ``--dry-run``."""
+def estimate_two_dof(case: Case) -> dict[str, Any]:
+    """Number of motions and curves, and an approximate time on this machine."""
     import os
 
+    section = case.two_dof
+    assert section is not None
     motions = section.omega.points * len(section.friction_capacity)
     seconds = SECONDS_PER_MOTION[section.method] * motions
     result: dict[str, Any] = {"motions": motions}
@@ -182,3 +182,24 @@ def estimate_two_dof(section: TwoDof) -> dict[str, Any]:
         seconds += SECONDS_PER_DESIGN * curves
         result["curves_over_design"] = curves
     return result | {"estimated_seconds": 2.0 + seconds / len(os.sched_getaffinity(0))}
+
+
+ANALYSIS = Analysis(
+    name="two_dof",
+    sentence="Two masses with friction between them on a shaken base.",
+    sections=("two_dof",),
+    run=run_two_dof,
+    summary=(summarise_two_dof,),
+    figures=(
+        figure("two_dof", "plot_two_dof"),
+        figure("two_dof_readings", "plot_two_dof_readings"),
+        figure("two_dof_design_space", "plot_two_dof_design_space", needs="zeta_max"),
+    ),
+    variables={
+        "friction_capacity, omega": ("transmissibility", "friction_work_per_cycle"),
+        "friction_capacity": ("zeta", "omega_peak", "peak_transmissibility", "skewness"),
+        "m2, k2": ("zeta_max", "capacity_at_zeta_max"),
+    },
+    plots=("two_dof", "two_dof_readings", "two_dof_design_space", "two_dof_arrangements"),
+    estimate=estimate_two_dof,
+)

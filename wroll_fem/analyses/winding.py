@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.case.winding import FIT, completed
 from wroll_fem.results.dataset import annotate
 from wroll_fem.winding import WoundRoll, wound_roll
@@ -17,17 +19,17 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 COARSE = 0.01
-"""Estimated error of the pressure at the mandrel above which the user is told."""
+"""Estimated error of the pressure at the mandrel above which the run warns."""
 
 
 def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
-    """Pressure, capacity and hoop stress over the radius, on the refined grid and on the source's.
+    """Pressure, capacity and hoop stress over the radius, on the refined grid and on the wrap grid of the thesis.
 
     Returns
     -------
     xr.Dataset
         `pressure_pa`, `capacity_pa`, `hoop_stress_pa`, `radial_modulus_pa`, `winding_tension_pa` over `r`, and the
-        source's grid over `wrap` (values under each wrap; the hoop stress is the mean in it).
+        thesis's grid over `wrap` (values under each wrap; the hoop stress is the mean in it).
     """
     section = completed(case)
     with progress.stage("wound roll", 1) as stage:
@@ -51,11 +53,11 @@ def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
         },
         coords={"r": roll.radius, "wrap": np.arange(1, section.wraps + 1)},
     )
-    dataset.attrs |= readings(section, roll)
+    dataset.attrs |= main_numbers(section, roll)
     return annotate(dataset)
 
 
-def readings(section: Winding, roll: WoundRoll) -> dict[str, Any]:
+def main_numbers(section: Winding, roll: WoundRoll) -> dict[str, Any]:
     """Return what summary.json gets, flat and in SI."""
     assert section.mu is not None
     first = {
@@ -77,7 +79,7 @@ def readings(section: Winding, roll: WoundRoll) -> dict[str, Any]:
 
 
 def doubts(section: Winding, roll: WoundRoll) -> list[str]:
-    """What a user should know about the result, each with what to change."""
+    """Warnings about the result, each with what to change."""
     found = []
     if roll.error_estimate > COARSE:
         found.append(
@@ -105,3 +107,25 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
             "winding.web.radial_modulus, whose modulus is kept"
         )
     return found
+
+
+def estimate_winding(case: Case) -> dict[str, Any]:
+    """Wraps, cells and approximate time."""
+    assert case.winding is not None
+    cells, wraps = case.winding.cells, case.winding.wraps
+    return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
+
+
+ANALYSIS = Analysis(
+    name="winding",
+    sentence="Stress in the wound roll: pressure between the wraps and friction capacity.",
+    sections=("winding",),
+    run=run_winding,
+    figures=(figure("winding", "plot_winding"),),
+    variables={
+        "r": ("pressure_pa", "capacity_pa", "hoop_stress_pa", "radial_modulus_pa", "winding_tension_pa"),
+        "wrap": ("wrap_pressure_pa", "wrap_capacity_pa", "wrap_hoop_stress_pa"),
+    },
+    plots=("winding",),
+    estimate=estimate_winding,
+)

@@ -19,8 +19,8 @@ from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.report.values import split_unit
 from wroll_fem.results.json_types import json_types
+from wroll_fem.results.summary import netcdf_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,9 +32,6 @@ STOP_SECONDS = 30.0
 
 LOOK_SECONDS = 1.0
 """How often the pool is asked which cases are at work."""
-
-_PLAIN_UNITS = {"m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
-"""Units of summary.json as NetCDF writes them, where that differs."""
 
 
 @dataclass(frozen=True)
@@ -273,8 +270,7 @@ def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
         values = [row.get(key) for row in rows]
         if all(value is None or isinstance(value, int | float) for value in values):
             numbers = np.array([np.nan if value is None else float(value) for value in values])
-            unit = split_unit(key)[1] or "1"
-            data[key] = ("case", numbers, {"units": _PLAIN_UNITS.get(unit, unit), "long_name": key.replace("_", " ")})
+            data[key] = ("case", numbers, {"units": netcdf_unit(key), "long_name": key.replace("_", " ")})
         else:
             texts = np.array(["" if value is None else str(value) for value in values], dtype=object)
             data[key] = ("case", texts, {"long_name": key.replace("_", " ")})

@@ -112,8 +112,8 @@ class RunFolder:
         """Content of summary.json."""
         return self._read_json(self.summary_file)
 
-    def load(self) -> tuple[Case, xr.Dataset]:
-        """Case and results of a run.
+    def load(self) -> xr.Dataset:
+        """Results of a run.
 
         Raises
         ------
@@ -124,7 +124,7 @@ class RunFolder:
 
         if not self.case_file.is_file():
             raise self._refuse("is not a run folder (no case.yaml)", "give the folder of a finished `wroll run`")
-        return load_case(self.case_file), load_dataset(self.results_file)
+        return load_dataset(self.results_file)
 
     @contextmanager
     def open(self, case: Case, command: str) -> Iterator[None]:

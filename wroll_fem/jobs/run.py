@@ -27,7 +27,7 @@ class Run:
     summary
         Content of summary.json: flat, SI, unit in the name.
     figures
-        Pictures of the run.
+        Figures of the run.
     already_done
         True when the folder already held this case, complete, and nothing was computed.
     """
@@ -90,7 +90,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         summary, figures = _save(case, folder, dataset, progress, time.perf_counter() - started)
         status = "complete"
     except ConvergenceError as error:
-        status, failure = "not_converged", _told(error)
+        status, failure = "not_converged", _failure_record(error)
         dataset = getattr(error, "partial", None)
         if dataset is not None:
             _save_dataset(case, folder, dataset, complete=False)
@@ -100,7 +100,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         status = "interrupted"
         raise
     except Exception as error:  # input found wrong on the way, or a defect, whose traceback goes on to the caller
-        failure = _told(error)
+        failure = _failure_record(error)
         raise
     finally:
         seeds = {} if dataset is None else {k: v for k, v in dataset.attrs.items() if "seed" in str(k)}
@@ -109,8 +109,8 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
     return Run(folder, summary, figures)
 
 
-def _told(error: Exception) -> dict[str, Any]:
-    """What provenance.json keeps of a failure."""
+def _failure_record(error: Exception) -> dict[str, Any]:
+    """Entries of provenance.json after a failure."""
     if isinstance(error, WrollError):
         return {"error": str(error), "exit_code": error.exit_code}
     return {"error": f"{type(error).__name__}: {error}", "exit_code": 1}
@@ -121,26 +121,27 @@ def _save(
 ) -> tuple[dict[str, Any], list[Path]]:
     from wroll_fem import analyses
 
-    _save_dataset(case, folder, dataset, complete=True)
-    summary = {"analysis": case.analysis, **analyses.summarise(dataset, case)}
+    dataset = _save_dataset(case, folder, dataset, complete=True)
+    summary = {"analysis": case.analysis, **analyses.summarise(dataset)}
     summary.setdefault("wall_time_s", seconds)
     if case.output.fields != "none":
         folder.fields.mkdir(exist_ok=True)
-        analyses.write_fields(dataset, case, folder.fields)
+        analyses.write_fields(dataset, folder.fields)
     figures: list[Path] = []
     if case.output.figures:
         folder.figures.mkdir(exist_ok=True)
         with progress.stage("figures", 1):
-            figures = list(analyses.write_figures(dataset, case, folder.figures))
+            figures = list(analyses.write_figures(dataset, folder.figures))
     folder.write_json(folder.summary_file, summary)
     return folder.summary(), figures
 
 
-def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
-    """Copy with its own provenance in the attributes: case text and hash, versions, whether it is complete."""
+def with_provenance(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
+    """Copy with its provenance in the attributes: analysis, case text and hash, versions, whether it is complete."""
     from wroll_fem.results.dataset import provenance
 
     origin = {
+        "analysis": case.analysis,
         "case_yaml": case.resolved_yaml(),
         "case_hash": case.hash(),
         "provenance": provenance(),
@@ -149,7 +150,10 @@ def with_origin(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr
     return dataset.assign_attrs(origin)
 
 
-def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> None:
+def _save_dataset(case: Case, folder: RunFolder, dataset: xr.Dataset, *, complete: bool) -> xr.Dataset:
+    """Write results.nc; return its content."""
     from wroll_fem.results.dataset import save_dataset
 
-    save_dataset(with_origin(dataset, case, complete=complete), folder.results_file)
+    dataset = with_provenance(dataset, case, complete=complete)
+    save_dataset(dataset, folder.results_file)
+    return dataset

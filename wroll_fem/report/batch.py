@@ -16,8 +16,9 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, short_names
 from wroll_fem.report import html
 from wroll_fem.report.run import caption, logged, origin_table
-from wroll_fem.report.values import label, open_balance, shown
+from wroll_fem.report.values import open_balance, shown
 from wroll_fem.report.words import case_words
+from wroll_fem.results.summary import label
 
 Row = dict[str, str]
 

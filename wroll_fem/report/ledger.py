@@ -19,7 +19,7 @@ _CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_
 def energy_ledger(dataset: xr.Dataset) -> str:
     """Table of the energies at the end of a time history, or per cycle of a periodic motion; "" without either."""
     if "input_work" in dataset and "time" in dataset["input_work"].dims:
-        from wroll_fem.analyses.shared.summary import energy_balance_error
+        from wroll_fem.results.energy import energy_balance_error
 
         last = dataset.isel(time=-1)
         taken = [name for name in (*_SPENT, *_STORED) if name in last]

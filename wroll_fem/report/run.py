@@ -16,8 +16,9 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
-from wroll_fem.report.values import EFFORT, label, open_balance, shown
+from wroll_fem.report.values import open_balance, shown
 from wroll_fem.report.words import case_words
+from wroll_fem.results.summary import EFFORT, GROUPS, label
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -141,7 +142,7 @@ def metrics(summary: Mapping[str, Any]) -> str:
     lists = {key: value for key, value in summary.items() if isinstance(value, list)}
     head = ("quantity", "value", "in summary.json")
     single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in lists and k != "analysis"]
-    parts = [html.table(head, [row for row in single if row[2] not in EFFORT], numbers=(1,))]
+    parts = [html.table(head, [row for row in single if row[2] not in GROUPS[EFFORT]], numbers=(1,))]
     for title, first, names in (("Interface", "interface", _OF_INTERFACES), ("Mode", "mode", _OF_MODES)):
         columns = {name: lists.pop(name) for name in names if name in lists}
         if not columns:
@@ -154,13 +155,13 @@ def metrics(summary: Mapping[str, Any]) -> str:
         shared = f"{title}s, inner first" if title == "Interface" else f"{title}s"
         parts.append(f"<h3>{html.text(shared)}</h3>\n")
         parts.append(html.table((first, *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
-    effort = html.table(head, [row for row in single if row[2] in EFFORT], numbers=(1,))
+    effort = html.table(head, [row for row in single if row[2] in GROUPS[EFFORT]], numbers=(1,))
     for count in dict.fromkeys(map(len, lists.values())):  # lists of one length belong together
         columns = {key: values for key, values in lists.items() if len(values) == count}
         rows = [[str(k + 1), *(shown(key, values[k]) for key, values in columns.items())] for k in range(count)]
         parts.append("<h3>Series</h3>\n")
         parts.append(html.table(("number", *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
-    return "".join(parts) + ("<h3>Size and effort</h3>\n" + effort if effort else "")
+    return "".join(parts) + (f"<h3>{EFFORT}</h3>\n" + effort if effort else "")
 
 
 def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> str:
@@ -168,10 +169,9 @@ def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> s
     made = sorted(folder.figures.glob("*.png"))
     if not made and dataset is not None:
         from wroll_fem import analyses
-        from wroll_fem.case import load_case
 
         try:
-            made = sorted(analyses.write_figures(dataset, load_case(folder.case_file), scratch))
+            made = sorted(analyses.write_figures(dataset, scratch))
         except WrollError as error:
             return html.paragraph(f"No figures: {error}")
     order = list(_CAPTIONS)

@@ -5,23 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from wroll_fem.analyses.registry import MODULES, find_analysis
 from wroll_fem.report.values import quantity
 
 Plain = Mapping[str, Any]
 
-ANALYSES = {
-    "sweep": "Time history of a sine sweep of the base: transmissibility, damping, slip and energies.",
-    "dwell": "Time history of a sine of the base at one frequency.",
-    "harmonic": "Periodic response to a sine of the base over frequency, by harmonic balance.",
-    "backbone": "Periodic motion at resonance over its amplitude: frequency and damping against level.",
-    "modal": "Natural frequencies and mode shapes.",
-    "modal_transient": "Solid coil under a steady sine of the base: where shear exceeds the friction capacity.",
-    "preload": "Static contact pressure under the preload.",
-    "winding": "Stress in the wound roll: pressure between the wraps and friction capacity.",
-    "design_map": "Frequencies of the loosest and tightest coil over mandrel radius and wall.",
-    "two_dof": "Two masses with friction between them on a shaken base.",
-}
-"""Analysis -> what it computes, in a sentence."""
 _MODELS = {
     "layers": "concentric layers that touch and slip",
     "bonded": "concentric layers bonded to the mandrel",
@@ -36,7 +24,7 @@ _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof"
 def case_words(data: Plain) -> list[tuple[str, str]]:
     """Headings and sentences, one for each section that matters; unknown sections as they are written."""
     analysis = str(data.get("analysis", "unknown"))
-    said = [("Analysis", f"{analysis}. {ANALYSES.get(analysis, '')}".strip())]
+    said = [("Analysis", f"{analysis}. {find_analysis(analysis).sentence if analysis in MODULES else ''}".strip())]
     for key, value in data.items():
         if key == "analysis" or value is None or (key in _QUIET and key != analysis):
             continue

@@ -13,7 +13,6 @@ from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
-from wroll_fem.analyses.shared.summary import energy_balance_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
@@ -29,6 +28,7 @@ from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, simulate
 from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress
+from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.base_motion import Dwell
 
 LAB = CONFIGS / "lab_sweep.yaml"

@@ -6,19 +6,14 @@ from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray as xr
 
 from wroll_fem.results.interface_slip import has_surface
 
-if TYPE_CHECKING:
-    from wroll_fem.case import Case
 
-
-def figure(
-    stem: str, function: str, module: str = "", *, needs: str = ""
-) -> Callable[[xr.Dataset, Case, Path], list[Path]]:
+def figure(stem: str, function: str, module: str = "", *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
     """Part that draws a figure by a function of `wroll_fem.plotting`, or of a module in it.
 
     Parameters
@@ -29,7 +24,7 @@ def figure(
         Variable without which there is nothing to draw.
     """
 
-    def part(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+    def part(dataset: xr.Dataset, folder: Path) -> list[Path]:
         return [_save(stem, function, dataset, folder, module)] if not needs or needs in dataset else []
 
     return part
@@ -48,7 +43,7 @@ def _surfaces(dataset: xr.Dataset) -> list[int]:
     return [number for number in range(count) if has_surface(dataset, number)]
 
 
-def slip_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip of every interface: map, and vectors at its largest."""
     kinds = (("slip_map", "plot_slip_map"), ("peak_slip", "plot_peak_slip_vectors"))
     return [
@@ -58,7 +53,7 @@ def slip_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     ]
 
 
-def pressure_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def pressure_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Pressure on every interface."""
     return [
         _save(f"pressure_{number + 1:02d}", "plot_pressure_map", dataset, folder, interface=number)
@@ -66,7 +61,7 @@ def pressure_maps(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     ]
 
 
-def slip_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip of the innermost interface on the roll, when there was any."""
     from wroll_fem import plotting
 
@@ -75,7 +70,7 @@ def slip_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
 
 
-def mode_shapes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """First ten mode shapes in space; matrices from a file have none."""
     from wroll_fem import plotting
 
@@ -90,7 +85,7 @@ def mode_shapes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     return [plotting.plot_mode_shapes(nodes, cells, shapes, titles, folder / "mode_shapes.png")]
 
 
-def coil_sections(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Root section and slip zone of a coil whose points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
 
@@ -98,7 +93,7 @@ def coil_sections(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     return [_save(*kind, dataset, folder, "coil_slip") for kind in kinds] if has_grid(dataset) else []
 
 
-def coil_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip in the coil, cut open, when its points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
     from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil
@@ -107,7 +102,7 @@ def coil_in_space(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
     return [plot_slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
 
 
-def write_slip(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def write_slip(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Write slip.vtu (all interfaces), and slip_<step>.vtu for kept fields."""
     if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
         return []
@@ -115,19 +110,19 @@ def write_slip(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
 
     written = [write_slip_vtu(dataset, folder / "slip.vtu")]
     for number in range(dataset.sizes.get("snapshot_time", 0)):
-        step = (number + 1) * case.output.every
+        step = (number + 1) * int(dataset.attrs["output_every"])
         written.append(write_slip_vtu(dataset.isel(snapshot_time=number), folder / f"slip_{step:08d}.vtu"))
     return written
 
 
-def write_coil(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def write_coil(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Write coil_slip.vtu: shear, capacity and onset in the coil."""
     from wroll_fem.plotting.coil_slip_space import write_coil_vtu
 
     return [write_coil_vtu(dataset, folder / "coil_slip.vtu")]
 
 
-def write_modes(dataset: xr.Dataset, case: Case, folder: Path) -> list[Path]:
+def write_modes(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Write mode_shapes.vtu; matrices from a file have none."""
     if "mode_shape" not in dataset:
         return []

@@ -1,22 +1,13 @@
-"""What can be said before a run: size, time and warnings, from closed forms alone."""
+"""Checks before a run, from closed forms alone: each returns warnings, with what to change."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
-
-SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
-"""Time per step: `reduced` x points, `condensed` x points x modes per harmonic, `full` x DOFs; one 2.5 GHz core."""
-
-SECONDS_PER_EIGENPROBLEM = 2.2e-10
-"""Time to find the modes of one harmonic's block over the cube of its size, on the same core."""
-
-SECONDS_PER_SOLID_DOF = 3.5e-4
-"""Time to assemble a solid coil and find ten modes over its DOFs, on the same core."""
 
 
 def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
@@ -110,30 +101,10 @@ def root_element_height(case: Case) -> float:
     return case.geometry.length * (ratio - 1) / (ratio**n - 1)
 
 
-def case_warnings(case: Case) -> list[str]:
-    """What a user should know before the run, each with what to change; reads the file of `structure`.
-
-    Raises
-    ------
-    InputError
-        When that file is wrong.
-    """
-    if case.structure is not None:
-        return _scheme_warnings(case) + _structure_warnings(case)
-    if case.analysis in ("winding", "two_dof"):  # what is doubtful there is known after the run, a moment later
-        return []
-    warnings = []
-    contact = case.coil.model == "layers" and case.analysis in ("sweep", "dwell", "harmonic", "backbone", "preload")
-    if case.analysis in ("sweep", "harmonic"):
-        warnings += _missed_resonance(case)
-    if contact and any(interface_pressures(case)):
-        warnings += _contact_warnings(case)
-    return warnings + _scheme_warnings(case)
-
-
-def _scheme_warnings(case: Case) -> list[str]:
+def scheme_warnings(case: Case) -> list[str]:
+    """Integration schemes that dissipate visibly."""
     scheme = case.integrator.scheme
-    if case.analysis not in ("sweep", "dwell") or scheme not in ("moderate_dissipation", "quasi_static"):
+    if scheme not in ("moderate_dissipation", "quasi_static"):
         return []
     return [
         f"integrator.scheme {scheme} takes a visible part of the energy itself; use hht with alpha "
@@ -141,8 +112,16 @@ def _scheme_warnings(case: Case) -> list[str]:
     ]
 
 
-def _structure_warnings(case: Case) -> list[str]:
-    """What is doubtful in a file of matrices."""
+def structure_warnings(case: Case) -> list[str]:
+    """What is doubtful in the file of `structure`; nothing for a roll.
+
+    Raises
+    ------
+    InputError
+        When the file is wrong.
+    """
+    if case.structure is None:
+        return []
     from wroll_fem.analyses.shared.preparation import read_structure
 
     system, state = read_structure(case)
@@ -164,7 +143,10 @@ def _structure_warnings(case: Case) -> list[str]:
     return warnings
 
 
-def _missed_resonance(case: Case) -> list[str]:
+def missed_resonance(case: Case) -> list[str]:
+    """A chirp whose band does not hold the expected resonance of the roll."""
+    if case.structure is not None:
+        return []
     low = beam_frequency(case, bonded=False)
     high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
     start, end = case.excitation.f_start, case.excitation.f_end  # type: ignore[union-attr]
@@ -176,9 +158,14 @@ def _missed_resonance(case: Case) -> list[str]:
     ]
 
 
-def _contact_warnings(case: Case) -> list[str]:
-    warnings = []
+def contact_warnings(case: Case) -> list[str]:
+    """Mesh against shear lag, friction law, buckling and low pressure of a roll with layers under pressure."""
+    if case.structure is not None or case.coil.model != "layers":
+        return []
     pressures = interface_pressures(case)
+    if not any(pressures):
+        return []
+    warnings = []
     lag, height = shear_lag_length(case, max(pressures)), root_element_height(case)
     if case.mesh.file is None and height > lag:
         need = math.ceil(case.mesh.axial * height / lag)
@@ -207,74 +194,3 @@ def _contact_warnings(case: Case) -> list[str]:
             "watch for step cuts, and raise integrator.steps_per_cycle if the run stops"
         )
     return warnings
-
-
-def estimate(case: Case) -> dict[str, Any]:
-    """Size of the job and a rough time, for ``--dry-run``.
-
-    Returns
-    -------
-    dict
-        dofs, interface_points, steps, time_step_s, duration_s, and for a roll estimated_seconds (one core, set-up
-        included).
-    """
-    if case.two_dof is not None:
-        from wroll_fem.analyses.two_dof import estimate_two_dof
-
-        return estimate_two_dof(case.two_dof)
-    if case.winding is not None and case.analysis == "winding":
-        cells, wraps = case.winding.cells, case.winding.wraps
-        return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
-    if case.structure is not None:
-        from wroll_fem.dynamics.system.io import system_size
-
-        dofs, points = system_size(case.structure.file)
-        return {"dofs": dofs, "interface_points": points} | _time_steps(case)
-    if case.mesh.discretisation == "fourier":
-        return _harmonics(case)
-    shells = 1 + (case.coil.layers if case.coil.model in ("layers", "bonded") else 0)
-    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full"
-    half = half and not case.analysis.startswith("modal")  # all modes are wanted
-    around, along = case.mesh.circumferential, case.mesh.axial
-    columns = around // 2 + 1 if half else around
-    nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
-    solid = case.coil.model == "solid"
-    result: dict[str, Any] = {
-        "dofs": 6 * nodes * shells + (6 * nodes * case.mesh.radial if solid else 0),
-        "interface_points": columns * (along + 1) * (shells - 1) if case.coil.model == "layers" else 0,
-    }
-    result |= _time_steps(case)
-    seconds = 4.0 + (SECONDS_PER_SOLID_DOF if solid else 7e-5) * result["dofs"]
-    if "steps" in result:
-        per_harmonic = 2.0 * result["dofs"] / around
-        if case.solver.method != "full":
-            blocks, size = (0.5 * around, per_harmonic) if half else (around, 0.5 * per_harmonic)
-            seconds += SECONDS_PER_EIGENPROBLEM * blocks * size**3
-        points = result["interface_points"]
-        unit = {"reduced": points, "condensed": points * per_harmonic, "full": result["dofs"]}[case.solver.method]
-        seconds += result["steps"] * max(1e-4, SECONDS_PER_UNIT[case.solver.method] * unit)
-    result["estimated_seconds"] = seconds
-    return result
-
-
-def _harmonics(case: Case) -> dict[str, Any]:
-    """Unknowns of one harmonic around the axis, and a time: 3e-5 s per unknown and eigenproblem."""
-    from wroll_fem.mesh.axisymmetric import make_section
-
-    n_r, n_z = make_section(case).shape
-    dofs = 3 * (3 * n_r + 1) * (3 * n_z + 1)
-    if case.design_map is None:
-        return {"dofs": dofs, "interface_points": 0, "estimated_seconds": 2.0 + 12 * 3e-5 * dofs}
-    designs = len(case.design_map.mandrel_radius) * len(case.design_map.mandrel_thickness) + 1
-    return {"dofs": dofs, "designs": designs, "estimated_seconds": 2.0 + 26 * 3e-5 * dofs * designs}
-
-
-def _time_steps(case: Case) -> dict[str, Any]:
-    """Steps, step and length of a time history; nothing for other analyses."""
-    if case.analysis not in ("sweep", "dwell"):
-        return {}
-    from wroll_fem.signals.base_motion import base_motion
-
-    duration = base_motion(case.excitation).duration
-    steps = math.ceil(duration / case.time_step - 1e-9)
-    return {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}

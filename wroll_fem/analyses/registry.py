@@ -1,0 +1,106 @@
+"""The registry of analyses: one line for each, from which every other table of analyses is derived.
+
+An analysis is a module that holds `ANALYSIS`, an `Analysis` object. It is imported when it is asked for, so that this
+module stays cheap to import.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wroll_fem.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from wroll_fem.case import Case
+
+    Run = Callable[..., xr.Dataset]
+    Check = Callable[[Case], list[str]]
+    Estimate = Callable[[Case], dict[str, Any]]
+    Summary = Callable[[xr.Dataset], dict[str, Any]]
+    Files = Callable[[xr.Dataset, Path], list[Path]]
+
+MODULES: dict[str, str] = {
+    "sweep": "wroll_fem.analyses.sweep",
+    "dwell": "wroll_fem.analyses.dwell",
+    "harmonic": "wroll_fem.analyses.harmonic",
+    "backbone": "wroll_fem.analyses.backbone",
+    "modal": "wroll_fem.analyses.modal",
+    "modal_transient": "wroll_fem.analyses.modal_transient",
+    "preload": "wroll_fem.analyses.preload",
+    "winding": "wroll_fem.analyses.winding",
+    "design_map": "wroll_fem.analyses.design_map",
+    "two_dof": "wroll_fem.analyses.two_dof",
+}
+"""Name in the case file -> module that holds its `ANALYSIS`."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """An analysis: what it needs, what it computes, and what a run folder gets from its results.
+
+    Attributes
+    ----------
+    name
+        Value of `analysis` in the case file.
+    sentence
+        What it computes.
+    sections
+        Case sections without which it is refused, for a roll with layers (or a solid coil).
+    run
+        Function of the case and ``progress``, that returns an annotated Dataset; a resumable one also takes
+        ``checkpoint`` (path or None) and ``resume``.
+    summary
+        Functions of the Dataset; each returns entries of summary.json, named in `results.summary.SUMMARY`. Attributes
+        of the Dataset with names of that table are entries without further ado.
+    figures, fields
+        Functions of the Dataset and a folder; each writes figures (.png) or fields (.vtu) and returns the files.
+    variables
+        Dimensions -> main variables over them, for the documentation.
+    plots
+        Figures of `wf.plot` that draw its results.
+    preflight
+        Checks before the run: functions of the case that return warnings, each with what to change.
+    estimate
+        Size and approximate time of the run, from the case.
+    resumable
+        Whether it writes checkpoints, from which `--resume` goes on.
+    """
+
+    name: str
+    sentence: str
+    sections: tuple[str, ...]
+    run: Run
+    summary: tuple[Summary, ...] = ()
+    figures: tuple[Files, ...] = ()
+    fields: tuple[Files, ...] = ()
+    variables: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    plots: tuple[str, ...] = ()
+    preflight: tuple[Check, ...] = ()
+    estimate: Estimate = lambda case: {}
+    resumable: bool = False
+
+
+def find_analysis(name: str) -> Analysis:
+    """Analysis of a name.
+
+    Raises
+    ------
+    InputError
+        When the registry has no such name.
+    """
+    if name not in MODULES:
+        remedy = f"use one of: {', '.join(MODULES)}"
+        raise InputError(f"no analysis {name!r}", key="analysis", remedy=remedy)
+    found: Analysis = import_module(MODULES[name]).ANALYSIS
+    return found
+
+
+def all_analyses() -> list[Analysis]:
+    """Return every analysis, in the order of the registry; imports all of them."""
+    return [find_analysis(name) for name in MODULES]

@@ -1,0 +1,85 @@
+"""Size and approximate time of a run, for ``--dry-run``."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wroll_fem.case import Case
+
+SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
+"""Time per step: `reduced` x points, `condensed` x points x modes per wave number, `full` x DOFs; one 2.5 GHz core."""
+
+SECONDS_PER_EIGENPROBLEM = 2.2e-10
+"""Time to find the modes of one wave number's block over the cube of its size, on the same core."""
+
+SECONDS_PER_SOLID_DOF = 3.5e-4
+"""Time to assemble a solid coil and find ten modes over its DOFs, on the same core."""
+
+SECONDS_PER_FOURIER_DOF = 3.0e-5
+"""Time per DOF of one wave number and eigenproblem, on the same core."""
+
+
+def estimate_roll(case: Case) -> dict[str, Any]:
+    """DOFs, contact points and time of an analysis that may use the symmetry plane."""
+    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full"
+    return _estimate(case, half=half)
+
+
+def estimate_modes(case: Case) -> dict[str, Any]:
+    """DOFs, contact points and time of an analysis that needs all modes: the whole roll, or one wave number of it."""
+    if case.structure is None and case.mesh.discretisation == "fourier":
+        dofs = fourier_dofs(case)
+        seconds = 2.0 + 12 * SECONDS_PER_FOURIER_DOF * dofs
+        return {"dofs": dofs, "interface_points": 0, "estimated_seconds": seconds}
+    return _estimate(case, half=False)
+
+
+def estimate_history(case: Case) -> dict[str, Any]:
+    """As `estimate_roll`, with steps, step (s) and duration (s) of the time history."""
+    from wroll_fem.signals.base_motion import base_motion
+
+    found = estimate_roll(case)
+    seconds = found.pop("estimated_seconds", None)
+    duration = base_motion(case.excitation).duration
+    steps = math.ceil(duration / case.time_step - 1e-9)
+    found |= {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}
+    if seconds is None:
+        return found
+    around, method = case.mesh.circumferential, case.solver.method
+    per_harmonic = 2.0 * found["dofs"] / around
+    if method != "full":
+        half = case.solver.symmetry and case.excitation.direction == "x"
+        blocks, size = (0.5 * around, per_harmonic) if half else (around, 0.5 * per_harmonic)
+        seconds += SECONDS_PER_EIGENPROBLEM * blocks * size**3
+    points = found["interface_points"]
+    unit = {"reduced": points, "condensed": points * per_harmonic, "full": found["dofs"]}[method]
+    seconds += steps * max(1e-4, SECONDS_PER_UNIT[method] * unit)
+    return found | {"estimated_seconds": seconds}
+
+
+def fourier_dofs(case: Case) -> int:
+    """DOFs of one circumferential wave number."""
+    from wroll_fem.mesh.axisymmetric import make_section
+
+    n_r, n_z = make_section(case).shape
+    return int(3 * (3 * n_r + 1) * (3 * n_z + 1))
+
+
+def _estimate(case: Case, *, half: bool) -> dict[str, Any]:
+    """Size, and for a roll the time of mesh, assembly and linear solutions."""
+    if case.structure is not None:
+        from wroll_fem.dynamics.system.io import system_size
+
+        dofs, points = system_size(case.structure.file)
+        return {"dofs": dofs, "interface_points": points}
+    model = case.coil.model
+    shells = 1 + (case.coil.layers if model in ("layers", "bonded") else 0)
+    around, along = case.mesh.circumferential, case.mesh.axial
+    columns = around // 2 + 1 if half else around
+    nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
+    dofs = 6 * nodes * shells + (6 * nodes * case.mesh.radial if model == "solid" else 0)
+    points = columns * (along + 1) * (shells - 1) if model == "layers" else 0
+    seconds = 4.0 + (SECONDS_PER_SOLID_DOF if model == "solid" else 7e-5) * dofs
+    return {"dofs": dofs, "interface_points": points, "estimated_seconds": seconds}

@@ -1,0 +1,62 @@
+"""Self-contained results: what summary, fields and figures take from the case is an attribute of the Dataset."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from wroll_fem.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from wroll_fem.case import Case
+
+
+def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+    """Copy with the attributes that summary, fields and figures need from the case; those already there are kept.
+
+    `analysis`; `excitation_direction` where fractions are kept for each direction; `output_every` with kept fields;
+    `winding_pressure_pa` with `preload.kind: winding_tension`.
+    """
+    attrs: dict[str, Any] = {"analysis": case.analysis}
+    if "component" in dataset.dims:
+        attrs["excitation_direction"] = case.excitation.direction
+    if "snapshot_time" in dataset.dims:
+        attrs["output_every"] = case.output.every
+    if case.preload.kind == "winding_tension" and case.coil.model == "layers":
+        from wroll_fem.winding.interface import target_pressures
+
+        attrs["winding_pressure_pa"] = target_pressures(case).tolist()
+    return dataset.assign_attrs(attrs | dataset.attrs)
+
+
+def completed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with the attributes of `described`; of results of version 0.1.0 they are read from `case_yaml`.
+
+    Raises
+    ------
+    InputError
+        When neither attribute nor case name the analysis.
+    """
+    if "analysis" in dataset.attrs:
+        return dataset
+    given = yaml.safe_load(dataset.attrs.get("case_yaml", "")) or {}
+    if "analysis" not in given:
+        raise InputError(
+            "does not name its analysis", key="result", remedy="pass a result of wf.run, or name its case as well"
+        )
+    attrs: dict[str, Any] = {
+        "analysis": given["analysis"],
+        "excitation_direction": (given.get("excitation") or {}).get("direction", "x"),
+        "output_every": (given.get("output") or {}).get("every", 0),
+    }
+    if (given.get("preload") or {}).get("kind") == "winding_tension":
+        from wroll_fem.case import build_case
+        from wroll_fem.winding.interface import target_pressures
+
+        with suppress(InputError):  # without its mesh file the entry is left out
+            attrs["winding_pressure_pa"] = target_pressures(build_case(given)).tolist()
+    return dataset.assign_attrs(attrs | dataset.attrs)

@@ -1,0 +1,63 @@
+"""Sweep: time history under a chirp of the base, its transmissibility and damping."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLES, time_history
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import preflight
+from wroll_fem.analyses.shared.estimates import estimate_history
+from wroll_fem.analyses.shared.figures import figure
+from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.damping import sweep_warning
+from wroll_fem.signals.estimators import read_curve
+from wroll_fem.signals.transmissibility import transmissibility
+
+if TYPE_CHECKING:
+    from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
+
+
+def run_sweep(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
+    """Time history with energy ledger, slip fields and transmissibility; damping in the attributes.
+
+    Raises
+    ------
+    ConvergenceError
+        With the history until then in ``partial``.
+    """
+    history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
+    motion = base_motion(case.excitation)
+    curve = transmissibility(history, motion)  # type: ignore[arg-type]
+    dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
+    T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
+    read = read_curve(curve["frequency"].values, T, case.output.damping)
+    for text in (sweep_warning(motion, read.shape), *read.doubts):  # type: ignore[arg-type]
+        if text:
+            progress.warning(text)
+    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope"))
+
+
+ANALYSIS = Analysis(
+    name="sweep",
+    sentence="Time history under a sine sweep of the base: transmissibility, damping, slip and energies.",
+    sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
+    run=run_sweep,
+    summary=SUMMARY,
+    figures=(figure("transmissibility", "plot_transmissibility", needs="transmissibility_real"), *FIGURES),
+    fields=FIELDS,
+    variables=VARIABLES | {"frequency": ("transmissibility_real", "transmissibility_imag")},
+    plots=("transmissibility", "comparison", *PLOTS),
+    preflight=(
+        preflight.missed_resonance,
+        preflight.contact_warnings,
+        preflight.structure_warnings,
+        preflight.scheme_warnings,
+    ),
+    estimate=estimate_history,
+    resumable=True,
+)

@@ -1,0 +1,265 @@
+"""Names of summary.json: the one table of units, labels, formats and groups.
+
+A name ends in its unit. Everything that spells a summary entry takes unit and words from `SUMMARY`: the console, the
+report, batch.nc and the reference page. This module imports nothing heavy.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+__all__ = ["EFFORT", "GROUPS", "SUMMARY", "Entry", "label", "netcdf_unit", "split_unit", "unit_of"]
+
+
+class Entry(NamedTuple):
+    """One name of summary.json.
+
+    Attributes
+    ----------
+    unit
+        Unit as a reader writes it, "" for none.
+    label
+        What it is, in a few words.
+    sentence
+        What the label does not say, for the reference page.
+    style
+        "share": shown in per cent; "number": as it is; "si": with an SI prefix.
+    console
+        Format at the end of `wroll run`; "" leaves it out there.
+    """
+
+    unit: str
+    label: str
+    sentence: str = ""
+    style: Literal["si", "number", "share"] = "si"
+    console: str = ""
+
+
+def _share(label: str, sentence: str = "", console: str = "") -> Entry:
+    return Entry("", label, sentence, "share", console)
+
+
+def _number(unit: str, label: str, sentence: str = "", console: str = "") -> Entry:
+    return Entry(unit, label, sentence, "number", console)
+
+
+EFFORT = "Size and effort"
+"""Group of the entries that describe the computation, not the roll."""
+
+GROUPS: dict[str, dict[str, Entry]] = {
+    "Every run": {
+        "analysis": Entry("", "analysis", "`analysis` of the case"),
+        "mass_total_kg": Entry("kg", "mass in motion"),
+    },
+    "Resonance of a curve (sweep, harmonic)": {
+        "f_n_hz": _number("Hz", "resonance frequency f_n", "frequency of the peak", "{:.2f} Hz"),
+        "zeta": _share(
+            "damping ratio zeta",
+            "(f2 - f1)/(2 f_n) by default; `null` where a half-power point lies outside the band", "{:.4f}",
+        ),
+        "zeta_method": Entry("", "method of zeta", "estimator (`output.damping`) and curve"),
+        "zeta_error": _share("standard error of zeta", "of estimators that have one"),
+        "zeta_lower_bound": _share("zeta, lower end of its error bar"),
+        "zeta_misfit": _share("distance of fit and curve, over the peak"),
+        "zeta_reason": Entry("", "reason for this method"),
+        "f_n_error_hz": _number("Hz", "standard error of f_n"),
+        "peak_transmissibility": _number(
+            "", "peak transmissibility", "|A_tip + A_g|/|A_g|; of the displacements with two_dof", "{:.2f}"
+        ),
+        "half_power_low_hz": _number("Hz", "lower half-power frequency", "f1, where T is its peak over sqrt 2"),
+        "half_power_high_hz": _number("Hz", "upper half-power frequency", "f2"),
+        "skewness": _number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
+    },
+    "Steady end of a dwell": {
+        "steady_magnitude": _number("", "steady transmissibility", "over the last whole cycles"),
+        "steady_phase_rad": _number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
+        "steady_amplitude_m_s2": _number("m/s²", "steady tip acceleration (0-peak)"),
+        "steady_residual": _share("harmonics and transients left, over the fundamental"),
+        "steady_drift": _share("change of the fundamental within the window"),
+    },
+    "Energy over the whole motion (sweep, dwell)": {
+        "energy_balance_error": _share(
+            "energy balance error",
+            "largest violation of the energy identity over the largest input; of a period for harmonic, backbone and "
+            "two_dof",
+            "{:.2%}",
+        ),
+        "input_work_j": Entry("J", "work put in by the base motion"),
+        "friction_energy_j": Entry("J", "energy dissipated by friction", console="{:.4g} J"),
+        "numerical_dissipation_j": Entry("J", "energy dissipated by the integration scheme"),
+        "pressure_modulation_work_j": Entry("J", "work exchanged with the pressure-dependent stick stiffness"),
+        "impact_dissipation_j": Entry("J", "energy lost where surfaces land and part"),
+    },
+    "Energy of a period (harmonic, backbone)": {
+        "input_work_per_cycle_j": Entry(
+            "J", "work of the base per cycle", "where the response, or the damping of a backbone, is largest"
+        ),
+        "friction_work_per_cycle_j": Entry("J", "energy dissipated by friction per cycle"),
+        "modulation_work_per_cycle_j": Entry("J", "work of the pressure-dependent stick stiffness per cycle"),
+        "viscous_work_per_cycle_j": Entry("J", "energy dissipated by viscous damping per cycle"),
+        "memory_change": _number("", "change of the elastic slip per cycle, over its largest"),
+    },
+    "Interfaces": {
+        "interface_pressure_mean_pa": Entry(
+            "Pa", "mean interface pressure", "after the preload, area mean", console="{:.4g} Pa"
+        ),
+        "external_pressure_pa": Entry("Pa", "external pressure on the layer outside"),
+        "winding_pressure_pa": Entry(
+            "Pa", "interface pressure of the wound roll", "with `preload.kind: winding_tension`"
+        ),
+        "max_relative_displacement_m": Entry(
+            "m", "largest relative displacement",
+            "tangential, since the preload, with its elastic part; over all times and points",
+        ),
+        "max_slip_m": Entry(
+            "m", "largest relative displacement (second name)",
+            "the same as `max_relative_displacement_m`: it includes the elastic part, so it exceeds zero in sticking",
+        ),
+        "max_accumulated_slip_m": Entry(
+            "m", "largest accumulated slip",
+            "length of the plastic slip path; of the whole motion, of one period for harmonic and backbone",
+        ),
+        "slipping_area_fraction": _share("area that slipped", "share of the area that slipped at any time"),
+    },
+    "Modes": {
+        "bending_hz": _number("Hz", "first bending frequency"),
+        "modes_hz": _number("Hz", "frequency", "natural frequencies, rising"),
+        "mode_kinds": Entry("", "kind", "bending, torsion, axial, ovalling-n, ..."),
+        "effective_mass_fraction": _share("effective mass", "along the excitation, over the total mass"),
+    },
+    "Backbone": {
+        "f_stuck_hz": _number("Hz", "resonance frequency, everything sticking"),
+        "f_largest_amplitude_hz": _number("Hz", "resonance frequency at the largest amplitude"),
+        "zeta_max": _share("largest damping ratio"),
+        "tip_amplitude_at_zeta_max_m": Entry("m", "tip amplitude there (0-peak)"),
+        "base_acceleration_at_zeta_max_m_s2": _number("m/s²", "base acceleration there (0-peak)"),
+    },
+    "Wound roll": {
+        "pressure_mandrel_pa": Entry("Pa", "pressure at the mandrel", "under the first wrap", console="{:.4g} Pa"),
+        "pressure_mandrel_wrap_grid_pa": Entry(
+            "Pa", "pressure at the mandrel, wrap grid of the thesis", console="{:.4g} Pa"
+        ),
+        "capacity_mandrel_pa": Entry("Pa", "friction capacity at the mandrel", "mu times it", console="{:.4g} Pa"),
+        "capacity_mandrel_wrap_grid_pa": Entry("Pa", "friction capacity at the mandrel, wrap grid of the thesis"),
+        "mandrel_stiffness_pa": Entry(
+            "Pa", "mandrel stiffness", "pressure over hoop strain at its surface", console="{:.4g} Pa"
+        ),
+        "pressure_mandrel_error_estimate": _share(
+            "estimated error of the pressure at the mandrel", "change by extrapolation, over the pressure"
+        ),
+        "hoop_bound_pa": Entry("Pa", "pressure at the mandrel if no wrap relaxed"),
+        "hoop_stress_min_pa": Entry("Pa", "lowest stress along the web"),
+        "web_modulus_pa": Entry("Pa", "modulus of the web along itself"),
+        "tension_stress_pa": Entry("Pa", "tension stress"),
+        "tension_n": Entry("N", "tension"),
+        "outer_radius_m": Entry("m", "outer radius"),
+    },
+    "Slip of a solid coil (modal_transient)": {
+        "driven_mode": _number("", "driven mode", "number of the mode whose frequency is driven"),
+        "excitation_frequency_hz": _number("Hz", "excitation frequency"),
+        "participating_mass_fraction": _share(
+            "participating mass", "share of the mass along the excitation that the modes carry"
+        ),
+        "transmissibility": _number("", "transmissibility", "steady, exact", "{:.2f}"),
+        "transmissibility_last_cycle": _number("", "transmissibility of the last cycle simulated"),
+        "steady_cycles": _number("", "cycles until steady", "until the motion repeats"),
+        "amplitude_g": _number("g", "base acceleration (0-peak)", "levels, over 9.80665 m/s²"),
+        "shear_resultant_max_pa": Entry("Pa", "largest shear resultant", "per level"),
+        "slipping_volume_fraction": _share("volume that slips", "per level"),
+        "slip_zone_height_m": Entry("m", "slip zone height", "per level, above the base"),
+        "slip_zone_depth_m": Entry("m", "slip zone depth", "per level, from the mandrel"),
+        "slip_onset_g": _number(
+            "g", "base acceleration at which slip starts (0-peak)", "missing where nothing would slip at any level"
+        ),
+        "slip_onset_radius_m": Entry("m", "slip onset radius"),
+        "slip_onset_height_m": Entry("m", "slip onset height"),
+        "slip_onset_theta_rad": _number("rad", "slip onset angle"),
+        "slip_statement": Entry("", "coil", "onset and extent of slip in a sentence", console="{}"),
+    },
+    "Map of mandrels": {
+        "disparity_hz": _number("Hz", "frequency disparity of this mandrel", "stiffest less softest coil"),
+        "f_tightest_hz": _number("Hz", "its bending frequency, stiffest coil"),
+        "f_loosest_hz": _number("Hz", "its bending frequency, softest coil"),
+        "f_mandrel_hz": _number("Hz", "its bending frequency, no coil"),
+        "loosest_shear_modulus_pa": Entry("Pa", "shear modulus of the softest coil"),
+        "designs": _number("", "designs", "number of mandrels on the map"),
+        "designs_without_disparity": _number(
+            "", "designs without disparity", "mandrels whose fundamental mode is not bending"
+        ),
+        "disparity_largest_hz": _number("Hz", "largest disparity on the map"),
+        "disparity_largest_mandrel_radius_m": Entry("m", "mandrel radius there"),
+        "disparity_largest_mandrel_thickness_m": Entry("m", "mandrel wall there"),
+        "disparity_smallest_hz": _number("Hz", "smallest disparity on the map"),
+        "disparity_smallest_mandrel_radius_m": Entry("m", "mandrel radius of the smallest"),
+        "disparity_smallest_mandrel_thickness_m": Entry("m", "mandrel wall of the smallest"),
+    },
+    "Two masses": {
+        "friction_capacity_n": Entry("N", "friction capacity", "one curve each"),
+        "omega_peak_rad_s": _number("rad/s", "frequency of the peak", "per capacity"),
+        "friction_capacity_lowest_peak_n": Entry("N", "friction capacity of the lowest peak"),
+        "friction_capacity_at_zeta_max_n": Entry("N", "friction capacity of the largest damping ratio"),
+        "zeta_max_over_design": _share("largest damping ratio over the design space"),
+        "m2_at_zeta_max_kg": Entry("kg", "secondary mass there"),
+        "k2_at_zeta_max_n_m": _number("N/m", "secondary stiffness there"),
+    },
+    EFFORT: {
+        "method": Entry("", "method", "solver of a time history, or what a periodic motion was found by"),
+        "dofs": _number("", "degrees of freedom", "of the solved structure (half a roll under symmetry)", "{:d}"),
+        "interface_points": _number("", "contact points"),
+        "reduced_coordinates": _number("", "reduced coordinates", "basis vectors of the reduced model at the end"),
+        "reduction_error_estimate": _share(
+            "estimated error of the reduction", "root mean square of what the basis misses, relative"
+        ),
+        "reduction_tip_error_estimate": _share(
+            "estimated error of the reduction at the tip", "the same seen at the tip (harmonic, backbone)"
+        ),
+        "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
+        "steps": _number("", "time steps", console="{:d}"),
+        "step_cuts": _number("", "step cuts", "halvings of steps that did not converge at once"),
+        "newton_iterations_mean": _number("", "Newton iterations per step (mean)"),
+        "branch_points": _number("", "branch points", "points of the curve"),
+        "folds": _number("", "folds", "turning points of the curve"),
+        "solver_time_s": Entry("s", "solver time", "CPU time of the time loop or of the continuation"),
+        "wall_time_s": Entry("s", "wall time", console="{:.1f} s"),
+    },
+}  # fmt: skip
+"""Heading -> name -> entry, in the order of summary.json."""
+
+SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name, entry in entries.items()}
+"""Name of summary.json -> unit, label, sentence and formats."""
+
+_SUFFIXES = {
+    "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
+    "n": "N", "rad": "rad", "g": "g",
+}  # fmt: skip
+"""Last words of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
+
+_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
+"""Units as NetCDF writes them, where that differs."""
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Name without its unit, and the unit ("" for none)."""
+    words = name.split("_")
+    for n in (2, 1):
+        unit = _SUFFIXES.get("_".join(words[-n:])) if len(words) > n else None
+        if unit is not None:
+            return "_".join(words[:-n]), unit
+    return name, ""
+
+
+def unit_of(name: str) -> str:
+    """Unit of a name, also of one that is not in the table ("" for none)."""
+    return SUMMARY[name].unit if name in SUMMARY else split_unit(name)[1]
+
+
+def netcdf_unit(name: str) -> str:
+    """Unit of a name as NetCDF writes it, "1" for none."""
+    unit = unit_of(name)
+    return _NETCDF.get(unit, unit)
+
+
+def label(name: str) -> str:
+    """Words for a name, first letter large."""
+    words = SUMMARY[name].label if name in SUMMARY else split_unit(name)[0].replace("_", " ")
+    return words[:1].upper() + words[1:]
