@@ -169,6 +169,61 @@ def test_the_site_builds_without_warnings(tmp_path: Path) -> None:
     assert "undefined" not in page.lower().split("<article", 1)[1].split("</article", 1)[0]
 
 
+TEXTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md")] + sorted(DOCS.rglob("*.md"))
+CODE = re.compile(r"\b(?:wroll_fem|reproduction|tools|tests|benchmarks)/[\w/]*\w+\.(?:py|sh|yaml|md)\b")
+
+
+def test_every_file_of_code_that_a_page_names_exists() -> None:
+    made_by_recipes = {"wroll_fem/contact/dahl.py", "wroll_fem/signals/burst.py"}
+    found = {(page.name, path) for page in TEXTS for path in CODE.findall(page.read_text(encoding="utf-8"))}
+    assert len(found) > 80
+    assert [item for item in sorted(found) if item[1] not in made_by_recipes and not (ROOT / item[1]).exists()] == []
+
+
+def test_no_page_names_a_module_without_its_room() -> None:
+    names = {path.name for path in (ROOT / "wroll_fem").rglob("*.py")}
+    bare = [
+        f"{page.name}: {name}"
+        for page in TEXTS
+        for name in re.findall(r"(?<![\w/.])(\w+\.py)\b", page.read_text(encoding="utf-8"))
+        if name in names or (page.parent == DOCS and not list(ROOT.glob(f"*/{name}")))
+    ]
+    assert bare == []
+
+
+def rows_of(heading: str) -> list[list[str]]:
+    """Rows of the table under a heading of docs/architecture.md."""
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8").split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    rows = [line.strip("|").split("|") for line in text.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in row] for row in rows[2:]]
+
+
+def test_names_of_the_glossary_stand_in_the_files_it_names() -> None:
+    rows = rows_of("Glossary")
+    assert len(rows) >= 40
+    missing = []
+    for term, ours, _, file in rows:
+        text = (ROOT / file.strip("`")).read_text(encoding="utf-8")
+        missing += [f"{term}: {name}" for name in re.findall(r"`(\w+)`", ours) if not re.search(rf"\b{name}\b", text)]
+    assert missing == []
+
+
+def test_the_architecture_page_has_a_row_for_each_usual_change() -> None:
+    assert len(rows_of("Where do I put ...")) >= 30
+
+
+def test_the_layers_on_the_page_and_in_the_picture_are_those_of_the_test() -> None:
+    from test_layers import LAYERS
+
+    from tools.sketches import ROOMS
+
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8").split("```text\n")[1].split("```")[0]
+    assert [tuple(layer.strip() for layer in row.split(",")) for row in page.replace("\n", " ").split("<")] == list(
+        LAYERS
+    )
+    assert [rooms for rooms, *_ in ROOMS] == list(LAYERS)
+
+
 def test_case_files_shown_on_pages_are_valid() -> None:
     """Blocks that are whole cases (they begin with `analysis:`)."""
     count = 0

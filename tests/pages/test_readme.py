@@ -32,3 +32,35 @@ def test_the_readmes_commands_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for command in set(re.findall(r"^make ([a-z-]+)", README, flags=re.MULTILINE)):
         assert re.search(rf"^{command}:", makefile, flags=re.MULTILINE), command
+
+
+def test_the_counts_of_the_claims_are_those_of_their_page() -> None:
+    page = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
+    counts = re.search(
+        r"(\d+) met, (\d+) not met, (\d+) thesis error: explained, (\d+) out of scope.*?(\d+) not yet", page
+    )
+    assert counts is not None
+    shown = re.search(
+        r"(\d+) of its claims .*?(\d+) met, (\d+) not met, (\d+) errors in the thesis, (\d+) only an experiment.*?"
+        r"(\d+) not computed yet",
+        README,
+    )
+    assert shown is not None
+    assert shown.groups()[1:] == counts.groups()
+    assert int(shown[1]) == sum(map(int, counts.groups()))
+
+
+def test_the_thesis_is_cited_in_full() -> None:
+    title = "Vibration Damping of Coiled Structures Through Frictional Slip"
+    for name in ("README.md", "CITATION.cff", "docs/theory.md", "docs/index.md"):
+        text = (ROOT / name).read_text(encoding="utf-8")
+        for part in (title, "Wen", "California Institute of Technology", "2024", "https://thesis.library.caltech.edu"):
+            assert part in text, f"{name}: {part}"
+
+
+def test_no_page_calls_the_thesis_the_source() -> None:
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    pages += sorted((ROOT / "reproduction" / "explanations").glob("*.md"))
+    found = [f"{page.name}: {line}" for page in pages for line in page.read_text(encoding="utf-8").splitlines()
+             if re.search(r"\bthe source\b(?!s| of| file)", line, flags=re.IGNORECASE)]  # fmt: skip
+    assert found == []
