@@ -20,6 +20,7 @@ import yaml
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
+from wroll_fem.results.atomic import replacing
 from wroll_fem.jobs.batch import load_series, run_grid
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
@@ -226,9 +227,8 @@ def _keep(task: tuple[Callable[..., xr.Dataset], dict[str, Any], Path]) -> None:
 
 def _write(data: xr.Dataset, file: Path) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_suffix(".partial")
-    data.to_netcdf(partial, engine="h5netcdf")
-    partial.replace(file)
+    with replacing(file) as partial:
+        data.to_netcdf(partial, engine="h5netcdf")
 
 
 def _read(file: Path) -> xr.Dataset:

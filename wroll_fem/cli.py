@@ -22,11 +22,11 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 
 import typer
 
-from wroll_fem import __version__
 from wroll_fem.case import load_case, schema_text
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.progress import TerminalProgress
+from wroll_fem.results.provenance import program_version
 
 app = typer.Typer(
     name="wroll", help="Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps.",
@@ -52,7 +52,7 @@ def _reporting() -> Iterator[None]:
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"wroll_fem {__version__}")
+        typer.echo(f"wroll_fem {program_version()}")
         raise typer.Exit
 
 
@@ -334,7 +334,7 @@ def info() -> None:
     """Print the version of every library underneath, and whether it works."""
     from wroll_fem.jobs.environment import OPTIONAL, check_environment
 
-    typer.echo(f"{'wroll_fem':<10} {__version__}")
+    typer.echo(f"{'wroll_fem':<10} {program_version()}")
     broken = False
     for part in check_environment():
         state = "works" if not part.problem else f"DOES NOT WORK: {part.problem}"

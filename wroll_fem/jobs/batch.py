@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.results.atomic import replacing
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.summary import netcdf_unit
 
@@ -250,15 +250,12 @@ def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
     """Write batch.csv (one row per case) and batch.nc (the same over the dimension `case`, with units)."""
     rows = table_rows(outcomes, out)
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    partial = out / "batch.csv.partial"
-    with partial.open("w", newline="", encoding="utf-8") as stream:
+    with replacing(out / "batch.csv") as file, file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, columns)
         writer.writeheader()
         writer.writerows(rows)
-    os.replace(partial, out / "batch.csv")
-    partial = out / "batch.nc.partial"
-    table_dataset(rows).to_netcdf(partial, engine="h5netcdf")
-    os.replace(partial, out / "batch.nc")
+    with replacing(out / "batch.nc") as file:
+        table_dataset(rows).to_netcdf(file, engine="h5netcdf")
 
 
 def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import fcntl
 import json
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from wroll_fem import __version__
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
+from wroll_fem.results.atomic import replacing
 from wroll_fem.results.json_types import json_types
+from wroll_fem.results.provenance import program_version, provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -148,15 +148,13 @@ class RunFolder:
             self.summary_file.unlink(missing_ok=True)
             self._write(
                 self.case_file,
-                f"# resolved by wroll_fem {__version__}; every value is written out\n{case.resolved_yaml()}",
+                f"# resolved by wroll_fem {program_version()}; every value is written out\n{case.resolved_yaml()}",
             )
             self.record("running", case_hash=case.hash(), command=command)
             yield
 
     def record(self, status: Status, **entries: Any) -> None:
         """Write provenance.json: versions, git revision, machine, status and further entries (kept from before)."""
-        from wroll_fem.results.dataset import provenance
-
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
 
@@ -165,9 +163,8 @@ class RunFolder:
         self._write(path, json.dumps(json_types(content), indent=2, allow_nan=False) + "\n")
 
     def _write(self, path: Path, text: str) -> None:
-        partial = path.with_name(f"{path.name}.partial")
-        partial.write_text(text, encoding="utf-8")
-        os.replace(partial, path)
+        with replacing(path) as file:
+            file.write_text(text, encoding="utf-8")
 
     def _read_json(self, path: Path) -> dict[str, Any]:
         try:

@@ -17,6 +17,7 @@ from wroll_fem.case.base import Real, Section, Whole, wrong
 from wroll_fem.case.loader import read_yaml
 from wroll_fem.case.messages import input_error
 from wroll_fem.errors import InputError
+from wroll_fem.jobs.study_figures import STUDY_FIGURES
 from wroll_fem.results.json_types import json_types
 
 REFERENCE = "reference"
@@ -118,12 +119,10 @@ class GridFile(Section):
     @field_validator("figure")
     @classmethod
     def _known(cls, value: str | list[str]) -> list[str]:
-        from wroll_fem.plotting.series import FIGURES
-
         names = [value] if isinstance(value, str) else value
         for name in names:
-            if name not in FIGURES:
-                raise wrong("no such figure", remedy=f"use one of: {', '.join(FIGURES)}", value=name)
+            if name not in STUDY_FIGURES:
+                raise wrong("no such figure", remedy=f"use one of: {', '.join(STUDY_FIGURES)}", value=name)
         return names
 
     @model_validator(mode="after")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.results.atomic import replacing
 
 __all__ = ["write_report"]
 
@@ -44,15 +44,13 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
     else:
         problem = "is neither the folder of a run (no case.yaml) nor of a batch (no batch.csv)"
         if not folder.is_dir():
-            problem = "is no folder"
+            problem = "is not a folder"
         raise InputError(problem, file=str(folder), remedy="give the folder of a `wroll run` or a `wroll batch`")
-    partial = target.with_name(f"{target.name}.partial")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(text, encoding="utf-8")
-        os.replace(partial, target)
+        with replacing(target) as file:
+            file.write_text(text, encoding="utf-8")
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise InputError(
             f"cannot be written ({error.strerror})", file=str(target), remedy="choose another --out"
         ) from None

@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.errors import InputError
+from wroll_fem.results.atomic import replacing
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
 
@@ -318,9 +319,8 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         if variable.dtype.kind == "f" and variable.size > 1000
     }
     target.parent.mkdir(parents=True, exist_ok=True)
-    partial = target.with_name(target.name + ".partial")
-    ready.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
-    os.replace(partial, target)
+    with replacing(target) as file:
+        ready.to_netcdf(file, engine="h5netcdf", encoding=encoding)
     return target
 
 

@@ -29,6 +29,11 @@ DISTRIBUTIONS = {
 }
 
 
+def program_version() -> str:
+    """Version of the installed package."""
+    return metadata.version(DISTRIBUTIONS["wroll_fem"])
+
+
 def versions() -> dict[str, str | None]:
     """Version of Python and of each library by name; None for one that is not installed."""
     found: dict[str, str | None] = {"python": platform.python_version()}

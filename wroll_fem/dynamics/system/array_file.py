@@ -18,6 +18,7 @@ import scipy.io
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
+from wroll_fem.results.atomic import replacing
 from wroll_fem.typing import FloatArray
 
 SUFFIXES = (".npz", ".mat")
@@ -48,16 +49,14 @@ def write_arrays(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> Pat
         For another ending than .npz or .mat, or when the file cannot be written.
     """
     path = check_suffix(path)
-    partial = path.with_name(f"{path.name}.partial{path.suffix.lower()}")
     try:
-        if path.suffix.lower() == ".npz":
-            np.savez_compressed(partial, **_flat(fields))
-        else:
-            ready = {name: sp.csc_matrix(v) if sp.issparse(v) else v for name, v in fields.items()}
-            scipy.io.savemat(partial, ready, do_compression=True, oned_as="column", long_field_names=True)
-        os.replace(partial, path)
+        with replacing(path) as file, file.open("wb") as stream:
+            if path.suffix.lower() == ".npz":
+                np.savez_compressed(stream, **_flat(fields))
+            else:
+                ready = {name: sp.csc_matrix(v) if sp.issparse(v) else v for name, v in fields.items()}
+                scipy.io.savemat(stream, ready, do_compression=True, oned_as="column", long_field_names=True)
     except OSError as error:
-        partial.unlink(missing_ok=True)
         reason = error.strerror or str(error)
         raise InputError(f"cannot be written ({reason})", file=str(path), remedy="choose another file") from None
     return path

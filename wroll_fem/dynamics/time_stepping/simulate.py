@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time as clock
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
@@ -194,18 +194,17 @@ class _Run:
     def save(self, path: Path, fingerprint: FloatArray) -> None:
         """Write the checkpoint; the old one is replaced only by a complete one."""
         n = 2 * self.stepper.system.n_points
-        partial = path.with_name(path.name + ".partial.npz")
-        np.savez(
-            partial,
-            fingerprint=fingerprint,
-            done=self.done,
-            seconds=self.seconds,
-            records=self.records[: self.done],
-            kept=np.array(self.kept).reshape(len(self.kept), n),
-            kept_times=np.array(self.kept_times),
-            **{f"state_{name}": value for name, value in self.state.items()},
-        )
-        os.replace(partial, path)
+        with replacing(path) as file, file.open("wb") as stream:
+            np.savez(
+                stream,
+                fingerprint=fingerprint,
+                done=self.done,
+                seconds=self.seconds,
+                records=self.records[: self.done],
+                kept=np.array(self.kept).reshape(len(self.kept), n),
+                kept_times=np.array(self.kept_times),
+                **{f"state_{name}": value for name, value in self.state.items()},
+            )
 
     def load(self, path: Path, fingerprint: FloatArray) -> None:
         """Go on from a checkpoint of the same run.
