@@ -1,9 +1,13 @@
-"""What long work tells: bars, plain lines, the log; where a batch stands."""
+"""Progress of long work: bars, plain lines, the log; state of a batch."""
 
 from __future__ import annotations
 
 import io
+import os
+import pty
 import re
+import subprocess
+import sys
 from math import isnan, nan
 from pathlib import Path
 
@@ -12,7 +16,7 @@ import pytest
 from wroll_fem import progress
 from wroll_fem.jobs import batch_progress as tally
 from wroll_fem.jobs.batch_progress import Tally
-from wroll_fem.progress import TerminalProgress
+from wroll_fem.progress import TerminalProgress, draws_bars
 
 
 def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -38,19 +42,90 @@ def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.M
 
 
 def test_progress_on_a_terminal_is_a_bar_and_nested_stages_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", "xterm")  # a dumb one gets no bar
+    monkeypatch.setenv("TERM", "xterm")  # rich draws nothing on a dumb one
     stream = io.StringIO()
-    with TerminalProgress(stream, terminal=True) as report:
+    with TerminalProgress(stream, bars=True) as report:
         with report.stage("outer", 2) as outer, report.stage("inner", 3, "points") as inner:
             inner.update(3)
             report.info("between [brackets]")
-            outer.update(1)
+            outer.update(1, "[note]")
+            report._bars.refresh()
         report.info("after")
     text = stream.getvalue()
     assert "━" in text
+    assert "[note]" in text
     assert "between [brackets]" in text
     assert "inner: done in" in text
     assert text.rstrip().endswith("after")
+
+
+def test_the_log_holds_progress_that_the_terminal_shows_as_a_bar(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    stream = io.StringIO()
+    with TerminalProgress(stream, bars=True) as report:
+        report.log_to(tmp_path / "run.log")
+        with report.stage("sweep", 4, "steps") as stage:
+            stage._last -= progress.LINE_SECONDS  # type: ignore[attr-defined]
+            stage.update(1, "125 Hz", 60.0)
+        report.warning("coarse")
+    report.info("after the log is closed")
+    said = [line.split(" ", 1)[1] for line in (tmp_path / "run.log").read_text().splitlines()]
+    assert said[:2] == ["sweep (4 steps): start", "sweep: 25% (1 of 4 steps), 1 min 00 s left, 125 Hz"]
+    assert said[2].startswith("sweep: done in ")
+    assert said[3:] == ["warning: coarse"]
+    assert "25% (1 of 4" not in stream.getvalue()
+
+
+@pytest.mark.parametrize(("term", "bars"), [("xterm", True), ("dumb", False), ("unknown", False), (None, False)])
+def test_bars_need_a_terminal_that_can_redraw_a_line(
+    term: str | None, bars: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if term is None:
+        monkeypatch.delenv("TERM", raising=False)
+    else:
+        monkeypatch.setenv("TERM", term)
+    _, terminal = pty.openpty()
+    with open(terminal, "w") as stream:
+        assert draws_bars(stream) == bars
+    assert not draws_bars(io.StringIO())
+
+
+def test_a_run_in_the_background_of_a_shell_draws_no_bar() -> None:
+    """A session with a terminal of its own; the same process, first in the foreground, then beside it."""
+    code = """
+import fcntl, os, pty, sys, termios
+from wroll_fem.progress import draws_bars
+terminal = open(pty.openpty()[1], "w")
+fcntl.ioctl(terminal, termios.TIOCSCTTY, 0)
+found = [draws_bars(terminal)]
+if os.fork() == 0:
+    os.setpgid(0, 0)
+    print(found + [draws_bars(terminal)])
+else:
+    os.wait()
+"""
+    environment = os.environ | {"TERM": "xterm"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, start_new_session=True, capture_output=True, text=True, check=True)
+    assert done.stdout == "[True, False]\n"
+
+
+def test_messages_survive_a_stream_that_cannot_show_them() -> None:
+    """LANG=C or a file of another encoding."""
+    raw = io.BytesIO()
+    stream = io.TextIOWrapper(raw, encoding="ascii", write_through=True)
+    TerminalProgress(stream).info("γ* = 1 µm")
+    assert raw.getvalue() == b"?* = 1 ?m\n"
+
+
+def test_a_log_that_cannot_be_written_ends_the_run(capsys: pytest.CaptureFixture[str]) -> None:
+    report = TerminalProgress(io.StringIO())
+    report.log_to(Path("/dev/full"))
+    with pytest.raises(OSError, match="No space left"):
+        report.info("much")
+    assert capsys.readouterr().err == ""
 
 
 def test_a_stopped_stage_is_logged_as_stopped() -> None:
@@ -64,18 +139,24 @@ def test_a_stopped_stage_is_logged_as_stopped() -> None:
 @pytest.mark.parametrize(
     ("left", "told"), [(90.0, ", 1 min 30 s left, two run"), (nan, ", two run"), (None, ", 0.0 s left, two run")]
 )
-def test_a_stage_may_know_better_how_much_time_is_left(left: float | None, told: str) -> None:
+def test_a_stage_may_know_better_how_much_time_is_left(
+    left: float | None, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     stream = io.StringIO()
     with TerminalProgress(stream).stage("batch", 4, "cases") as stage:
         stage._last -= progress.LINE_SECONDS  # type: ignore[attr-defined]
         stage.update(2, "two run", left)
     assert f"batch: 50% (2 of 4 cases){told}\n" in stream.getvalue()
     bar = io.StringIO()
-    with TerminalProgress(bar, terminal=True).stage("batch", 4, "cases") as stage:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "120")
+    report = TerminalProgress(bar, bars=True)
+    with report.stage("batch", 4, "cases") as stage:
         stage.update(2, "two run", left)
-        stage._bars.refresh()  # type: ignore[attr-defined]
+        report._bars.refresh()
     assert "two run" in bar.getvalue()
     assert ("1 min 30 s left" in bar.getvalue()) == (left == 90.0)
+    assert (" left" in bar.getvalue()) == (left is None or left == 90.0)
 
 
 def test_time_left_of_a_batch_follows_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:

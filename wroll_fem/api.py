@@ -35,7 +35,7 @@ class _Quiet(TerminalProgress):
     """Shows nothing but Python warnings; still writes the log of a run folder."""
 
     def __init__(self) -> None:
-        super().__init__(io.StringIO(), terminal=False)
+        super().__init__(io.StringIO(), bars=False)
 
     def warning(self, text: str) -> None:
         super().warning(text)

@@ -1,10 +1,12 @@
-"""Progress of long work: a bar on a terminal, plain lines elsewhere, silence in tests and batches."""
+"""Progress of long work: a bar on a terminal, plain lines elsewhere, nothing in tests and batches."""
 
 from __future__ import annotations
 
+import logging
+import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from datetime import datetime
 from math import isfinite
@@ -29,23 +31,23 @@ class Stage(Protocol):
         Parameters
         ----------
         note
-            Shown behind it.
+            Text shown behind the progress.
         left
-            Seconds left, where the caller knows better than a constant pace would tell; nan for unknown.
+            Seconds left, nan if unknown. By default they are extrapolated from the time taken so far.
         """
 
 
 class Progress(Protocol):
-    """What long work reports to."""
+    """Receiver of the progress and the messages of long work."""
 
     def stage(self, name: str, total: float, unit: str = "") -> AbstractContextManager[Stage]:
         """Open a stage of `total` units of work."""
 
     def info(self, text: str) -> None:
-        """Tell a fact."""
+        """Report a fact."""
 
     def warning(self, text: str) -> None:
-        """Tell something the user should act on."""
+        """Report something the user should act on."""
 
 
 class _SilentStage:
@@ -54,12 +56,12 @@ class _SilentStage:
 
 
 class SilentProgress:
-    """Shows nothing; keeps what was said.
+    """Shows nothing and keeps the messages.
 
     Attributes
     ----------
     infos, warnings
-        Texts in the order they came.
+        Messages in their order.
     stages
         Names of the stages that were opened.
     """
@@ -84,26 +86,39 @@ class SilentProgress:
         self.warnings.append(text)
 
 
+def draws_bars(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that can redraw a line and that this process may write to at will."""
+    if not stream.isatty() or os.environ.get("TERM", "dumb").lower() in ("", "dumb", "unknown"):
+        return False
+    try:
+        return os.tcgetpgrp(stream.fileno()) == os.getpgrp()  # not in the background of a shell
+    except (AttributeError, OSError):
+        return True
+
+
 class TerminalProgress:
-    """Bar when the stream is a terminal, otherwise a line at the start, now and then, and at the end.
+    """Bar where the stream can draw one; otherwise a line at the start, now and then, and at the end of a stage.
 
     Parameters
     ----------
     stream
         Where to write; standard output by default.
-    terminal
-        Whether the stream is a terminal; asked of the stream by default.
+    bars
+        Whether to draw bars; by default, `draws_bars` decides.
 
     Notes
     -----
-    With `log_to`, everything said is also appended to a file with time stamps. Usable as a context manager,
-    which closes that file.
+    Messages are records of the standard library's logging, of a logger of this object's own: `wroll_fem` leaves the
+    loggers of the program that imports it alone. With `log_to` a file receives them too, with the progress that a
+    terminal shows as a bar. Usable as a context manager, which closes that file.
     """
 
-    def __init__(self, stream: TextIO | None = None, *, terminal: bool | None = None) -> None:
+    def __init__(self, stream: TextIO | None = None, *, bars: bool | None = None) -> None:
         self._stream = stream if stream is not None else sys.stdout
-        self._terminal = self._stream.isatty() if terminal is None else terminal
-        self._log: TextIO | None = None
+        self._draws = draws_bars(self._stream) if bars is None else bars
+        self._logger = logging.Logger("wroll_fem")
+        self._logger.addHandler(_Shown(self._print))
+        self._file: logging.Handler | None = None
         self._bars: Any = None
         self._open = 0
 
@@ -116,137 +131,150 @@ class TerminalProgress:
         self.close()
 
     def log_to(self, path: Path) -> None:
-        """Append everything said from now on to a file."""
+        """Append all messages and progress from now on to a file, with time stamps."""
         self.close()
-        self._log = path.open("a", encoding="utf-8")
+        self._file = _LogFile(path, encoding="utf-8")
+        self._file.setFormatter(_Stamped())
+        self._logger.addHandler(self._file)
 
     def close(self) -> None:
         """Close the log file."""
-        if self._log is not None:
-            self._log.close()
-            self._log = None
+        if self._file is not None:
+            self._logger.removeHandler(self._file)
+            self._file.close()
+            self._file = None
 
     def info(self, text: str) -> None:
         """Print and log a fact."""
-        self._say(text)
+        self._logger.info("%s", text)
 
     def warning(self, text: str) -> None:
         """Print and log a warning."""
-        self._say(f"warning: {text}")
+        self._logger.warning("%s", text)
 
     @contextmanager
     def stage(self, name: str, total: float, unit: str = "") -> Iterator[Stage]:
         """Open a stage; its start, its end and its duration are logged."""
         size = f" ({total:g} {unit})" if unit else ""
-        self._write_log(f"{name}{size}: start")
+        self._logger.debug("%s%s: start", name, size)
         started = time.monotonic()
         outcome = "stopped"
         try:
-            if self._terminal:
+            if self._draws:
                 with self._bar(name, total, unit) as bar:
-                    yield bar
+                    yield _Stage(self._logger.debug, name, total, unit, bar)
             else:
                 self._print(f"{name}{size} ...")
-                yield _LineStage(self, name, total, unit, started)
+                yield _Stage(self._logger.info, name, total, unit)
             outcome = "done"
         finally:
-            text = f"{name}: {outcome} in {_duration(time.monotonic() - started)}"
-            self._print(text)
-            self._write_log(text)
+            self._logger.info("%s: %s in %s", name, outcome, duration(time.monotonic() - started))
 
     @contextmanager
-    def _bar(self, name: str, total: float, unit: str) -> Iterator[_BarStage]:
+    def _bar(self, name: str, total: float, unit: str) -> Iterator[Callable[[float, str, str], None]]:
+        """Bar of a stage, redrawn by calls with what is done, the time left and a note."""
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            Task,
-            TaskProgressColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
+        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bars
-        from rich.text import Text
-
-        class Left(TimeRemainingColumn):
-            """The stage's own estimate where it gives one."""
-
-            def render(self, task: Task) -> Text:
-                left = task.fields["left"]
-                if left is None:
-                    return super().render(task)
-                return Text(f"{_duration(left)} left" if isfinite(left) else "", "progress.remaining")
 
         if self._bars is None:
-            columns = ("{task.description}", "{task.fields[note]}")
-            console = Console(file=self._stream, force_terminal=True)
+            title, left, note = (TextColumn(f"{{task.{key}}}", markup=False) for key in _TEXTS)
             self._bars = Bars(
-                TextColumn(columns[0]), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), Left(),
-                TextColumn(columns[1]), console=console, transient=True,
+                title, BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), left, note,
+                console=Console(file=self._stream, force_terminal=True), transient=True,
             )  # fmt: skip
         if self._open == 0:
             self._bars.start()
         self._open += 1
-        task = self._bars.add_task(name, total=total, note=unit, left=None)
+        task = self._bars.add_task(name, total=total, note=unit, left="")
         try:
-            yield _BarStage(self._bars, task)
+            yield lambda done, left, note: self._bars.update(task, completed=done, left=left, note=note)
         finally:
             self._bars.remove_task(task)
             self._open -= 1
             if self._open == 0:
                 self._bars.stop()
 
-    def _say(self, text: str) -> None:
-        self._print(text)
-        self._write_log(text)
-
     def _print(self, text: str) -> None:
+        encoding = getattr(self._stream, "encoding", None) or "utf-8"
+        text = text.encode(encoding, "replace").decode(encoding)
         if self._open:  # a live bar owns the bottom line
             self._bars.console.print(text, markup=False, highlight=False, soft_wrap=True)
         else:
             print(text, file=self._stream, flush=True)
 
-    def _write_log(self, text: str) -> None:
-        if self._log is not None:
-            self._log.write(f"{datetime.now().astimezone().isoformat(timespec='seconds')} {text}\n")
-            self._log.flush()
+
+_TEXTS = ("description", "fields[left]", "fields[note]")  # of a bar
 
 
-class _BarStage:
-    def __init__(self, bars: Any, task: Any) -> None:
-        self._bars, self._task, self._last = bars, task, 0.0
+class _Stage:
+    """Stage that draws a bar, if there is one, and passes a plain line on from time to time."""
 
-    def update(self, done: float, note: str = "", left: float | None = None) -> None:
-        now = time.monotonic()
-        if now - self._last >= BAR_SECONDS:
-            self._last = now
-            self._bars.update(self._task, completed=done, note=note, left=left)
-
-
-class _LineStage:
-    def __init__(self, owner: TerminalProgress, name: str, total: float, unit: str, started: float) -> None:
-        self._owner, self._name, self._total, self._unit = owner, name, max(total, 1e-300), unit
-        self._started = self._last = started
-        self._shown = 0.0
+    def __init__(
+        self,
+        say: Callable[[str, str], None],
+        name: str,
+        total: float,
+        unit: str,
+        bar: Callable[[float, str, str], None] | None = None,
+    ) -> None:
+        self._say, self._name, self._total, self._unit, self._bar = say, name, max(total, 1e-300), unit, bar
+        self._started = self._last = time.monotonic()
+        self._drawn = self._shown = 0.0
 
     def update(self, done: float, note: str = "", left: float | None = None) -> None:
         now = time.monotonic()
         share = done / self._total
         waited = now - self._last
-        due = waited >= LINE_SECONDS or (waited >= LINE_SHARE_SECONDS and share - self._shown >= LINE_SHARE)
-        if not due or share >= 1:
+        line = waited >= LINE_SECONDS or (waited >= LINE_SHARE_SECONDS and share - self._shown >= LINE_SHARE)
+        line = line and share < 1
+        draw = self._bar is not None and now - self._drawn >= BAR_SECONDS
+        if not line and not draw:
             return
-        self._last, self._shown = now, share
         if left is None and share > 0:
             left = (now - self._started) * (1 - share) / share
-        shown = f", {_duration(left)} left" if left is not None and isfinite(left) else ""
-        tail = f", {note}" if note else ""
-        self._owner.info(
-            f"{self._name}: {share:.0%} ({done:g} of {self._total:g} {self._unit}){shown}{tail}".replace(" )", ")")
-        )
+        rest = f"{duration(left)} left" if left is not None and isfinite(left) else ""
+        if self._bar is not None and draw:
+            self._drawn = now
+            self._bar(done, rest, note)
+        if line:
+            self._last, self._shown = now, share
+            size = f"{done:g} of {self._total:g} {self._unit}".rstrip()
+            self._say("%s", ", ".join(part for part in (f"{self._name}: {share:.0%} ({size})", rest, note) if part))
 
 
-def _duration(seconds: float) -> str:
+class _Shown(logging.Handler):
+    """Messages for the user: facts as they are, warnings marked."""
+
+    def __init__(self, show: Callable[[str], None]) -> None:
+        super().__init__(logging.INFO)
+        self._show = show
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._show(_marked(record))
+
+
+class _LogFile(logging.FileHandler):
+    """Log file whose errors end the run, as a full disk must; logging would print and forget them."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        raise  # called while the error is handled
+
+
+class _Stamped(logging.Formatter):
+    """Time stamp with the offset from UTC, then the message."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        stamp = datetime.fromtimestamp(record.created).astimezone().isoformat(timespec="seconds")
+        return f"{stamp} {_marked(record)}"
+
+
+def _marked(record: logging.LogRecord) -> str:
+    return f"warning: {record.getMessage()}" if record.levelno >= logging.WARNING else record.getMessage()
+
+
+def duration(seconds: float) -> str:
+    """Time span in words, such as "1 min 30 s"."""
     if seconds < 60:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from support.paths import ROOT
 
 from wroll_fem.errors import ConvergenceError
@@ -52,11 +53,22 @@ def grid_file(folder: Path, text: str) -> Path:
 
 def started(path: Path, out: Path, *words: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "wroll_fem.cli", "batch", str(path), "--out", str(out), *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT, preexec_fn=_hear_sigint
+    )
 
 
-def until(found: Callable[[], object], seconds: float = 120.0) -> None:
-    end = time.monotonic() + seconds
+def _hear_sigint() -> None:
+    """Ctrl-C as in a terminal, also where pytest itself was started with `&` and ignores it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+HANGS = 600.0
+"""s: no test waits for this long unless what it waits for never happens."""
+
+
+def until(found: Callable[[], object]) -> None:
+    end = time.monotonic() + HANGS
     while not found():
         assert time.monotonic() < end, "waited in vain"
         time.sleep(0.02)
@@ -83,9 +95,9 @@ def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_p
     until(lambda: first.checkpoint_file.is_file() or job.poll() is not None)
     assert job.poll() is None
     job.send_signal(kill)
-    _, errors = job.communicate(timeout=60)
-    if kill == signal.SIGKILL:  # its case follows: it saves itself although nobody told it to
-        until(lambda: first.status() == "interrupted", 30.0)
+    _, errors = job.communicate(timeout=HANGS)
+    if kill == signal.SIGKILL:  # its case follows: it saves itself, then it releases its folder
+        FileLock(first.lock_file).acquire(timeout=HANGS).lock.release()
     else:
         assert (job.returncode, errors) == (130, "interrupted; the same command goes on from here\n")
         assert rows(out) == []
@@ -93,7 +105,7 @@ def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_p
     assert first.checkpoint_file.is_file()
     assert not second.path.exists()
     job = started(path, out, "--workers", "2")
-    _, errors = job.communicate(timeout=300)
+    _, errors = job.communicate(timeout=HANGS)
     assert job.returncode == 0, errors
     assert [row["status"] for row in rows(out)] == ["complete", "complete"]
     assert [folder.provenance()["resumed"] for folder in (first, second)] == [True, False]
@@ -110,7 +122,7 @@ def test_a_batch_killed_at_random_loses_and_repeats_nothing(tmp_path: Path) -> N
         if kill is not None:
             time.sleep(chance.uniform(2.0, 6.0))
             job.send_signal(kill)
-        _, errors = job.communicate(timeout=300)
+        _, errors = job.communicate(timeout=HANGS)
         assert "Traceback" not in errors
         assert job.returncode in (
             {None: (0,), signal.SIGTERM: (0, 130, -signal.SIGTERM)}.get(kill, (0, -signal.SIGKILL))
@@ -122,7 +134,7 @@ def test_a_batch_killed_at_random_loses_and_repeats_nothing(tmp_path: Path) -> N
     assert [row["status"] for row in rows(out)] == ["complete"] * 3
 
 
-@pytest.mark.parametrize("left", [["run.log"], ["run.log", "case.yaml.partial"]])
+@pytest.mark.parametrize("left", [["run.log"], [".lock", "run.log", "case.yaml.partial"]])
 def test_a_run_killed_while_it_opens_its_folder_blocks_nothing(left: list[str], tmp_path: Path) -> None:
     grid = load_grid(grid_file(tmp_path, TINY))
     folder = RunFolder(tmp_path / "out" / grid.members[0].name)
@@ -135,10 +147,10 @@ def test_a_run_killed_while_it_opens_its_folder_blocks_nothing(left: list[str], 
 def test_an_orphan_still_at_work_is_waited_for(tmp_path: Path) -> None:
     """A process that outlives its batch holds the folder; the next batch waits for it in place of failing."""
     grid = load_grid(grid_file(tmp_path, QUICK.replace("[[3], [5], [10]]", "[[3]]")))
-    log = tmp_path / "out" / grid.members[0].name / "run.log"
-    log.parent.mkdir(parents=True)
-    hold = f"s = open({str(log)!r}, 'a'); fcntl.flock(s, fcntl.LOCK_EX); print('held', flush=True)"
-    code = f"import fcntl, time; {hold}; time.sleep(4)"
+    folder = RunFolder(tmp_path / "out" / grid.members[0].name)
+    folder.path.mkdir(parents=True)
+    hold = f"lock = FileLock({str(folder.lock_file)!r}); lock.acquire(); print('held', flush=True)"
+    code = f"import time; from filelock import FileLock; {hold}; time.sleep(4)"
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as orphan:
         assert orphan.stdout is not None
         assert orphan.stdout.readline() == "held\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import re
 import signal
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from filelock import FileLock
 from support.stand_in import CONFIGS, TINY, StandIn, failure, tree
 from typer.testing import Result
 
@@ -35,6 +35,7 @@ def test_a_run_leaves_the_documented_files(wroll: Callable[..., Result], tmp_pat
         "summary.json",
         "results.nc",
         "run.log",
+        ".lock",
         "provenance.json",
         "fields/slip_map.vtu",
         "figures/tip.png",
@@ -143,8 +144,7 @@ def test_foreign_folders_and_files_are_left_alone(wroll: Callable[..., Result], 
 
 def test_a_folder_where_another_process_works_is_refused(wroll: Callable[..., Result], tmp_path: Path) -> None:
     (tmp_path / "here").mkdir()
-    with (tmp_path / "here" / "run.log").open("a") as other:
-        fcntl.flock(other, fcntl.LOCK_EX)
+    with FileLock(tmp_path / "here" / ".lock"):
         (tmp_path / "here" / "case.yaml").write_text(load_case(TINY).resolved_yaml())
         done = wroll("run", TINY, "--out", "here")
     assert done.exit_code == 2

@@ -114,7 +114,7 @@ def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> Non
     origin = words(section(root, "Versions and origin"))
     assert "wroll run lab_sweep.yaml" in origin
     assert f"numpy {run.provenance()['versions']['numpy']}" in origin
-    assert {p.name for p in run.path.iterdir() if p.is_file()} <= set(rows(section(root, "Files")))
+    assert {p.name for p in run.path.iterdir() if p.is_file()} - {".lock"} <= set(rows(section(root, "Files")))
 
 
 def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, tmp_path: Path) -> None:

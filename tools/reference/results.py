@@ -18,6 +18,7 @@ A run folder holds
 | `fields/*.vtu` | slip maps, mode shapes, stress points, for ParaView or pyvista |
 | `figures/*.png` | figures of the analysis |
 | `run.log` | progress and warnings |
+| `.lock` | empty; locked while a process works in the folder |
 | `provenance.json` | versions, machine, command, wall time |
 | `checkpoint*` | while a sweep or dwell runs: what `--resume` goes on from |
 

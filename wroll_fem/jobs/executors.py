@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import fcntl
 import logging
 import os
 import signal
@@ -16,6 +15,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
+
+from filelock import FileLock, Timeout
 
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
@@ -30,7 +31,7 @@ FREE_SECONDS = 60.0
 """How long a run whose worker died may take to save itself."""
 
 _PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
-_LIBC = ctypes.CDLL(None)
+_LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None  # loaded here: not between fork and exec
 
 
 class Ended(NamedTuple):
@@ -59,17 +60,20 @@ class Pool(Protocol):
 def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
     """`wroll run` in a session of its own: Ctrl-C reaches it through `Pool.stop`, once.
 
-    It follows its parent: when that is killed it gets SIGTERM, saves itself and frees its folder.
+    On Linux it follows its parent: when that is killed it gets SIGTERM, saves itself and frees its folder. Elsewhere it
+    runs on to its end.
     """
     return subprocess.Popen(
         [sys.executable, "-m", "wroll_fem.cli", "run", *words],
         env=os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"},
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
-        preexec_fn=_follow_parent, **options,
+        preexec_fn=_follow_parent if sys.platform == "linux" else None, **options,
     )  # fmt: skip
 
 
 def _follow_parent() -> None:
+    """Ask the kernel for SIGTERM when the parent dies; runs in the child. No other system has such a call."""
+    assert _LIBC is not None
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
@@ -102,7 +106,7 @@ class LocalPool:
         return self._threads.submit(self._run, list(words), folder)
 
     def _run(self, words: list[str], folder: Path) -> Ended:
-        _wait_until_free(folder / "run.log", lambda: self._stopped)
+        _wait_until_free(folder, lambda: self._stopped)
         with self._lock:
             if self._stopped:
                 return Ended(130, "not started")
@@ -200,7 +204,7 @@ _on_this_worker: set[subprocess.Popen[str]] = set()
 
 def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
     """Run `wroll run` on a Dask worker, once ``folder`` is free of a process whose worker has died."""
-    _wait_until_free(Path(folder) / "run.log")
+    _wait_until_free(Path(folder))
     process = _started(words, cwd=working_directory)
     _on_this_worker.add(process)
     try:
@@ -215,14 +219,10 @@ def end_processes() -> None:
         process.terminate()
 
 
-def _wait_until_free(log: Path, stopped: Callable[[], bool] = lambda: False) -> None:
-    """Wait for a run that is ending to let go of its folder (`RunFolder.open` holds run.log)."""
+def _wait_until_free(folder: Path, stopped: Callable[[], bool] = lambda: False) -> None:
+    """Wait for a run that is ending to release its folder (`RunFolder.open` locks it)."""
+    lock = RunFolder(folder).lock_file
     end = time.monotonic() + FREE_SECONDS
-    while time.monotonic() < end and log.exists() and not stopped():
-        with log.open("a", encoding="utf-8") as stream:
-            try:
-                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                time.sleep(0.2)
-                continue
-        return
+    while time.monotonic() < end and lock.exists() and not stopped():
+        with contextlib.suppress(Timeout), FileLock(lock).acquire(timeout=0.2):
+            return

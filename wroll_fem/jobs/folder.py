@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+
+from filelock import FileLock, Timeout
 
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
@@ -34,6 +35,9 @@ class RunFolder:
     ----------
     case_file, summary_file, results_file, log_file, provenance_file, checkpoint_file : Path
         case.yaml (resolved), summary.json, results.nc, run.log, provenance.json, checkpoint.npz (while unfinished).
+    lock_file : Path
+        .lock (empty), locked by the process that works in the folder. It stays: a lock file that is deleted can be
+        locked twice.
     fields, figures : Path
         Subfolders with .vtu files and pictures.
     """
@@ -44,6 +48,7 @@ class RunFolder:
         self.summary_file = self.path / "summary.json"
         self.results_file = self.path / "results.nc"
         self.log_file = self.path / "run.log"
+        self.lock_file = self.path / ".lock"
         self.provenance_file = self.path / "provenance.json"
         self.checkpoint_file = self.path / "checkpoint.npz"
         self.fields = self.path / "fields"
@@ -87,7 +92,7 @@ class RunFolder:
 
     def _held(self) -> Iterator[Path]:
         """Files of the folder, without those that a run killed while it opened the folder leaves behind."""
-        return (p for p in self.path.iterdir() if p != self.log_file and p.suffix != ".partial")
+        return (p for p in self.path.iterdir() if p not in (self.log_file, self.lock_file) and p.suffix != ".partial")
 
     def holds_results(self) -> bool:
         """Whether there is anything to lose: results, a summary or a checkpoint."""
@@ -135,16 +140,16 @@ class RunFolder:
         InputError
             If the folder cannot be written, or another process is at work in it.
         """
+        lock = FileLock(self.lock_file)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            lock = self.log_file.open("a", encoding="utf-8")
+            self.log_file.open("a").close()
+            held = lock.acquire(timeout=0)
+        except Timeout:
+            raise self._refuse("is in use by another process", "wait for it, or choose another --out") from None
         except OSError as error:
             raise self._refuse(f"cannot be written ({error.strerror})", "choose another --out") from None
-        with lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise self._refuse("is in use by another process", "wait for it, or choose another --out") from None
+        with held:
             self.summary_file.unlink(missing_ok=True)
             self._write(
                 self.case_file,

@@ -213,6 +213,6 @@ def origin_table(origin: Mapping[str, Any]) -> str:
 
 
 def _files(path: Path) -> str:
-    held = sorted(p for p in path.rglob("*") if p.is_file() and p.name != "report.html")
+    held = sorted(p for p in path.rglob("*") if p.is_file() and p.name not in ("report.html", ".lock"))
     rows = [(str(p.relative_to(path)), f"{p.stat().st_size / 1e3:,.1f} kB") for p in held[:200]]
     return html.folded(f"{len(held)} files", html.table(("file", "size"), rows, numbers=(1,)))
