@@ -19,8 +19,8 @@ from support import synthetic_roll
 from wroll_fem import load_case, plotting
 from wroll_fem.analyses import write_figures
 from wroll_fem.errors import InputError
-from wroll_fem.plotting import style
-from wroll_fem.plotting.cylinder import line_of_sight, sample, slip_surface
+from wroll_fem.plotting import cylinder, style
+from wroll_fem.plotting.cylinder import slip_surface
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
 from wroll_fem.signals.damping import half_power
 
@@ -305,39 +305,33 @@ def test_slip_on_the_cylinder_is_drawn_grey_where_it_stuck(tmp_path):
     assert 0.02 < coloured[: int(0.85 * len(coloured))].mean() < 0.3  # slip near the root of each view, the rest grey
 
 
-@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.25), (0.0, 1.0, 0.25), (1.0, 1.0, 0.35), (-1.0, 0.2, 0.1)])
-def test_rays_hit_the_cylinder_where_its_points_are_projected(direction):
-    """Points of the tube, projected by the camera's axes, are what the rays at those pixels report."""
-    radius, height = 0.04, 0.3
-    sight = line_of_sight(direction, radius, height)
-    towards = np.array(direction) / np.linalg.norm(direction)
-    right = np.cross([0.0, 0.0, 1.0], towards)
-    right /= np.linalg.norm(right)
+@pytest.mark.parametrize("azimuth", [0.0, 90.0, 45.0, -175.0])
+def test_cells_of_the_cylinder_lie_where_the_viewer_sees_them(azimuth, monkeypatch):
+    """Each cell's colour is its number; its corners are those of the tube, projected by the viewer's axes."""
+    monkeypatch.setattr(cylinder, "AMBIENT", 1.0)  # colours as given
+    monkeypatch.setattr(cylinder, "INSIDE", 1.0)
+    radius, elevation, n_z, n_theta = 0.04, 0.25, 6, 72
+    height = np.linspace(0.0, 0.3, n_z + 1)
+    row, column = np.meshgrid(np.arange(n_z), np.arange(n_theta), indexing="ij")
+    colours = np.stack([row / n_z, column / n_theta, np.zeros_like(row)], axis=-1)
+    _, ax = plt.subplots()
+    cylinder.draw_tube(ax, colours, height, radius, np.radians(azimuth), elevation)
+    level = np.cos(elevation) * np.array([np.cos(np.radians(azimuth)), np.sin(np.radians(azimuth))])
+    towards = np.append(level, np.sin(elevation))
+    right = np.cross([0.0, 0.0, 1.0], towards) / np.cos(elevation)
     up = np.cross(towards, right)
-    rows, columns = sight.z.shape
-    per_metre = columns / (2 * radius)
-    seen = 0
-    for theta in np.linspace(-3.0, 3.0, 25):
-        for share in np.linspace(0.02, 0.98, 9):
-            normal = np.array([np.cos(theta), np.sin(theta), 0.0])
-            if normal @ towards < 0.1:
-                continue  # on the far side, or too close to the outline for a pixel's width
-            point = radius * normal + np.array([0.0, 0.0, (share - 0.5) * height])
-            row, column = int(rows / 2 - per_metre * (point @ up)), int(columns / 2 + per_metre * (point @ right))
-            assert abs(sight.theta[row, column] - theta) < 0.06
-            assert sight.z[row, column] == pytest.approx(share, abs=0.005)
-            seen += 1
-    assert seen > 80
-    hidden = np.isfinite(sight.theta) & (np.cos(sight.theta - np.arctan2(towards[1], towards[0])) < 0.0)
-    assert 0.0 < sight.z[hidden].min() > 0.7  # the far side shows through the open tip alone
-
-
-def test_the_seam_does_not_show_on_the_cylinder():
-    sight = line_of_sight((-1.0, 0.0, 0.25), 0.04, 0.3)
-    theta = np.linspace(-np.pi, np.pi, 361)
-    values = sample(np.tile(np.cos(theta), (5, 1)), sight)
-    seen = np.isfinite(sight.z)
-    np.testing.assert_allclose(values[seen], np.cos(sight.theta[seen]), atol=1e-4)
+    seen = set()
+    for mesh, near in zip(sorted(ax.collections, key=lambda mesh: mesh.zorder), (False, True), strict=True):
+        found = mesh.get_facecolor()[:, :2] * [n_z, n_theta]
+        theta = (found[:, 1] + 0.5) / n_theta * 2 * np.pi - np.pi
+        z = height[np.rint(found[:, 0]).astype(int)] + 0.5 * height[1]
+        points = np.stack([radius * np.cos(theta), radius * np.sin(theta), z], axis=1)
+        corners = mesh.get_coordinates()
+        centres = 0.25 * (corners[1:, 1:] + corners[:-1, 1:] + corners[1:, :-1] + corners[:-1, :-1]).reshape(-1, 2)
+        np.testing.assert_allclose(centres, points @ np.array([right, up]).T, atol=2e-3 * radius)
+        assert np.all((points @ towards - z * towards[2] > 0.0) == near)  # the far side lies below
+        seen |= set(map(tuple, np.rint(found).astype(int).tolist()))
+    assert len(seen) == n_z * n_theta  # every cell, once
 
 
 def test_mode_shapes_are_rendered_and_arrays_checked(tmp_path):

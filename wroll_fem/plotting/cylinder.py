@@ -1,20 +1,18 @@
-"""Slip on the cylinder: pictures, drawn pixel by pixel, and files for three-dimensional viewers."""
+"""Slip on the cylinder: pictures, and files for three-dimensional viewers."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from scipy.ndimage import map_coordinates
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
@@ -24,25 +22,9 @@ from wroll_fem.results.interface_slip import cylinder_cells, interface_radius, r
 from wroll_fem.typing import FloatArray
 
 _FIELDS = ("cumulative_slip", "max_slip", "slipped", "peak_slip_hoop", "peak_slip_axial", "pressure")
-GREY = (0.824, 0.824, 0.824, 1.0)
-AMBIENT, DIFFUSE, SHADOW = 0.6, 0.42, 0.85  # light from the viewer, and what of it reaches the inside
-PIXELS = (620, 330)  # height and width that a view may take; each pixel is the mean of 2 x 2 rays
-
-
-class Sight(NamedTuple):
-    """What the rays of a parallel projection see of an upright tube that is open at both ends.
-
-    Attributes
-    ----------
-    theta, z
-        (rows, columns) angle in rad in [-pi, pi] and share of the height in [0, 1] of the point hit; NaN where none is.
-    brightness
-        (rows, columns) of the surface there.
-    """
-
-    theta: FloatArray
-    z: FloatArray
-    brightness: FloatArray
+GREY = (0.824, 0.824, 0.824)
+ELEVATION = np.radians(14.0)  # of the viewer
+AMBIENT, DIFFUSE, INSIDE = 0.6, 0.42, 0.85  # light from the viewer, and the part of it that reaches the inside
 
 
 def slip_surface(
@@ -101,43 +83,50 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def line_of_sight(direction: Sequence[float], radius: float, height: float) -> Sight:
-    """Points of a tube about z seen from ``direction`` (3,), a ray for each half pixel of `PIXELS`.
+def draw_tube(
+    ax: Axes, colours: FloatArray, height: FloatArray, radius: float, azimuth: float, elevation: float
+) -> None:
+    """Draw an upright open tube in parallel projection, in the unit of ``radius``.
 
-    On the screen (x to the right, y upward, the tube's middle at 0) a point at angle phi from the viewer lies at
-    x = R sin(phi), y = (z - H/2) cos(e) - R sin(e) cos(phi), e being the viewer's elevation; each ray meets the
-    cylinder at the front, cos(phi) > 0, and at the back, which is seen through an open end.
+    Parameters
+    ----------
+    ax
+        Axes without a third dimension.
+    colours
+        (n_z, n_theta, 3) RGB of equal cells around the tube from -pi to pi; n_theta is a multiple of 4.
+    height
+        (n_z + 1,) borders of the cells.
+    azimuth, elevation
+        Direction in which the viewer stands, rad.
+
+    Notes
+    -----
+    A point at angle phi from the viewer appears at x = R sin(phi), y = z cos(e) - R sin(e) cos(phi), with the elevation
+    e. The far half is drawn first; it is seen through the open end, from inside.
     """
-    towards = np.asarray(direction, dtype=np.float64) / np.linalg.norm(direction)
-    azimuth, sin_e, cos_e = np.arctan2(towards[1], towards[0]), towards[2], np.hypot(towards[0], towards[1])
-    half_width, half_height = radius, 0.5 * height * cos_e + radius * abs(sin_e)
-    scale = 2.0 * min(PIXELS[0] / (2.0 * half_height), PIXELS[1] / (2.0 * half_width))  # rays per m
-    rows, columns = (2 * int(np.ceil(0.5 * scale * size)) for size in (2.0 * half_height, 2.0 * half_width))
-    x = (np.arange(columns) + 0.5 - 0.5 * columns) / scale
-    y = (0.5 * rows - 0.5 - np.arange(rows))[:, None] / scale
-    sine = np.clip(x / radius, -1.0, 1.0)
-    cosine = np.sqrt(1.0 - sine**2)
-    front = (y + radius * sin_e * cosine) / (cos_e * height) + 0.5
-    back = (y - radius * sin_e * cosine) / (cos_e * height) + 0.5
-    outside, inside = ((z >= 0.0) & (z <= 1.0) & (np.abs(x) <= radius) for z in (front, back))
-    z = np.where(outside, front, np.where(inside, back, np.nan))
-    phi = np.where(outside, np.arcsin(sine), np.pi - np.arcsin(sine))
-    theta = np.where(np.isnan(z), np.nan, np.mod(phi + azimuth + np.pi, 2.0 * np.pi) - np.pi)
-    return Sight(theta, z, np.where(outside, 1.0, SHADOW) * np.minimum(1.0, AMBIENT + DIFFUSE * cos_e * cosine))
+    count = colours.shape[1]
+    quarter = count // 4
+    turn = np.arange(-quarter, quarter + 1) * 2.0 * np.pi / count
+    middle = 0.5 * (turn[1:] + turn[:-1])
+    for side, order, brightest in ((-1.0, 1, INSIDE), (1.0, 3, 1.0)):
+        x = side * radius * np.sin(turn)
+        y = height[:, None] * np.cos(elevation) - side * radius * np.sin(elevation) * np.cos(turn)
+        centre = azimuth if side > 0.0 else azimuth + np.pi
+        first = round((centre + np.pi) / (2.0 * np.pi) * count)
+        cells = colours[:, (first + np.arange(-quarter, quarter)) % count]
+        light = brightest * np.minimum(1.0, AMBIENT + DIFFUSE * np.cos(elevation) * np.cos(middle))
+        mesh = ax.pcolormesh(np.broadcast_to(x, y.shape), y, np.zeros(cells.shape[:2]), rasterized=True, zorder=order)
+        mesh.set_array(None)  # colours instead of values
+        mesh.set_facecolor((cells * light[:, None]).reshape(-1, 3))
+        outline = np.r_[x, x[::-1], x[:1]], np.r_[y[0], y[-1, ::-1], y[0, :1]]
+        ax.plot(*outline, color="#777777", lw=0.6, zorder=order + 1)
+    ax.set_aspect("equal")
+    ax.axis("off")
 
 
-def sample(values: FloatArray, sight: Sight) -> FloatArray:
-    """Values (rows, columns) of a raster (n_z, n_theta) from base to tip and -pi to pi at the points seen."""
-    where = [sight.z * (values.shape[0] - 1), (sight.theta + np.pi) / (2.0 * np.pi) * (values.shape[1] - 1)]
-    return np.asarray(map_coordinates(values, np.nan_to_num(where), order=1, mode="nearest"))
-
-
-def shaded(colours: FloatArray, sight: Sight) -> FloatArray:
-    """Picture (rows / 2, columns / 2, 3) of coloured points (rows, columns, 4) on white, with smooth edges."""
-    picture = colours[..., :3] * sight.brightness[..., None]
-    picture[np.isnan(sight.z)] = 1.0
-    rows, columns = sight.z.shape
-    return np.asarray(picture.reshape(rows // 2, 2, columns // 2, 2, 3).mean(axis=(1, 3)))
+def _cell_means(nodes: FloatArray) -> FloatArray:
+    """Mean of the four corners of each cell of a raster."""
+    return np.asarray(0.25 * (nodes[1:, 1:] + nodes[:-1, 1:] + nodes[1:, :-1] + nodes[:-1, :-1]))
 
 
 def plot_slip_on_cylinder(
@@ -170,29 +159,24 @@ def plot_slip_on_cylinder(
     radius = interface_radius(dataset, interface)
     _, z, values = raster(points, quantity, radius=radius)
     shown, unit = in_small_unit(values)
-    stuck = np.zeros_like(values)
+    slipped = np.ones_like(values)
     if quantity == "cumulative_slip":
-        stuck = 1.0 - raster(points, "slipped", radius=radius)[2]
-    largest = float(np.nanmax(np.where(stuck <= 0.5, shown, 0.0), initial=0.0)) or 1.0
+        slipped = raster(points, "slipped", radius=radius)[2]
+    largest = float(np.nanmax(np.where(slipped >= 0.5, shown, 0.0), initial=0.0)) or 1.0
+    colours = colormaps["viridis"](_cell_means(shown) / largest)[..., :3]
+    colours[~(_cell_means(slipped) >= 0.5)] = GREY
     direction = dataset.attrs.get("excitation_direction", "x")
     faces, across = ("90°", "0°") if direction == "y" else ("0°", "90°")
-    along, over = (1.0, 0.0, 0.25), (0.0, 1.0, 0.25)
-    if direction == "y":
-        along, over = over, along
+    along, over = (90.0, 0.0) if direction == "y" else (0.0, 90.0)
     known = direction in ("x", "y")  # a structure from a file does not say
     faces = f"along the excitation ({faces})" if known else f"from {faces}"
     across = f"from across ({across})" if known else f"from {across}"
-    views = {f"seen {faces}": along, "seen from 45°": (1.0, 1.0, 0.35), f"seen {across}": over}
+    views = {f"seen {faces}": along, "seen from 45°": 45.0, f"seen {across}": over}
     figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
-    panels = figure.subplots(1, len(views), subplot_kw={"xticks": [], "yticks": []})
-    height = float(z[-1] - z[0])
-    for ax, (heading, direction) in zip(panels, views.items(), strict=True):
-        sight = line_of_sight(direction, radius, height)
-        colours = colormaps["viridis"](sample(shown, sight) / largest)
-        colours[~(sample(stuck, sight) <= 0.5)] = GREY
-        ax.imshow(shaded(colours, sight))
+    panels = figure.subplots(1, len(views))
+    for ax, (heading, azimuth) in zip(panels, views.items(), strict=True):
+        draw_tube(ax, colours, z, radius, np.radians(azimuth), ELEVATION)
         ax.set_title(heading, fontsize=9)
-        ax.axis("off")
     scale = ScalarMappable(Normalize(0.0, largest), "viridis")
     bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.6, aspect=35, pad=0.02)
     grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
