@@ -17,9 +17,10 @@ from support.paths import ROOT
 
 from tools.reference import PAGES
 from tools.reference.analyses import with_table
-from tools.reference.case import sections, type_name, unit_of
+from tools.reference.case import type_name
 from wroll_fem.analyses.registry import find_analysis
 from wroll_fem.case import ANALYSES, Case, build_case, load_case
+from wroll_fem.case.descriptions import sections, unit_of
 from wroll_fem.errors import InputError
 from wroll_fem.results.summary import GROUPS, SUMMARY
 

@@ -108,7 +108,7 @@ def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> Non
         "Versions and origin", "Files",
     ]  # fmt: skip
     solved = words(section(root, "What was solved"))
-    assert "tube of 300 mm length, 80 mm outer diameter, 1.5 mm wall" in solved
+    assert "outer diameter of the mandrel80 mmgeometry.mandrel_outer_diameter" in solved
     assert run.case_file.read_text().splitlines()[-1] in solved
     assert "just a remark" in words(section(root, "Warnings"))
     origin = words(section(root, "Versions and origin"))
@@ -354,7 +354,7 @@ def test_broken_folders_are_refused_in_one_line(run: RunFolder, tmp_path: Path) 
     empty.mkdir()
     for arguments, told in (
         ([empty], "neither the folder of a run"),
-        ([tmp_path / "missing"], "is no folder"),
+        ([tmp_path / "missing"], "is not a folder"),
         ([tmp_path], "no table of a batch"),
         ([run.path, "--out", empty], "cannot be written"),
     ):

@@ -10,27 +10,54 @@ from support.paths import CONFIGS
 
 from wroll_fem import load_case
 from wroll_fem.report.values import shown
-from wroll_fem.report.words import _SECTIONS, case_words
+from wroll_fem.report.words import analysis_words, case_rows
 from wroll_fem.results.summary import SUMMARY, label, split_unit
 
 CASES = sorted(CONFIGS.glob("*.yaml"))
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda p: p.stem)
-def test_every_case_is_told_in_words(path: Path) -> None:
+def test_every_case_is_described_by_the_words_of_its_models(path: Path) -> None:
     given = yaml.safe_load(load_case(path).resolved_yaml())
-    for key in set(_SECTIONS) & set(given):
-        assert _SECTIONS[key](given[key])  # no fall back on the section as it is written
-    said = dict(case_words(given))
-    assert said["Analysis"].startswith(f"{given['analysis']}. ")
-    assert len(said["Analysis"]) > len(given["analysis"]) + 2
+    assert analysis_words(given).startswith(f"{given['analysis']}. ")
+    rows = case_rows(given)
+    assert len({row.key for row in rows}) == len(rows) > 5
+    for row in rows:
+        assert row.name, row.key
+        assert row.value, row.key
+        assert row.name[0] not in " ,;:", row
+        assert row.value[0] not in "{[", row  # nothing is shown as it is written
+
+
+def test_values_are_shown_in_the_units_of_their_descriptions() -> None:
+    given = yaml.safe_load(load_case(CONFIGS / "lab_sweep.yaml").resolved_yaml())
+    found = {row.key: (row.section, row.name, row.value) for row in case_rows(given)}
+    assert found["geometry.length"] == ("Geometry", "length of mandrel and coil from base to tip", "300 mm")
+    assert found["mandrel.material.rho"] == ("Mandrel", "density", "1200 kg/m³")
+    assert found["mandrel.tip"] == ("Mandrel", "tip", "rigid: the tip ring moves as one rigid body (spool cap)")
+    assert found["coil.base"][2] == "free: held by friction or the bond alone"
+    assert found["contact.friction.elastic_slip"][2] == "1 µm"
+    assert found["contact.normal.separation"] == ("Contact", "surfaces may separate", "yes")
+    assert found["excitation.amplitude"] == ("Excitation", "amplitude of the base acceleration (0-peak)", "5 m/s²")
+    assert found["excitation.rate_oct_per_min"][2] == "2 oct/min"
+    assert found["integrator.scheme"][1:] == ("scheme", "hht")
+    membranes = case_rows(given | {"coil": given["coil"] | {"bending": False}})
+    assert next(row for row in membranes if row.key == "coil.bending").value == "no: membranes"
+    space = yaml.safe_load(load_case(CONFIGS / "two_dof_design_space.yaml").resolved_yaml())
+    units = {row.key: row.value.split()[-1] for row in case_rows(space) if row.key.endswith(".stop")}
+    assert units == {
+        "two_dof.omega.stop": "rad/s", "two_dof.design_space.m2.stop": "kg", "two_dof.design_space.k2.stop": "N/m",
+    }  # fmt: skip
 
 
 def test_sections_of_another_version_are_shown_as_written() -> None:
-    said = dict(case_words({"analysis": "new", "geometry": {"size": 2.0}, "extra": {"a": [1.0] * 20, "b": {"c": 3}}}))
-    assert said == {
-        "Analysis": "new.", "Geometry": "size: 2", "Extra": "a: 20 values from 1 to 1, b: {c: 3}",
-    }  # fmt: skip
+    rows = case_rows({"analysis": "new", "geometry": {"size": 2.0}, "extra": {"a": [1.0] * 20, "b": {"c": 3}}})
+    assert [tuple(row) for row in rows] == [
+        ("Geometry", "size", "2", "geometry.size"),
+        ("Extra", "a", "20 values from 1 to 1", "extra.a"),
+        ("Extra", "c", "3", "extra.b.c"),
+    ]
+    assert analysis_words({"analysis": "new"}) == "new."
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import NoneType, UnionType
@@ -16,14 +15,8 @@ from pydantic.fields import FieldInfo
 from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.analyses.registry import all_analyses
 from wroll_fem.case import Case
+from wroll_fem.case.descriptions import sections, unit_of
 
-UNITS = (
-    "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
-    "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "Pa", "Hz", "kg", "m", "s", "N",
-)  # fmt: skip
-"""Units as descriptions spell them."""
-
-_UNIT = re.compile(rf"(?:, |\()({'|'.join(re.escape(unit) for unit in UNITS)})(?=[,;:)]|$| \(|, )")
 _SHOWN = {"dimensionless": "1", "multiples of 9.80665 m/s^2": "g", "octaves per minute": "oct/min"}
 
 _CONDITIONAL = {("Coil", "total_thickness"), ("Coil", "material")}
@@ -39,12 +32,6 @@ line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll b
 check the file by [wroll-case.schema.json](../wroll-case.schema.json); the first line of each file in `configs/`
 points to it. Start from one of those.
 """
-
-
-def unit_of(description: str) -> str:
-    """Unit that a description names, as written there; "" when it names none."""
-    found = _UNIT.search(description)
-    return found[1] if found else ""
 
 
 _ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` alone (by `modal` with `modal.interface:
@@ -117,13 +104,6 @@ def _rows(model: type[BaseModel]) -> Iterator[tuple[str, ...]]:
             code(name), type_name(field.annotation), _SHOWN.get(unit, unit), default_of(model, name, field),
             bounds(field), prose(words),
         )  # fmt: skip
-
-
-def sections(annotation: Any) -> list[type[BaseModel]]:
-    """Models that an annotation allows, in order."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for argument in get_args(annotation) for model in sections(argument)]
 
 
 _NAMES: dict[Any, str] = {float: "number", int: "whole number", bool: "true, false", str: "text", Path: "path"}

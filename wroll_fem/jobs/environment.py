@@ -1,4 +1,4 @@
-"""What the program stands on: version of each library and whether it works here (`wroll info`)."""
+"""Versions of the libraries that wroll_fem depends on, and whether each works here (`wroll info`)."""
 
 from __future__ import annotations
 
@@ -57,15 +57,13 @@ def _scipy() -> str:
 
 
 def _gmsh() -> str:
-    import gmsh
-
-    from wroll_fem.mesh.files import start_gmsh
-
-    start_gmsh()
-    try:
-        return str(gmsh.option.getString("General.Version"))
-    finally:
-        gmsh.finalize()
+    """Mesh a box in a process of its own: what gmsh writes to stderr about MPI is a false alarm."""
+    code = (
+        "import gmsh; gmsh.initialize([], readConfigFiles=False, interruptible=False); "
+        "gmsh.option.setNumber('General.Terminal', 0); gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1); "
+        "gmsh.model.occ.synchronize(); gmsh.model.mesh.generate(3); print(gmsh.option.getString('General.Version'))"
+    )
+    return _in_own_process(code, "cannot mesh").splitlines()[-1]
 
 
 def _numba() -> str:
@@ -88,15 +86,21 @@ def _xarray() -> str:
 
 
 def _pyvista() -> str:
-    """Render one picture in a process of its own: a broken OpenGL ends the process, not with an exception."""
+    """Render one figure in a process of its own: a broken OpenGL ends the process, not with an exception."""
     import pyvista as pv
 
     code = "import pyvista as pv; p = pv.Plotter(off_screen=True); p.add_mesh(pv.Sphere()); p.screenshot(None)"
+    _in_own_process(code, "cannot render off screen")
+    return str(pv.__version__)
+
+
+def _in_own_process(code: str, problem: str) -> str:
+    """Output of Python code; raises RuntimeError with the last line of its error output when it fails."""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
     if done.returncode:
         lines = done.stderr.strip().splitlines()
-        raise RuntimeError(f"cannot render off screen ({lines[-1] if lines else f'exit code {done.returncode}'})")
-    return str(pv.__version__)
+        raise RuntimeError(f"{problem} ({lines[-1] if lines else f'exit code {done.returncode}'})")
+    return done.stdout.strip()
 
 
 def _h5py() -> str:
@@ -112,7 +116,7 @@ _PARTS: dict[str, Callable[[], str]] = {
     "scipy": _scipy, "gmsh": _gmsh, "numba": _numba, "xarray": _xarray, "pyvista": _pyvista, "h5py": _h5py,
 }  # fmt: skip
 
-#: Parts that only some pictures need.
+#: Parts that only some figures need.
 OPTIONAL = ("pyvista",)
 
 

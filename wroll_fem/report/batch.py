@@ -15,9 +15,8 @@ from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, short_names
 from wroll_fem.report import html
-from wroll_fem.report.run import caption, logged, origin_table
+from wroll_fem.report.run import caption, logged, origin_table, solved
 from wroll_fem.report.values import open_balance, shown
-from wroll_fem.report.words import case_words
 from wroll_fem.results.summary import label
 
 Row = dict[str, str]
@@ -41,14 +40,14 @@ def batch_page(path: Path) -> str:
     columns = list(rows[0]) if rows else []
     keys = [name for name in columns if "." in name or name in ("case", "analysis")]
     grid = [row for row in rows if row["name"] != REFERENCE]
-    held = {key: {row[key] for row in grid if row[key] or row["status"] != "failed"} for key in keys}
-    varied = [key for key in keys if len(held[key]) > 1]
+    kept = {key: {row[key] for row in grid if row[key] or row["status"] != "failed"} for key in keys}
+    varied = [key for key in keys if len(kept[key]) > 1]
     constant = [(key, grid[0][key]) for key in keys if key not in varied] if grid else []
     failed = [row for row in rows if row["status"] == "failed"]
     done = [row for row in rows if row["status"] != "failed"]
     folders = [RunFolder(path / row["name"]) for row in rows]
     origins = [folder.provenance() for folder in folders]
-    figures = "".join(html.picture(p, caption(p.stem)) for p in sorted((path / "figures").glob("*.png")))
+    figures = html.join(html.figure(p, caption(p.stem)) for p in sorted((path / "figures").glob("*.png")))
     return html.page(
         f"Batch {path.resolve().name}",
         f"{len(rows)} cases · {len(done)} complete · {len(failed)} failed",
@@ -86,24 +85,26 @@ def _value(name: str, cell: str) -> str:
     return shown(name, int(number) if cell.lstrip("-").isdigit() else number)
 
 
-def _solved(folders: Sequence[RunFolder], varied: list[str], rows: list[Row], constant: list[tuple[str, str]]) -> str:
-    told = []
+def _solved(
+    folders: Sequence[RunFolder], varied: list[str], rows: list[Row], constant: list[tuple[str, str]]
+) -> html.Markup:
+    varying = []
     for key in varied:
         counted = Counter(row[key] for row in rows)
         values = [_value(key, cell) or "(case file's)" for cell in counted]
         short = values if len(values) <= 12 else [*values[:5], "...", *values[-2:]]
-        told.append((key, f"{len(values)} values: {', '.join(short)}"))
-    parts = [html.paragraph("What varies:"), html.terms(told)] if told else []
+        varying.append((key, f"{len(values)} values: {', '.join(short)}"))
+    parts = [html.paragraph("What varies:"), html.terms(varying)] if varying else []
     if constant:
         parts.append(html.paragraph(f"Set for every case: {', '.join(f'{k} = {v}' for k, v in constant if v)}."))
     first = next((folder for folder in folders if folder.case_file.is_file()), None)
     if first is not None:
         written = first.case_file.read_text(encoding="utf-8", errors="replace")
         given = yaml.safe_load(written)
-        parts.append(f"<h3>{html.text(f'Case {first.path.name}')}</h3>\n")
-        parts.append(html.terms(case_words(given if isinstance(given, dict) else {})))
+        parts.append(html.subheading(f"Case {first.path.name}"))
+        parts.append(solved(given if isinstance(given, dict) else {}))
         parts.append(html.folded("Its case file", html.listing(written)))
-    return "".join(parts)
+    return html.join(parts)
 
 
 def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, bool]]:
@@ -113,19 +114,19 @@ def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, 
         worst = max(gaps, key=lambda name: gaps[name])
         where = f"{len(gaps)} cases, at worst {worst}" if len(gaps) > 1 else worst
         found.append((f"{where}: the energy balance is open by {gaps[worst]:.2%} of the input.", True))
-    said: dict[str, list[tuple[str, str]]] = {}
+    warned: dict[str, list[tuple[str, str]]] = {}
     for folder in folders:
         for kind, words in dict.fromkeys(logged(folder)):
             if kind == "warning":
-                said.setdefault(_NUMBER.sub("#", words), []).append((folder.path.name, words))
-    for cases in said.values():
+                warned.setdefault(_NUMBER.sub("#", words), []).append((folder.path.name, words))
+    for cases in warned.values():
         name, words = cases[0]
         where = name if len(cases) == 1 else f"{len(cases)} cases, first {name}"
         found.append((f"{where}: {words}", False))
     return found
 
 
-def _cases(rows: list[Row], varied: list[str]) -> str:
+def _cases(rows: list[Row], varied: list[str]) -> html.Markup:
     main = [name for name in _MAIN if any(row.get(name) for row in rows)]
     head = ["case", "status", *short_names(varied).values(), *map(label, main)]
     lines = [
@@ -134,32 +135,32 @@ def _cases(rows: list[Row], varied: list[str]) -> str:
     return html.table(head, lines, numbers=range(2 + len(varied), len(head)))
 
 
-def _ledger(rows: list[Row], varied: list[str]) -> str:
+def _ledger(rows: list[Row], varied: list[str]) -> html.Markup:
     """Energies of every case as shares of its input."""
-    parts: list[str] = []
+    parts: list[html.Markup] = []
     for kind, given in (("At the end of the histories", "input_work_j"), ("Per cycle", "input_work_per_cycle_j")):
         names = [
             name for name in (rows[0] if rows else ())
             if name.endswith("_j") and name != given and ("per_cycle" in name) == ("per_cycle" in given)
             and "base_acceleration" not in name
         ]  # fmt: skip
-        held = [row for row in rows if row.get(given) and float(row[given]) != 0.0]
-        if not held:
+        kept = [row for row in rows if row.get(given) and float(row[given]) != 0.0]
+        if not kept:
             continue
         lines = [
             [row["name"], _value(given, row[given]),
              *(f"{100 * float(row[name]) / float(row[given]):.3g} %" if row.get(name) else "" for name in names),
              _value("energy_balance_error", row.get("energy_balance_error", ""))]
-            for row in held
+            for row in kept
         ]  # fmt: skip
         head = ["case", label(given), *map(label, names), label("energy_balance_error")]
         parts.append(
             html.paragraph(f"{kind}; shares of the input.") + html.table(head, lines, numbers=range(1, len(head)))
         )
-    return "".join(parts)
+    return html.join(parts)
 
 
-def _everything(rows: list[Row], columns: list[str]) -> str:
+def _everything(rows: list[Row], columns: list[str]) -> html.Markup:
     used = [name for name in columns if any(row[name] for row in rows)]
     return html.table(used, [[_short(row[name]) for name in used] for row in rows])
 
@@ -172,14 +173,14 @@ def _short(cell: str) -> str:
         return cell
 
 
-def _origins(origins: Sequence[dict[str, Any]]) -> str:
-    held = [origin for origin in origins if origin]
-    if not held:
+def _origins(origins: Sequence[dict[str, Any]]) -> html.Markup:
+    kept = [origin for origin in origins if origin]
+    if not kept:
         return html.paragraph("No case left a provenance.json.")
-    revisions = Counter(str((origin.get("git") or {}).get("revision")) for origin in held)
-    versions = {str(origin.get("versions")) for origin in held}
+    revisions = Counter(str((origin.get("git") or {}).get("revision")) for origin in kept)
+    versions = {str(origin.get("versions")) for origin in kept}
     words = []
     if len(revisions) > 1 or len(versions) > 1:
         words.append(html.notes([(f"The cases were not all run by the same code: {len(revisions)} revisions of the "
                                   f"program, {len(versions)} sets of library versions.", False)]))  # fmt: skip
-    return "".join(words) + html.paragraph("Of the first case:") + origin_table(held[0])
+    return html.join(words) + html.paragraph("Of the first case:") + origin_table(kept[0])

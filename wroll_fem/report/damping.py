@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from wroll_fem.report.html import paragraph, table
+from wroll_fem.report.html import Markup, paragraph, table
 from wroll_fem.signals.estimators import (
     ESTIMATORS,
     DampingEstimate,
@@ -21,17 +21,17 @@ _METHODS = {
 }
 
 
-def damping_table(dataset: xr.Dataset) -> str:
-    """Readings of half power, Gaussian fit and rational fraction; "" without a curve over rising frequency."""
+def damping_table(dataset: xr.Dataset) -> Markup:
+    """Damping by half power, Gaussian fit and rational fraction; nothing without a curve over rising frequency."""
     if "transmissibility_real" not in dataset or dataset["transmissibility_real"].dims != ("frequency",):
-        return ""
+        return Markup()
     frequency = dataset["frequency"].values
     if frequency.size < 8 or np.any(np.diff(frequency) <= 0.0):
-        return ""
+        return Markup()
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     found = {name: ESTIMATORS[method](frequency, T) for method, name in _METHODS.items()}
     chosen = choose(frequency, T)
-    said = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
+    choice = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
     limits = (
         "Standard errors come from the scatter of the curve alone. A misfit is the distance of fit and curve over the "
         "peak: where it is large, or the methods differ, the curve is not that of one linear mode, and zeta depends on "
@@ -39,7 +39,11 @@ def damping_table(dataset: xr.Dataset) -> str:
         "(output.damping)."
     )
     rows = [(name, *_cells(estimate)) for name, estimate in found.items()]
-    return table(_HEAD, rows, numbers=range(1, len(_HEAD))) + (paragraph(said) if said else "") + paragraph(limits)
+    return (
+        table(_HEAD, rows, numbers=range(1, len(_HEAD)))
+        + (paragraph(choice) if choice else Markup())
+        + paragraph(limits)
+    )
 
 
 def _cells(estimate: DampingEstimate) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from wroll_fem.report.html import paragraph, table
+from wroll_fem.report.html import Markup, paragraph, table
 from wroll_fem.report.values import quantity
 from wroll_fem.results.dataset import field
 
@@ -16,8 +16,8 @@ _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
 _CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_per_cycle")
 
 
-def energy_ledger(dataset: xr.Dataset) -> str:
-    """Table of the energies at the end of a time history, or per cycle of a periodic motion; "" without either."""
+def energy_ledger(dataset: xr.Dataset) -> Markup:
+    """Table of the energies at the end of a time history, or per cycle of a periodic motion; nothing without either."""
     if "input_work" in dataset and "time" in dataset["input_work"].dims:
         from wroll_fem.results.energy import energy_balance_error
 
@@ -38,11 +38,11 @@ def energy_ledger(dataset: xr.Dataset) -> str:
         values = {name: float(dataset[name].values[at]) for name in taken}
         rows = _rows(float(dataset["input_work_per_cycle"].values[at]), values, "input_work_per_cycle")
         return paragraph(f"Per cycle, {where}.") + rows
-    return ""
+    return Markup()
 
 
-def _by_curve(dataset: xr.Dataset) -> str:
-    """Per cycle at the largest response of each curve of a family, (curve, frequency)."""
+def _by_curve(dataset: xr.Dataset) -> Markup:
+    """Per cycle at the largest response of each curve of a set, (curve, frequency)."""
     given = dataset["input_work_per_cycle"]
     curve, along = given.dims
     taken = [
@@ -58,11 +58,11 @@ def _by_curve(dataset: xr.Dataset) -> str:
         rows.append([f"{float(one[curve]):.6g}", f"{work:.4g}", *(_share(value, work) for value in shares), left])
     head = [field(str(curve)).long_name, f"{field(str(given.name)).long_name} ({given.attrs.get('units', '')})"]
     head += [field(name).long_name for name in taken] + ["not accounted for"]
-    said = "Per cycle, where the response of each curve is largest; shares of the work of the base."
-    return paragraph(said) + table(head, rows, numbers=range(len(head)))
+    title = "Per cycle, where the response of each curve is largest; shares of the work of the base."
+    return paragraph(title) + table(head, rows, numbers=range(len(head)))
 
 
-def _rows(given: float, taken: dict[str, float], first: str) -> str:
+def _rows(given: float, taken: dict[str, float], first: str) -> Markup:
     rows = [(_label(first), quantity(given, "J"), "100 %" if given else "")]
     rows += [(_label(name), quantity(value, "J"), _share(value, given)) for name, value in taken.items()]
     left = given - sum(taken.values())

@@ -17,7 +17,7 @@ from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.values import open_balance, shown
-from wroll_fem.report.words import case_words
+from wroll_fem.report.words import analysis_words, case_rows
 from wroll_fem.results.summary import EFFORT, GROUPS, label
 
 if TYPE_CHECKING:
@@ -65,21 +65,26 @@ def run_page(path: Path) -> str:
     status = str(origin.get("status", "complete" if summary else "not finished"))
     warnings = run_warnings(folder, status, summary, dataset) + [(text, True) for text in trouble]
     with TemporaryDirectory() as scratch:
-        pictures = _pictures(folder, dataset, Path(scratch))
+        figures = _figures(folder, dataset, Path(scratch))
     return html.page(
         f"Run {path.resolve().name}",
         f"{given.get('analysis', 'analysis unknown')} · {_STATUS.get(status, status)} · {origin.get('time_utc', '')}",
         [
-            ("What was solved", html.terms(case_words(given)) + html.folded("Case file", html.listing(written))),
+            ("What was solved", solved(given) + html.folded("Case file", html.listing(written))),
             ("Warnings", html.notes(warnings)),
             ("Metrics", metrics(summary)),
-            ("Figures", pictures),
-            ("Damping by several methods", damping_table(dataset) if dataset is not None else ""),
-            ("Energy ledger", energy_ledger(dataset) if dataset is not None else ""),
+            ("Figures", figures),
+            ("Damping by several methods", damping_table(dataset) if dataset is not None else html.Markup()),
+            ("Energy ledger", energy_ledger(dataset) if dataset is not None else html.Markup()),
             ("Versions and origin", origin_table(origin)),
             ("Files", _files(path)),
         ],
     )
+
+
+def solved(given: Mapping[str, Any]) -> html.Markup:
+    """Analysis and keys of a case."""
+    return html.paragraph(analysis_words(given)) + html.case_table(case_rows(given))
 
 
 def _plain_case(written: str) -> Mapping[str, Any]:
@@ -104,12 +109,12 @@ def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
 def run_warnings(
     folder: RunFolder, status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
 ) -> list[tuple[str, bool]]:
-    """What the run said and what its numbers give reason to say; with each, whether something went wrong."""
+    """Warnings of the run and doubtful numbers; with each, whether something went wrong."""
     found: list[tuple[str, bool]] = []
     if status != "complete":
         found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
-    told = [("error", str(why))] if (why := folder.provenance().get("error")) else []
-    for kind, words in [*told, *logged(folder)]:
+    errors = [("error", str(why))] if (why := folder.provenance().get("error")) else []
+    for kind, words in [*errors, *logged(folder)]:
         if (words, kind == "error") not in found:
             found.append((words, kind == "error"))
     gap = open_balance(summary)
@@ -135,7 +140,7 @@ def logged(folder: RunFolder) -> list[tuple[str, str]]:
     return [(m[1], m[2]) for m in map(_LOGGED.match, lines) if m]
 
 
-def metrics(summary: Mapping[str, Any]) -> str:
+def metrics(summary: Mapping[str, Any]) -> html.Markup:
     """Tables of summary.json: single values, interfaces, modes."""
     if not summary:
         return html.paragraph("There is no summary.json: the run is not complete.")
@@ -153,18 +158,18 @@ def metrics(summary: Mapping[str, Any]) -> str:
             for k in range(count)
         ]
         shared = f"{title}s, inner first" if title == "Interface" else f"{title}s"
-        parts.append(f"<h3>{html.text(shared)}</h3>\n")
+        parts.append(html.subheading(shared))
         parts.append(html.table((first, *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
     effort = html.table(head, [row for row in single if row[2] in GROUPS[EFFORT]], numbers=(1,))
     for count in dict.fromkeys(map(len, lists.values())):  # lists of one length belong together
         columns = {key: values for key, values in lists.items() if len(values) == count}
         rows = [[str(k + 1), *(shown(key, values[k]) for key, values in columns.items())] for k in range(count)]
-        parts.append("<h3>Series</h3>\n")
+        parts.append(html.subheading("Series"))
         parts.append(html.table(("number", *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
-    return "".join(parts) + (f"<h3>{EFFORT}</h3>\n" + effort if effort else "")
+    return html.join(parts) + (html.subheading(EFFORT) + effort if effort else html.Markup())
 
 
-def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> str:
+def _figures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> html.Markup:
     """The run's own figures; drawn from its results when it made none."""
     made = sorted(folder.figures.glob("*.png"))
     if not made and dataset is not None:
@@ -176,7 +181,7 @@ def _pictures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> s
             return html.paragraph(f"No figures: {error}")
     order = list(_CAPTIONS)
     made.sort(key=lambda p: (order.index(p.stem) if p.stem in order else len(order), p.stem))
-    return "".join(html.picture(path, caption(path.stem)) for path in made)
+    return html.join(html.figure(path, caption(path.stem)) for path in made)
 
 
 def caption(stem: str) -> str:
@@ -190,7 +195,7 @@ def caption(stem: str) -> str:
     return stem.replace("_", " ").capitalize()
 
 
-def origin_table(origin: Mapping[str, Any]) -> str:
+def origin_table(origin: Mapping[str, Any]) -> html.Markup:
     """Versions, revision, machine, command and times of provenance.json."""
     if not origin:
         return html.paragraph("There is no provenance.json.")
@@ -198,7 +203,7 @@ def origin_table(origin: Mapping[str, Any]) -> str:
     revision = git.get("revision") or "unknown"
     if git.get("modified"):
         revision += ", with changes"
-    told = [
+    entries = [
         ("Command", origin.get("command")),
         ("Case hash", origin.get("case_hash")),
         ("Revision", revision),
@@ -209,10 +214,10 @@ def origin_table(origin: Mapping[str, Any]) -> str:
         ("Seeds", json.dumps(origin["seeds"]) if origin.get("seeds") else None),
     ]
     versions = ", ".join(f"{name} {version}" for name, version in (origin.get("versions") or {}).items() if version)
-    return html.terms([(k, str(v)) for k, v in told if v not in (None, "", "none")] + [("Versions", versions)])
+    return html.terms([(k, str(v)) for k, v in entries if v not in (None, "", "none")] + [("Versions", versions)])
 
 
-def _files(path: Path) -> str:
-    held = sorted(p for p in path.rglob("*") if p.is_file() and p.name not in ("report.html", ".lock"))
-    rows = [(str(p.relative_to(path)), f"{p.stat().st_size / 1e3:,.1f} kB") for p in held[:200]]
-    return html.folded(f"{len(held)} files", html.table(("file", "size"), rows, numbers=(1,)))
+def _files(path: Path) -> html.Markup:
+    found = sorted(p for p in path.rglob("*") if p.is_file() and p.name not in ("report.html", ".lock"))
+    rows = [(str(p.relative_to(path)), f"{p.stat().st_size / 1e3:,.1f} kB") for p in found[:200]]
+    return html.folded(f"{len(found)} files", html.table(("file", "size"), rows, numbers=(1,)))
