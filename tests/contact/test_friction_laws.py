@@ -1,4 +1,4 @@
-"""Rate-dependent and smoothed Coulomb friction: points by hand, then the time steppers."""
+"""Rate-dependent and regularised Coulomb friction: points by hand, then the time steppers."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from support.exact_systems import (
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
 from wroll_fem.contact.rate_coulomb import coefficient
-from wroll_fem.contact.smoothed_coulomb import logistic_sign
-from wroll_fem.dynamics.statics.contact_springs import built_in_springs, stick_springs
+from wroll_fem.contact.smoothed_coulomb import regularised_sign
+from wroll_fem.dynamics.statics.contact_springs import reference_stiffness, stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -116,8 +116,8 @@ def test_the_table_is_linear_between_its_rows_and_constant_beyond():
         (1, 0.0): (0.5, -0.2), (1, 0.5): (0.4, -0.2), (1, 1.0): (0.3, 0.2), (1, 2.0): (0.5, 0.2), (1, 3.0): (0.7, 0.0),
     }  # fmt: skip
     for (row, speed), value in expected.items():
-        assert coefficient(speed, row, rates, mus) == pytest.approx(value, rel=1e-14)
-    assert coefficient(4.0, 0, np.array([[0.0]]), np.array([[0.3]])) == (0.3, 0.0)
+        assert coefficient(speed, row, np.stack([rates, mus], axis=1)) == pytest.approx(value, rel=1e-14)
+    assert coefficient(4.0, 0, np.array([[[0.0], [0.3]]])) == (0.3, 0.0)
 
 
 def test_points_keep_their_own_laws_and_tables():
@@ -157,12 +157,12 @@ def test_inadmissible_tables_are_refused(mu, rates, coefficients, key):
 def test_smoothed_sign_is_the_logistic_function_of_equation_5_4():
     """Claim C77: S(x) = 2 / (1 + exp(-x)) - 1 = tanh(x / 2); slope 1/2 at zero; no overflow, no cancellation."""
     x = np.concatenate([np.linspace(-30.0, 30.0, 2001), [-700.0, 700.0]])
-    s = np.array([logistic_sign(v) for v in x])
+    s = np.array([regularised_sign(v) for v in x])
     np.testing.assert_allclose(s, 2.0 / (1.0 + np.exp(-x)) - 1.0, rtol=0.0, atol=1e-14)
     np.testing.assert_allclose(s, np.tanh(x / 2.0), rtol=0.0, atol=1e-14)
-    assert [round(logistic_sign(1.0), 4), round(logistic_sign(5.0), 5)] == [0.4621, 0.98661]
-    assert [logistic_sign(v) for v in (-1e308, -1e4, 0.0, 1e4, 1e308, np.inf)] == [-1.0, -1.0, 0.0, 1.0, 1.0, 1.0]
-    assert logistic_sign(1e-12) == pytest.approx(5e-13, rel=1e-14)
+    assert [round(regularised_sign(1.0), 4), round(regularised_sign(5.0), 5)] == [0.4621, 0.98661]
+    assert [regularised_sign(v) for v in (-1e308, -1e4, 0.0, 1e4, 1e308, np.inf)] == [-1.0, -1.0, 0.0, 1.0, 1.0, 1.0]
+    assert regularised_sign(1e-12) == pytest.approx(5e-13, rel=1e-14)
 
 
 def cycle_dissipation(law, amplitude, omega, steps, pressure=lambda phase: 1.0 + 0.0 * phase):
@@ -375,21 +375,21 @@ def test_preload_with_smoothed_friction_is_frictionless():
     np.testing.assert_array_equal(trial(smoothed.jump + [1e-4, 2e-4, 0.0], smoothed)[:2], 0.0)
 
 
-# --- built-in springs -------------------------------------------------------------------------------------------------
+# --- reference stiffness ----------------------------------------------------------------------------------------------
 
 
-def test_the_smoothed_law_has_no_stick_spring_but_a_built_in_one():
+def test_the_smoothed_law_has_no_stick_spring_but_a_reference_stiffness():
     """The latter is its tangent in a step from rest."""
     system, dt = with_law(orbiting_mass(), SMOOTHED), 1e-4
     preload = solve_preload(system)
     np.testing.assert_array_equal(stick_springs(system, preload)[:2], 0.0)
-    built_in, trial = built_in_springs(system, preload, dt), TrialContact(system)
+    reference, trial = reference_stiffness(system, preload, dt), TrialContact(system)
     trial(preload.jump, preload, dt)
-    np.testing.assert_allclose(built_in, trial.stiffness(preload.jump, preload, dt=dt).diagonal(), rtol=1e-12)
+    np.testing.assert_allclose(reference, trial.stiffness(preload.jump, preload, dt=dt).diagonal(), rtol=1e-12)
     for law in (PENALTY, RATE):
         other = with_law(orbiting_mass(), law)
         state = solve_preload(other)
-        np.testing.assert_array_equal(built_in_springs(other, state, dt), stick_springs(other, state))
+        np.testing.assert_array_equal(reference_stiffness(other, state, dt), stick_springs(other, state))
 
 
 def test_a_load_that_smoothed_friction_would_have_to_hold_has_no_equilibrium():

@@ -18,15 +18,11 @@ FRICTION, EXCITATION, BODY = (
     PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0] for heading in ("A friction law", "An excitation", "A body")
 )
 
-DAHL = """
+DAHL_POINT = """
 import numpy as np
-from wroll_fem import example_case
 from wroll_fem.contact import kernels
 from wroll_fem.contact.dahl import Dahl
 from wroll_fem.contact.laws import stack_laws
-from wroll_fem.analyses import run_analysis, summarise
-from wroll_fem.dynamics.system.io import FRICTION_LAWS
-from wroll_fem.progress import SilentProgress
 
 law = stack_laws([np.array([1.0])], [Dahl(0.25, 1.0e-6)], [1.0e12], [True])
 start, e_c = np.array([0.0, 0.0, -1.0e-7]), np.array([2.0e-7, -3.0e-7])
@@ -41,6 +37,18 @@ kernels.consistent_tangent(at, start, e_c, law, 1.0, d)
 steps = 1.0e-11 * np.eye(3)
 differences = np.stack([(traction(at + h) - traction(at - h)) / 2.0e-11 for h in steps], axis=1)
 assert np.abs(d[0] - differences).max() < 1.0e-6 * np.abs(differences).max(), (d[0], differences)
+"""
+
+DAHL_CASE = """
+from wroll_fem import example_case
+from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.case import build_case
+from wroll_fem.case.schema import schema_text
+from wroll_fem.contact.dahl import Dahl
+from wroll_fem.dynamics.system.io import load_system, save_system
+from wroll_fem.errors import InputError
+from wroll_fem.progress import SilentProgress
 
 case = example_case().changed(
     "contact.friction.law=dahl", "excitation.amplitude=50", "solver.method=full", "integrator.steps_per_cycle=20",
@@ -49,7 +57,18 @@ case = example_case().changed(
 summary = summarise(run_analysis(case, progress=SilentProgress()), case)
 assert summary["friction_energy_j"] > 0.05 * summary["input_work_j"] > 0, summary
 assert summary["energy_balance_error"] < 1.0e-6, summary
-assert "dahl" in FRICTION_LAWS
+
+assert "elastic slip, m: sets the stiffness at rest" in schema_text()
+try:
+    case.changed("contact.friction.mu=-1")
+except InputError as error:
+    assert "contact.friction.mu" in str(error)
+else:
+    raise AssertionError("a negative coefficient was accepted")
+
+system, state = prepare(case, SilentProgress())
+save_system(system, "dahl.npz", preload=state)
+assert load_system("dahl.npz")[0].interfaces[0].friction == Dahl(case.contact.friction.mu, 1.0e-6)
 """
 
 BURST = """
@@ -88,9 +107,9 @@ def apply(diff: str, root: Path) -> None:
             (root / name).write_text(text.replace(old, new), encoding="utf-8")
 
 
-def run_in(copy: Path, code: str) -> str:
-    """Error of Python with the copy of the package, interpreted (compiling it anew would take a minute); "" if none."""
-    environment = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1"}
+def run_in(copy: Path, code: str, *, compiled: bool = False) -> str:
+    """Error of Python with the copy of the package; "" if none. Interpreted: compiling it all would take a minute."""
+    environment = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": str(int(not compiled))}
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=copy,
@@ -112,9 +131,10 @@ def copy(tmp_path: Path) -> Path:
 def test_the_friction_law_of_the_recipe_runs(copy: Path) -> None:
     law, check = blocks(FRICTION, "python")
     (copy / "wroll_fem" / "contact" / "dahl.py").write_text(law, encoding="utf-8")
-    for diff in blocks(FRICTION, "diff"):
-        apply(diff, copy)
-    assert run_in(copy, check + DAHL) == ""
+    (registration,) = blocks(FRICTION, "diff")  # one file beside the law's own
+    apply(registration, copy)
+    assert run_in(copy, DAHL_POINT, compiled=True) == ""
+    assert run_in(copy, check + DAHL_POINT + DAHL_CASE) == ""
 
 
 def test_the_excitation_of_the_recipe_runs(copy: Path) -> None:

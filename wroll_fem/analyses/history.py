@@ -10,7 +10,6 @@ import xarray as xr
 
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.contact.laws import SMOOTHED
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
@@ -98,7 +97,7 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
-    if not np.any(stepper.system.laws.kind == SMOOTHED):  # that law never sticks
+    if stepper.system.laws.stores_slip.all():  # a law without memory sticks nowhere
         participation = np.abs(condensation.base * condensation.tip)
         main = int(np.argmax(participation))
         frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, Switch, _number, wrong
+from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
+from wroll_fem.contact.registry import LAWS
 
 _ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)"
 
@@ -86,9 +88,27 @@ def _law_of(value: Any) -> Any:
     return value
 
 
-Friction = Annotated[
-    PenaltyFriction | RateFriction | SmoothedFriction, Field(discriminator="law"), BeforeValidator(_law_of)
-]
+def derived_section(law: type[FrictionLaw]) -> type[Section]:
+    """Section of a law whose parameters are numbers: its keys, bounds and descriptions are those of the law."""
+    keys: dict[str, Any] = {"law": (Literal[law.name], Field(description=f"{law.name}: {law.sentence}"))}
+    for name, parameter in parameters(law).items():
+        keys[name] = (Real, Field(gt=parameter.above, ge=parameter.least, description=parameter.meaning))
+    first_line = (law.__doc__ or law.sentence).partition("\n")[0]
+    return create_model(f"{law.__name__}Friction", __base__=Section, __module__=__name__, __doc__=first_line, **keys)
+
+
+WRITTEN: dict[str, type[Section]] = {
+    "penalty_coulomb": PenaltyFriction,
+    "rate_coulomb": RateFriction,
+    "smoothed_coulomb": SmoothedFriction,
+}
+"""Law -> section written by hand. Any other law of `contact.registry` has the section that follows from it."""
+
+if TYPE_CHECKING:
+    Friction = PenaltyFriction | RateFriction | SmoothedFriction
+else:
+    _SECTIONS = tuple(WRITTEN.get(law.name) or derived_section(law) for law in LAWS)
+    Friction = Annotated[Union[_SECTIONS], Field(discriminator="law"), BeforeValidator(_law_of)]  # noqa: UP007
 
 
 class Normal(Section):

@@ -1,4 +1,4 @@
-"""Two facing surfaces with matching points: relative displacement, areas and laws."""
+"""Interface: two surfaces with matching points, their relative displacement, areas and laws."""
 
 from __future__ import annotations
 
@@ -7,22 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.contact.laws import FrictionLaw
+from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.contact.pointwise import PointwiseFriction
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Trace
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import BoolArray, FloatArray
 
 __all__ = [
-    "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "RateCoulomb", "SmoothedCoulomb", "facing",
+    "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "PointwiseFriction", "RateCoulomb",
+    "SmoothedCoulomb", "facing", "matched_interface",
 ]  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NormalPenalty:
-    """Penalty normal contact.
+    """Penalty normal contact; both values may vary from point to point, as (n_points,) arrays.
 
     Attributes
     ----------
@@ -32,8 +34,15 @@ class NormalPenalty:
         True: no tension, surfaces open; False: bilateral.
     """
 
-    stiffness: float
-    separation: bool = True
+    stiffness: float | FloatArray
+    separation: bool | BoolArray = True
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, NormalPenalty):
+            return NotImplemented
+        return np.array_equal(self.stiffness, other.stiffness) and np.array_equal(self.separation, other.separation)
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -50,15 +59,17 @@ class Interface:
         (n_points,) area per point, m^2.
     points
         (n_points, 3) cylindrical coordinates (theta rad, z m, r m).
-    friction, normal
-        The laws.
+    friction
+        Tangential law: one for all points, or `PointwiseFriction`.
+    normal
+        Normal law.
     """
 
     name: str
     operator: sp.csr_matrix
     areas: FloatArray
     points: FloatArray
-    friction: FrictionLaw
+    friction: FrictionLaw | PointwiseFriction
     normal: NormalPenalty
 
     def __post_init__(self) -> None:
@@ -67,6 +78,17 @@ class Interface:
                 f"interface {self.name}: operator has {self.operator.shape[0]} rows, {len(self.areas)} areas, "
                 f"points {self.points.shape}; needs 3 rows and 3 coordinates per point"
             )
+        varying = {
+            "friction": self.friction.index if isinstance(self.friction, PointwiseFriction) else 0,
+            "normal.stiffness": self.normal.stiffness,
+            "normal.separation": self.normal.separation,
+        }
+        for name, values in varying.items():
+            if np.shape(values) not in ((), (self.n_points,)):
+                raise InputError(
+                    f"interface {self.name}: {name} has the shape {np.shape(values)} for {self.n_points} points",
+                    remedy="give one value, or one per point",
+                )
 
     @property
     def n_points(self) -> int:
@@ -74,13 +96,13 @@ class Interface:
         return len(self.areas)
 
 
-def facing(
+def matched_interface(
     name: str,
     inner: Trace,
     outer: Trace,
     columns: tuple[slice, slice],
     n_dofs: int,
-    friction: FrictionLaw,
+    friction: FrictionLaw | PointwiseFriction,
     normal: NormalPenalty,
 ) -> Interface:
     """Interface between the outer surface of one body and the inner surface of the next.
@@ -109,7 +131,7 @@ def facing(
     offset = np.abs(inner.points - outer.points) * np.array([radius, 1.0, 1.0])
     if offset.max() > 1e-6 * radius:
         raise InputError(
-            f"interface {name}: facing points are up to {offset.max():.3g} m apart",
+            f"interface {name}: matching points are up to {offset.max():.3g} m apart",
             key="mesh",
             remedy="mesh both with the same circumferential and axial divisions",
         )
@@ -119,3 +141,7 @@ def facing(
     data = np.concatenate([rows[0].data, -rows[1].data])
     operator = sp.csr_matrix((data, (row, col)), shape=(inner.operator.shape[0], n_dofs))
     return Interface(name, operator, inner.areas, inner.points, friction, normal)
+
+
+facing = matched_interface
+"""Old name of `matched_interface`."""

@@ -1,8 +1,6 @@
 r"""Compiled contact: traction, tangent and work at every interface point.
 
-Component order ("slots") of all interface vectors of ``n`` points: hoop and axial of point ``k`` in
-slots ``2 k`` and ``2 k + 1``, its normal in slot ``2 n + k``. Tangential slots come first because
-they alone change their law while the contact stays closed.
+The formulas of a point, and the order of the contact degrees of freedom, are those of `point`.
 
 With the relative displacement :math:`g` (outer minus inner body), pressure :math:`p` and the law E of the point
 (see `laws`)
@@ -23,32 +21,61 @@ stored in the penalty. With :math:`t_n = 0` there it would return more, and ratt
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
-from wroll_fem.contact.laws import SMOOTHED, PointLaws, slip_derivatives, slip_update
+from wroll_fem.contact.laws import PointLaws, slip_derivatives, slip_update
+from wroll_fem.contact.point import (
+    AXIAL,
+    HOOP,
+    NORMAL,
+    axial,
+    hoop,
+    is_closed,
+    normal,
+    pressure,
+    squared_penalty,
+    step_stiffness,
+    step_traction,
+    stick_stiffness,
+    tangential_work,
+)
+from wroll_fem.contact.smoothed_coulomb import regularised_sign
 from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import FloatArray
 
 __all__ = [
-    "OPEN", "SLIP", "STICK", "PointLaws", "consistent_tangent", "interface_work", "record_slip", "slip_derivatives",
+    "FRICTION", "IMPACT", "MODULATION", "OPEN", "SLIP", "STICK", "STORED", "TOTAL", "PointLaws", "Reference",
+    "consistent_tangent", "interface_work", "record_slip", "regularised_signs", "slip_derivatives",
     "slip_update", "trial_traction",
 ]  # fmt: skip
 
 drop_stale_cache(__file__)
 
 STICK, SLIP, OPEN = 0, 1, 2
+"""Status of a point."""
+
+FRICTION, STORED, MODULATION, TOTAL, IMPACT = range(5)
+"""Entries of the work of a step, see `interface_work`."""
 
 
-@numba.njit(cache=True, inline="always")
-def _release(kn, gn, gn_c):
-    """Normal traction (Pa, tension) of a point that opens from ``gn_c`` < 0 to ``gn`` > 0 within a time step."""
-    return kn * gn_c * gn / (gn_c - gn)
+class Reference(NamedTuple):
+    """Preload state that motions start from, with the stiffness that stands in for the contact there.
 
+    Attributes
+    ----------
+    jump : (3 n,) g_0, m
+    elastic_slip : (2 n,) e_0, m
+    traction : (3 n,) t_0, Pa
+    springs : (3 n,) reference contact stiffness D_0, Pa/m
+    """
 
-@numba.njit(cache=True, inline="always")
-def _squared(tn, k, laws):
-    """Square of a normal traction that a penalty stores: not that of a release."""
-    return 0.0 if laws.separation[k] and tn > 0.0 else tn * tn
+    jump: FloatArray
+    elastic_slip: FloatArray
+    traction: FloatArray
+    springs: FloatArray
 
 
 @numba.njit(cache=True)
@@ -61,27 +88,24 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     e_c : (2 n,) committed elastic slip, m
     laws : `PointLaws`
     dt : step from the committed state, s; infinite in statics
-    t, e, status : outputs (3 n,), (2 n,), (n,); e is what the interface stores: nothing for the smoothed law
+    t, e, status : outputs (3 n,), (2 n,), (n,); e is what the interface stores: nothing for a law without memory
     """
     n = laws.kn.shape[0]
     for k in range(n):
-        gn = g[2 * n + k]
-        closed = gn <= 0.0 or not laws.separation[k]
-        tn = laws.kn[k] * gn if closed else 0.0
-        if not closed and g_c[2 * n + k] < 0.0 and dt < np.inf:
-            tn = _release(laws.kn[k], gn, g_c[2 * n + k])
-        p = -tn if tn < 0.0 else 0.0
-        dh, dz = g[2 * k] - g_c[2 * k], g[2 * k + 1] - g_c[2 * k + 1]
-        eh, ez, sliding = slip_update(k, e_c[2 * k] + dh, e_c[2 * k + 1] + dz, dh, dz, laws, dt)
-        status[k] = (SLIP if sliding else STICK) if closed else OPEN
-        kt = laws.mu[k] * p / laws.gamma[k]
-        t[2 * k] = kt * eh
-        t[2 * k + 1] = kt * ez
-        t[2 * n + k] = tn
-        if laws.kind[k] == SMOOTHED:
+        h, z, r = hoop(k), axial(k), normal(k, n)
+        gn = g[r]
+        tn = step_traction(k, gn, g_c[r], laws, dt)
+        dh, dz = g[h] - g_c[h], g[z] - g_c[z]
+        eh, ez, sliding = slip_update(k, e_c[h] + dh, e_c[z] + dz, dh, dz, laws, dt)
+        status[k] = (SLIP if sliding else STICK) if is_closed(k, gn, laws) else OPEN
+        kt = stick_stiffness(k, pressure(tn), laws)
+        t[h] = kt * eh
+        t[z] = kt * ez
+        t[r] = tn
+        if not laws.stores_slip[k]:
             eh, ez = 0.0, 0.0
-        e[2 * k] = eh
-        e[2 * k + 1] = ez
+        e[h] = eh
+        e[z] = ez
 
 
 @numba.njit(cache=True)
@@ -89,83 +113,81 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
     """Derivative of the trial traction; fills ``d`` (n, 3, 3), order (hoop, axial, normal), Pa/m."""
     n = laws.kn.shape[0]
     for k in range(n):
-        gn = g[2 * n + k]
-        closed = gn <= 0.0 or not laws.separation[k]
+        h, z, r = hoop(k), axial(k), normal(k, n)
+        gn = g[r]
         for i in range(3):
             for j in range(3):
                 d[k, i, j] = 0.0
-        kn = laws.kn[k]
-        if not closed:
-            if g_c[2 * n + k] < 0.0 and dt < np.inf:
-                d[k, 2, 2] = kn * (g_c[2 * n + k] / (g_c[2 * n + k] - gn)) ** 2
+        d[k, NORMAL, NORMAL] = step_stiffness(k, gn, g_c[r], laws, dt)
+        p = -laws.kn[k] * gn
+        if not is_closed(k, gn, laws) or p < 0.0:
             continue
-        d[k, 2, 2] = kn
-        p = -kn * gn
-        if p < 0.0:
-            continue
-        dh, dz = g[2 * k] - g_c[2 * k], g[2 * k + 1] - g_c[2 * k + 1]
-        trial_h, trial_z = e_c[2 * k] + dh, e_c[2 * k + 1] + dz
+        dh, dz = g[h] - g_c[h], g[z] - g_c[z]
+        trial_h, trial_z = e_c[h] + dh, e_c[z] + dz
         eh, ez, _ = slip_update(k, trial_h, trial_z, dh, dz, laws, dt)
         a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, trial_h, trial_z, dh, dz, laws, dt)
-        kt = laws.mu[k] * p / laws.gamma[k]
-        d[k, 0, 0] = kt * (a00 + b00)
-        d[k, 0, 1] = kt * (a01 + b01)
-        d[k, 1, 0] = kt * (a10 + b10)
-        d[k, 1, 1] = kt * (a11 + b11)
-        limit_slope = -laws.mu[k] * kn / laws.gamma[k]
-        d[k, 0, 2] = limit_slope * eh
-        d[k, 1, 2] = limit_slope * ez
+        kt = stick_stiffness(k, p, laws)
+        d[k, HOOP, HOOP] = kt * (a00 + b00)
+        d[k, HOOP, AXIAL] = kt * (a01 + b01)
+        d[k, AXIAL, HOOP] = kt * (a10 + b10)
+        d[k, AXIAL, AXIAL] = kt * (a11 + b11)
+        limit_slope = stick_stiffness(k, -laws.kn[k], laws)
+        d[k, HOOP, NORMAL] = limit_slope * eh
+        d[k, AXIAL, NORMAL] = limit_slope * ez
+
+
+@numba.njit(cache=True)
+def regularised_signs(x):
+    """(n,) regularised signs of ``x`` (n,), see `smoothed_coulomb.regularised_sign`."""
+    out = np.empty(x.shape[0])
+    for i in range(x.shape[0]):
+        out[i] = regularised_sign(x[i])
+    return out
 
 
 @numba.njit(cache=True)
 def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
     """Add the work of one committed step to ``work`` (5,), J.
 
-    ``work[0]`` friction: mean traction times plastic slip; ``work[1]`` change of the stored contact energy
-    (normal penalty and elastic slip); ``work[2]`` exchange with the pressure-dependent stick stiffness
-    (zero while the pressure is constant); ``work[3]`` total interface work (trapezoidal rule); ``work[4]`` what
-    normal contact takes where a point closes or has just opened (it gives some back only where a point turns round
-    in the very step after it opened).
+    ``work[FRICTION]``: mean traction times plastic slip. ``work[STORED]``: change of the stored contact energy
+    (normal penalty and elastic slip). ``work[MODULATION]``: exchange with the pressure-dependent stick stiffness
+    (zero while the pressure is constant). ``work[TOTAL]``: total interface work (trapezoidal rule).
+    ``work[IMPACT]``: what normal contact takes where a point closes or has just opened (it returns some only where a
+    point turns round in the very step after it opened).
     """
-    area, kn, mu, gamma = laws.area, laws.kn, laws.mu, laws.gamma
+    area, kn = laws.area, laws.kn
     n = kn.shape[0]
     for k in range(n):
+        h, z, r = hoop(k), axial(k), normal(k, n)
         w = area[k]
-        pc = -t_c[2 * n + k] if t_c[2 * n + k] < 0.0 else 0.0
-        p = -t[2 * n + k] if t[2 * n + k] < 0.0 else 0.0
         stored_normal = 0.0
         if kn[k] > 0.0:
-            stored_normal = 0.5 * (_squared(t[2 * n + k], k, laws) - _squared(t_c[2 * n + k], k, laws)) / kn[k]
-        old = 0.5 * mu[k] * pc / gamma[k] * (e_c[2 * k] ** 2 + e_c[2 * k + 1] ** 2)
-        new = 0.5 * mu[k] * p / gamma[k] * (e[2 * k] ** 2 + e[2 * k + 1] ** 2)
-        elastic = 0.0
-        plastic = 0.0
-        for c in range(2):
-            i = 2 * k + c
-            mean = 0.5 * (t[i] + t_c[i])
-            de = e[i] - e_c[i]
-            elastic += mean * de
-            plastic += mean * (g[i] - g_c[i] - de)
-        work[0] += w * plastic
-        work[1] += w * (stored_normal + new - old)
-        work[2] += w * (elastic - (new - old))
-        normal = 0.5 * (t[2 * n + k] + t_c[2 * n + k]) * (g[2 * n + k] - g_c[2 * n + k])
-        work[3] += w * (plastic + elastic + normal)
-        work[4] += w * (normal - stored_normal)
+            stored_normal = 0.5 * (squared_penalty(k, t[r], laws) - squared_penalty(k, t_c[r], laws)) / kn[k]
+        plastic, elastic, stored = tangential_work(
+            k, pressure(t_c[r]), pressure(t[r]), (t_c[h], t_c[z]), (t[h], t[z]), (g[h] - g_c[h], g[z] - g_c[z]),
+            (e_c[h], e_c[z]), (e[h], e[z]), laws,
+        )  # fmt: skip
+        normal_work = 0.5 * (t[r] + t_c[r]) * (g[r] - g_c[r])
+        work[FRICTION] += w * plastic
+        work[STORED] += w * (stored_normal + stored)
+        work[MODULATION] += w * (elastic - stored)
+        work[TOTAL] += w * (plastic + elastic + normal_work)
+        work[IMPACT] += w * (normal_work - stored_normal)
 
 
 @numba.njit(cache=True)
 def record_slip(g_c, e_c, g, e, g_0, status, path, peak, peak_vector):
     """Accumulate slip path (n,), m, and the largest tangential displacement vector (n, 2) since ``g_0``."""
     for k in range(path.shape[0]):
+        h, z = hoop(k), axial(k)
         if status[k] == SLIP:  # a point that sticks has no plastic slip but that of rounding
-            dh = g[2 * k] - g_c[2 * k] - (e[2 * k] - e_c[2 * k])
-            dz = g[2 * k + 1] - g_c[2 * k + 1] - (e[2 * k + 1] - e_c[2 * k + 1])
+            dh = g[h] - g_c[h] - (e[h] - e_c[h])
+            dz = g[z] - g_c[z] - (e[z] - e_c[z])
             path[k] += np.sqrt(dh * dh + dz * dz)
-        rh = g[2 * k] - g_0[2 * k]
-        rz = g[2 * k + 1] - g_0[2 * k + 1]
+        rh = g[h] - g_0[h]
+        rz = g[z] - g_0[z]
         size = np.sqrt(rh * rh + rz * rz)
         if size > peak[k]:
             peak[k] = size
-            peak_vector[2 * k] = rh
-            peak_vector[2 * k + 1] = rz
+            peak_vector[h] = rh
+            peak_vector[z] = rz

@@ -1,32 +1,39 @@
-r"""Friction laws point by point: parameters of all points, and the dispatch on the kind of law.
+r"""Friction laws point by point: parameters of all points, and the compiled functions of all registered laws.
 
-All laws share one form. The tangential traction is :math:`\tau = (\mu p/\gamma^*)\, e`; a law says how e follows
-from the trial slip :math:`e_c + \Delta g_t` and the increment :math:`\Delta g_t` of the step. Penalty and rate law
-keep e as elastic slip. The smoothed law has no memory: its e is the traction normalised by :math:`\mu p/\gamma^*`,
-nothing is stored, and the committed elastic slip stays zero. Statics use an infinite step, so all rates are zero.
+All laws share one form. The tangential traction is :math:`\tau = (\mu p/\gamma^*)\, e`; a law gives e from the trial
+slip :math:`e_c + \Delta g_t` and the increment :math:`\Delta g_t` of the step. A law with memory keeps e as elastic
+slip (trait ``stores_slip``). A law without memory uses e as the traction normalised by :math:`\mu p/\gamma^*`: nothing
+is stored, and the committed elastic slip stays zero. In statics the step is infinite, so all rates are zero.
 
 The functions of a point are inlined by numba: called, their array arguments cost ten times their arithmetic.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import inspect
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
+from numba.extending import register_jitable
 
-from wroll_fem.contact import penalty_coulomb, rate_coulomb, smoothed_coulomb
+from wroll_fem.contact.law import FrictionLaw, own_parameters, sequence_parameters
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.contact.pointwise import PointwiseFriction, different_laws
 from wroll_fem.contact.rate_coulomb import RateCoulomb
-from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.errors import InputError
+from wroll_fem.contact.registry import LAWS
+from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb, regularised_sign, regularised_sign_slope
 from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
+
+__all__ = [
+    "SHARED", "FrictionLaw", "PenaltyCoulomb", "PointLaws", "PointwiseFriction", "RateCoulomb", "SmoothedCoulomb",
+    "regularised_sign", "regularised_sign_slope", "slip_derivatives", "slip_update", "stack_laws",
+]  # fmt: skip
 
 drop_stale_cache(__file__)
-
-PENALTY, RATE, SMOOTHED = penalty_coulomb.KIND, rate_coulomb.KIND, smoothed_coulomb.KIND
-
-FrictionLaw = PenaltyCoulomb | RateCoulomb | SmoothedCoulomb
 
 
 class PointLaws(NamedTuple):
@@ -37,24 +44,29 @@ class PointLaws(NamedTuple):
     area : (n,) m^2
     kn : (n,) normal penalty, Pa/m
     separation : (n,) bool
-    mu : (n,) coefficient of friction, at rest for the rate law
-    gamma : (n,) elastic slip, m; for the smoothed law the length that normalises its traction
-    kind : (n,) int64, PENALTY, RATE or SMOOTHED
-    speed : (n,) reference speed of the smoothed law, m/s
-    table : (n,) int64, row of the rate tables
-    rates, coefficients : (n_tables, L) slip rates in m/s and coefficients; short tables end in copies of their last
+    mu : (n,) coefficient of friction, at rest for a law that depends on the slip rate
+    gamma : (n,) elastic slip, m; for a law without memory the length that normalises its traction
+    kind : (n,) int64, place of the law in `registry.LAWS`
+    stores_slip, sticks : (n,) bool, traits of the law (see `FrictionLaw`)
+    weakening : (n,) velocity-weakening slope of the law, s/m
+    own : (n, c) further numbers of the law, in the order of its parameters
+    table : (n,) int64, row of ``tables``
+    tables : (n_tables, c, L) sequences of the laws, in the order of their parameters; short ones repeat their last
+        number. Shared by all points.
     """
 
-    area: np.ndarray
-    kn: np.ndarray
-    separation: np.ndarray
-    mu: np.ndarray
-    gamma: np.ndarray
-    kind: np.ndarray
-    speed: np.ndarray
-    table: np.ndarray
-    rates: np.ndarray
-    coefficients: np.ndarray
+    area: FloatArray
+    kn: FloatArray
+    separation: BoolArray
+    mu: FloatArray
+    gamma: FloatArray
+    kind: IntArray
+    stores_slip: BoolArray
+    sticks: BoolArray
+    weakening: FloatArray
+    own: FloatArray
+    table: IntArray
+    tables: FloatArray
 
     @property
     def n(self) -> int:
@@ -66,93 +78,108 @@ class PointLaws(NamedTuple):
         return self._replace(**{name: getattr(self, name)[points] for name in self._fields if name not in SHARED})
 
 
-SHARED = ("rates", "coefficients")
+SHARED = ("tables",)
 """Fields of `PointLaws` that have no entry per point."""
 
 
 def stack_laws(
-    areas: list[np.ndarray], friction: list[FrictionLaw], stiffness: list[float], separation: list[bool]
+    areas: Sequence[FloatArray],
+    friction: Sequence[FrictionLaw | PointwiseFriction],
+    stiffness: Sequence[float | FloatArray],
+    separation: Sequence[bool | BoolArray],
 ) -> PointLaws:
     """Parameters of all points from the laws of each interface.
 
     Parameters
     ----------
     areas : (n_i,) area per point of each interface, m^2
-    friction, stiffness, separation : tangential law, normal penalty (Pa/m) and flag of each interface
+    friction : tangential law of each interface, or the laws of its points
+    stiffness, separation : normal penalty (Pa/m) and flag of each interface; one value, or (n_i,) values
 
     Raises
     ------
     InputError
-        For an object that is not a known friction law.
+        For an object that is not a registered friction law.
     """
-    counts = [len(area) for area in areas]
-    tables = [law for law in friction if isinstance(law, RateCoulomb)]
-    length = max((len(law.rates) for law in tables), default=0)
+    found, which = different_laws(friction, [len(area) for area in areas])
 
-    def stacked(values: list, dtype: type = float) -> np.ndarray:
-        return np.repeat(np.array(values, dtype), counts) if counts else np.zeros(0, dtype)
+    def column(values: Sequence[Any], dtype: type = float) -> np.ndarray:
+        return np.array(values, dtype)[which]
 
-    def padded(rows: list[tuple[float, ...]]) -> np.ndarray:
-        return np.array([[*row, *[row[-1]] * (length - len(row))] for row in rows]).reshape(len(rows), length)
+    def normal(values: Sequence[Any], dtype: type) -> np.ndarray:
+        spread = [np.broadcast_to(value, len(area)) for value, area in zip(values, areas, strict=True)]
+        return np.concatenate([*spread, np.zeros(0)]).astype(dtype)
 
+    rows = [[getattr(law, name) for name in sequence_parameters(type(law))] for law in found]
+    tabled = [row for row in rows if row]
     return PointLaws(
         area=np.concatenate([*areas, np.zeros(0)]),
-        kn=stacked(stiffness),
-        separation=stacked(separation, bool),
-        mu=stacked([law.mu for law in friction]),
-        gamma=stacked([law.elastic_slip for law in friction]),
-        kind=stacked([_kind(law) for law in friction], np.int64),
-        speed=stacked([law.reference_speed if isinstance(law, SmoothedCoulomb) else 1.0 for law in friction]),
-        table=stacked([tables.index(law) if isinstance(law, RateCoulomb) else 0 for law in friction], np.int64),
-        rates=padded([law.rates for law in tables]),
-        coefficients=padded([law.coefficients for law in tables]),
+        kn=normal(stiffness, float),
+        separation=normal(separation, bool),
+        mu=column([law.mu for law in found]),
+        gamma=column([law.elastic_slip for law in found]),
+        kind=column([LAWS.index(type(law)) for law in found], np.int64),
+        stores_slip=column([law.stores_slip for law in found], bool),
+        sticks=column([law.sticks for law in found], bool),
+        weakening=column([law.weakening_slope for law in found]),
+        own=_padded([[[getattr(law, name)] for name in own_parameters(type(law))] for law in found])[which, :, 0],
+        table=column([sum(bool(row) for row in rows[:i]) if row else 0 for i, row in enumerate(rows)], np.int64),
+        tables=_padded(tabled),
     )
 
 
-_KINDS: dict[type, int] = {PenaltyCoulomb: PENALTY, RateCoulomb: RATE, SmoothedCoulomb: SMOOTHED}
+def _padded(rows: Sequence[Sequence[Sequence[float]]]) -> FloatArray:
+    """(n, c, L) array of ragged rows: missing columns are 0, short sequences repeat their last number."""
+    columns = max((len(row) for row in rows), default=0)
+    length = max((len(values) for row in rows for values in row), default=1)
+    out = np.zeros((len(rows), columns, length))
+    for i, row in enumerate(rows):
+        for c, values in enumerate(row):
+            out[i, c] = [*values, *[values[-1]] * (length - len(values))]
+    return out
 
 
-def _kind(law: FrictionLaw) -> int:
-    if type(law) not in _KINDS:
-        known = ", ".join(kind.__name__ for kind in _KINDS)
-        raise InputError(
-            f"{type(law).__name__} is not a registered friction law", key="contact.friction", remedy=f"use {known}"
-        )
-    return _KINDS[type(law)]
+# ---- compiled functions ----------------------------------------------------------------------------------------------
 
 
-@numba.njit(cache=True, inline="always")
-def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: PointLaws, dt: float
-) -> tuple[float, float, bool]:
-    """Normalised traction e (hoop, axial) of point ``k`` in m, and whether it slides.
-
-    Parameters
-    ----------
-    trial_h, trial_z : e_c plus increment, m
-    dg_h, dg_z : increment of the relative displacement in this step, m
-    dt : step, s; infinite in statics
-    """
-    if laws.kind[k] == PENALTY:
-        return penalty_coulomb.slip_update(trial_h, trial_z, laws.gamma[k])
-    if laws.kind[k] == RATE:
-        return rate_coulomb.slip_update(
-            trial_h, trial_z, dg_h, dg_z, laws.gamma[k], laws.table[k], laws.rates, laws.coefficients, dt
-        )
-    return smoothed_coulomb.slip_update(dg_h, dg_z, laws.gamma[k], laws.speed[k], dt)
+def _compiled(name: str) -> list[Callable[..., Any]]:
+    """Function ``name`` of every registered law, in the order of the registry, compiled."""
+    found: list[Callable[..., Any]] = []
+    for law in LAWS:
+        module = sys.modules[law.__module__]
+        for _, function in inspect.getmembers(module, inspect.isfunction):
+            if function.__module__ == module.__name__ and function not in _HELPERS:
+                _HELPERS.add(register_jitable(inline="always")(function))
+        found.append(numba.njit(inline="always")(getattr(module, name)))
+    return found
 
 
-@numba.njit(cache=True, inline="always")
-def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: PointLaws, dt: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives of `slip_update`: (00, 01, 10, 11) by the trial slip at fixed increment, then the other way round."""
-    if laws.kind[k] == PENALTY:
-        a00, a01, a10, a11 = penalty_coulomb.slip_derivatives(trial_h, trial_z, laws.gamma[k])
-        return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
-    if laws.kind[k] == RATE:
-        return rate_coulomb.slip_derivatives(
-            trial_h, trial_z, dg_h, dg_z, laws.gamma[k], laws.table[k], laws.rates, laws.coefficients, dt
-        )
-    b00, b01, b10, b11 = smoothed_coulomb.slip_derivatives(dg_h, dg_z, laws.gamma[k], laws.speed[k], dt)
-    return 0.0, 0.0, 0.0, 0.0, b00, b01, b10, b11
+_HELPERS: set[Callable[..., Any]] = set()
+"""Functions of the laws' files that compiled code may call."""
+
+
+def _by_kind(functions: Sequence[Callable[..., Any]], first: int = 0) -> Callable[..., Any]:
+    """One function that calls the law of the point: a chain of comparisons of `PointLaws.kind`."""
+    function = functions[0]
+    if len(functions) == 1:
+        return function
+    others = _by_kind(functions[1:], first + 1)
+
+    @numba.njit(inline="always")
+    def dispatch(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
+        if laws.kind[k] == first:
+            return function(k, trial_h, trial_z, dg_h, dg_z, laws, dt)
+        return others(k, trial_h, trial_z, dg_h, dg_z, laws, dt)
+
+    return dispatch
+
+
+slip_update = _by_kind(_compiled("slip_update"))
+"""Normalised traction e (hoop, axial) of point ``k`` in m, and whether it slides.
+
+Arguments: k; trial slip e_c + increment (hoop, axial), m; increment of the relative displacement in this step (hoop,
+axial), m; `PointLaws`; step in s, infinite in statics.
+"""
+
+slip_derivatives = _by_kind(_compiled("slip_derivatives"))
+"""Derivatives of `slip_update` (00, 01, 10, 11) by the trial slip at fixed increment, then the other way round."""

@@ -5,18 +5,16 @@ r"""Coulomb friction with an elastic slip before sliding (penalty, or Jenkins el
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
-import numba
-import numpy as np
-
+from wroll_fem.contact.law import FrictionLaw, Parameter
 from wroll_fem.errors import InputError
-
-KIND = 0
 
 
 @dataclass(frozen=True)
-class PenaltyCoulomb:
+class PenaltyCoulomb(FrictionLaw):
     """Coulomb friction with an elastic slip (penalty) branch.
 
     The traction is ``tau = (mu p / elastic_slip) e`` with the elastic slip ``e`` clipped to the
@@ -30,15 +28,26 @@ class PenaltyCoulomb:
         Largest elastic relative displacement, gamma* in m.
     """
 
-    mu: float
-    elastic_slip: float
+    name: ClassVar[str] = "penalty_coulomb"
+    sentence: ClassVar[str] = "Coulomb friction with an elastic slip before sliding"
+    mu: Annotated[float, Parameter("coefficient of friction, dimensionless", least=0.0)]
+    elastic_slip: Annotated[
+        float,
+        Parameter("allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)", above=0),
+    ]
 
     def __post_init__(self) -> None:
         check_stick(self.mu, self.elastic_slip)
 
 
 def check_stick(mu: float, elastic_slip: float) -> None:
-    """Refuse a negative coefficient and an elastic slip that is not positive."""
+    """Refuse a negative coefficient and an elastic slip that is not positive.
+
+    Raises
+    ------
+    InputError
+        With the key of the case file.
+    """
     if not mu >= 0:
         raise InputError(
             f"coefficient of friction {mu} is negative", key="contact.friction.mu", remedy="give 0 or more"
@@ -51,20 +60,33 @@ def check_stick(mu: float, elastic_slip: float) -> None:
         )
 
 
-@numba.njit(cache=True, inline="always")
-def slip_update(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, bool]:
-    """Elastic slip (m) clipped to the disc of ``radius`` (m), and whether the point slides."""
-    length = np.sqrt(trial_h * trial_h + trial_z * trial_z)
+def slip_update(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, bool]:
+    """Elastic slip (m) clipped to the disc of gamma*, and whether the point slides."""
+    return clip(trial_h, trial_z, laws.gamma[k])
+
+
+def slip_derivatives(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Derivatives (00, 01, 10, 11) by the trial slip, then by the increment."""
+    a00, a01, a10, a11 = clip_derivatives(trial_h, trial_z, laws.gamma[k])
+    return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
+
+
+def clip(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, bool]:
+    """Trial slip (m) clipped to the disc of ``radius`` (m), and whether it was outside."""
+    length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length > radius:
         scale = radius / length
         return trial_h * scale, trial_z * scale, True
     return trial_h, trial_z, False
 
 
-@numba.njit(cache=True, inline="always")
-def slip_derivatives(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of the clipped slip with respect to the trial slip."""
-    length = np.sqrt(trial_h * trial_h + trial_z * trial_z)
+def clip_derivatives(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, float, float]:
+    """Derivatives (00, 01, 10, 11) of the clipped slip by the trial slip."""
+    length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length > radius:
         mh, mz = trial_h / length, trial_z / length
         c = radius / length

@@ -3,26 +3,26 @@ r"""Coulomb friction whose coefficient depends on the slip rate, given as a tabl
 .. math:: e = \operatorname{clip}(e_c + \Delta g_t), \quad |e| \le \gamma^* \frac{\mu(V)}{\mu(0)}, \qquad
           V = \frac{|\Delta g_t|}{\Delta t}, \qquad \tau = \frac{\mu(0)\, p}{\gamma^*} e
 
-Linear between the table's rates, constant beyond its last one. The stick stiffness stays that at rest.
+Linear between the table's rates, constant beyond its last one. The stick stiffness stays the one at rest.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Self
 
-import numba
-import numpy as np
-
-from wroll_fem.contact import penalty_coulomb
-from wroll_fem.contact.penalty_coulomb import check_stick
-from wroll_fem.contact.rate_table import steepest_fall, table_problem
+from wroll_fem.contact.law import FrictionLaw, Parameter
+from wroll_fem.contact.penalty_coulomb import check_stick, clip, clip_derivatives
+from wroll_fem.contact.rate_table import table_problem, weakening_slope
 from wroll_fem.errors import InputError
 
-KIND = 1
+RATES, COEFFICIENTS = 0, 1
+"""Rows of `PointLaws.tables`: slip rates, m/s, and the coefficient at each."""
 
 
 @dataclass(frozen=True)
-class RateCoulomb:
+class RateCoulomb(FrictionLaw):
     """Coulomb friction with a tabulated coefficient over slip rate and an elastic slip branch.
 
     Attributes
@@ -37,10 +37,12 @@ class RateCoulomb:
         Coefficient at each.
     """
 
-    mu: float
-    elastic_slip: float
-    rates: tuple[float, ...]
-    coefficients: tuple[float, ...]
+    name: ClassVar[str] = "rate_coulomb"
+    sentence: ClassVar[str] = "as penalty_coulomb with a coefficient that follows the slip rate"
+    mu: Annotated[float, Parameter("coefficient of friction at rest, dimensionless", least=0.0)]
+    elastic_slip: Annotated[float, Parameter("allowable elastic slip at rest, m", above=0.0)]
+    rates: Annotated[tuple[float, ...], Parameter("slip rates, m/s, rising from 0")]
+    coefficients: Annotated[tuple[float, ...], Parameter("coefficient of friction at each slip rate, dimensionless")]
 
     def __post_init__(self) -> None:
         for name in ("rates", "coefficients"):  # any sequence will do
@@ -57,62 +59,53 @@ class RateCoulomb:
             )
 
     @property
-    def steepest_fall(self) -> float:
+    def weakening_slope(self) -> float:
         """Largest -d mu / dV of the table, s/m; 0 when it never falls."""
-        return steepest_fall(self.rates, self.coefficients)
+        return weakening_slope(self.rates, self.coefficients)
+
+    @classmethod
+    def from_section(cls, section: Any) -> Self:
+        """Law of a case section, whose table has the columns slip_rate and mu."""
+        table = section.rate_table
+        return cls(section.mu, section.elastic_slip, tuple(table.slip_rate), tuple(table.mu))
 
 
-@numba.njit(cache=True, inline="always")
-def coefficient(speed: float, row: int, rates: np.ndarray, coefficients: np.ndarray) -> tuple[float, float]:
-    """Coefficient of table ``row`` at ``speed`` (m/s) and its slope (s/m); at a corner that of the segment above."""
-    last = rates.shape[1] - 1
+def coefficient(speed: float, row: int, tables: Any) -> tuple[float, float]:
+    """Coefficient of table ``row`` at ``speed`` (m/s) and its slope (s/m); at a corner the slope of the segment above.
+
+    ``tables`` (n_tables, 2, L) as in `PointLaws`.
+    """
+    last = tables.shape[2] - 1
     for i in range(last):
-        if speed < rates[row, i + 1]:
-            rise = coefficients[row, i + 1] - coefficients[row, i]
-            slope = rise / (rates[row, i + 1] - rates[row, i])
-            return coefficients[row, i] + slope * (speed - rates[row, i]), slope
-    return coefficients[row, last], 0.0
+        if speed < tables[row, RATES, i + 1]:
+            rise = tables[row, COEFFICIENTS, i + 1] - tables[row, COEFFICIENTS, i]
+            slope = rise / (tables[row, RATES, i + 1] - tables[row, RATES, i])
+            return tables[row, COEFFICIENTS, i] + slope * (speed - tables[row, RATES, i]), slope
+    return tables[row, COEFFICIENTS, last], 0.0
 
 
-@numba.njit(cache=True, inline="always")
 def slip_update(
-    trial_h: float,
-    trial_z: float,
-    dg_h: float,
-    dg_z: float,
-    gamma: float,
-    row: int,
-    rates: np.ndarray,
-    coefficients: np.ndarray,
-    dt: float,
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Elastic slip (m) clipped to the disc of the current coefficient, and whether the point slides."""
-    speed = np.sqrt(dg_h * dg_h + dg_z * dg_z) / dt
-    mu, _ = coefficient(speed, row, rates, coefficients)
-    at_rest = coefficients[row, 0]
+    gamma, row = laws.gamma[k], laws.table[k]
+    mu, _ = coefficient(math.sqrt(dg_h * dg_h + dg_z * dg_z) / dt, row, laws.tables)
+    at_rest = laws.tables[row, COEFFICIENTS, 0]
     radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
-    return penalty_coulomb.slip_update(trial_h, trial_z, radius)
+    return clip(trial_h, trial_z, radius)
 
 
-@numba.njit(cache=True, inline="always")
 def slip_derivatives(
-    trial_h: float,
-    trial_z: float,
-    dg_h: float,
-    dg_z: float,
-    gamma: float,
-    row: int,
-    rates: np.ndarray,
-    coefficients: np.ndarray,
-    dt: float,
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) with respect to the trial slip, then with respect to the increment."""
-    size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
-    mu, slope = coefficient(size / dt, row, rates, coefficients)
-    at_rest = coefficients[row, 0]
+    """Derivatives (00, 01, 10, 11) by the trial slip, then by the increment."""
+    gamma, row = laws.gamma[k], laws.table[k]
+    size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
+    mu, slope = coefficient(size / dt, row, laws.tables)
+    at_rest = laws.tables[row, COEFFICIENTS, 0]
     radius = gamma * mu / at_rest if at_rest > 0.0 else gamma
-    a00, a01, a10, a11 = penalty_coulomb.slip_derivatives(trial_h, trial_z, radius)
-    length = np.sqrt(trial_h * trial_h + trial_z * trial_z)
+    a00, a01, a10, a11 = clip_derivatives(trial_h, trial_z, radius)
+    length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length <= radius or size == 0.0 or at_rest == 0.0 or slope == 0.0:
         return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
     c = gamma * slope / (at_rest * dt) / (length * size)

@@ -36,7 +36,7 @@ def table_problem(rates: Sequence[float], coefficients: Sequence[float]) -> Tabl
     return None
 
 
-def steepest_fall(rates: Sequence[float], coefficients: Sequence[float]) -> float:
-    """Largest -d mu / dV of a table, s/m; 0 when it never falls."""
+def weakening_slope(rates: Sequence[float], coefficients: Sequence[float]) -> float:
+    """Velocity weakening of a table: largest -d mu / dV, s/m; 0 when it never falls."""
     slopes = [(d - c) / (b - a) for (a, b), (c, d) in zip(pairwise(rates), pairwise(coefficients), strict=True)]
     return max(0.0, -min(slopes, default=0.0))

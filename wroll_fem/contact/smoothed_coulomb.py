@@ -1,28 +1,29 @@
-r"""Coulomb friction smoothed over the slip rate by the logistic function; no elastic slip, no memory.
+r"""Regularised Coulomb friction: the sign of the slip rate becomes a logistic function; no elastic slip, no memory.
 
 .. math:: \tau = \mu p\, S\!\left(\frac{V}{V_0}\right) \frac{\Delta g_t}{|\Delta g_t|}, \qquad
           S(x) = \frac{2}{1 + e^{-x}} - 1 = \tanh\frac{x}{2}, \qquad V = \frac{|\Delta g_t|}{\Delta t}
 
-Below the reference speed V_0 the point is a viscous damper (slope 1/2 of S at zero); at rest it holds nothing.
+Below the reference speed V_0 the point is a viscous damper (slope 1/2 of S at zero); at rest it transmits nothing.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
-import numba
-import numpy as np
-
+from wroll_fem.contact.law import FrictionLaw, Parameter
 from wroll_fem.errors import InputError
 
-KIND = 2
-
 REFERENCE_TIME = 1e-3
-"""Seconds that turn the reference speed into the length Newton's tolerance is measured by; no result depends on it."""
+"""Seconds that turn the reference speed into the length of Newton's tolerance; no result depends on it."""
+
+REFERENCE_SPEED = 0
+"""Column of `PointLaws.own`."""
 
 
 @dataclass(frozen=True)
-class SmoothedCoulomb:
+class SmoothedCoulomb(FrictionLaw):
     """Coulomb friction whose sign is the logistic function of slip rate over a reference speed.
 
     Attributes
@@ -33,8 +34,15 @@ class SmoothedCoulomb:
         V_0 in m/s: S = 0.46 at V_0, 0.987 at 5 V_0.
     """
 
-    mu: float
-    reference_speed: float
+    name: ClassVar[str] = "smoothed_coulomb"
+    sentence: ClassVar[str] = "mu p S(slip rate / reference_speed), S(x) = 2/(1 + exp(-x)) - 1; no elastic slip"
+    stores_slip: ClassVar[bool] = False
+    sticks: ClassVar[bool] = False
+    mu: Annotated[float, Parameter("coefficient of friction well above reference_speed, dimensionless", least=0.0)]
+    reference_speed: Annotated[
+        float,
+        Parameter("slip rate, m/s, below which friction acts as a viscous damper; S is 0.46 there", above=0.0),
+    ]
 
     def __post_init__(self) -> None:
         if not self.mu >= 0:
@@ -49,41 +57,50 @@ class SmoothedCoulomb:
             )
 
     @property
-    def elastic_slip(self) -> float:
+    def elastic_slip(self) -> float:  # type: ignore[override]
         """Length in m that normalises the traction, tau = (mu p / elastic_slip) e; nothing is elastic here."""
         return self.reference_speed * REFERENCE_TIME
 
+    def rest_length(self, dt: float) -> float:
+        """Length L, m, of the tangent mu p / L from rest: the dashpot mu p / (2 V_0) in a step ``dt`` (s)."""
+        return 2.0 * self.reference_speed * dt
 
-@numba.njit(cache=True, inline="always")
-def logistic_sign(x: float) -> float:
+
+def regularised_sign(x: float) -> float:
     """S(x) = 2 / (1 + exp(-x)) - 1, the smoothed sign, written so that it neither overflows nor cancels."""
-    return np.tanh(0.5 * x)
+    return math.tanh(0.5 * x)
 
 
-@numba.njit(cache=True, inline="always")
-def slip_update(dg_h: float, dg_z: float, gamma: float, speed: float, dt: float) -> tuple[float, float, bool]:
+def regularised_sign_slope(s: float) -> float:
+    """dS/dx where S(x) = ``s``."""
+    return 0.5 * (1.0 - s * s)
+
+
+def slip_update(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, bool]:
     """Normalised traction (m) against the increment, and whether the point moves faster than the reference speed."""
-    size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
-    reach = speed * dt
+    size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
+    reach = laws.own[k, REFERENCE_SPEED] * dt
     if size == 0.0:
         return 0.0, 0.0, False
-    c = gamma * logistic_sign(size / reach) / size
+    c = laws.gamma[k] * regularised_sign(size / reach) / size
     return c * dg_h, c * dg_z, size > reach
 
 
-@numba.njit(cache=True, inline="always")
 def slip_derivatives(
-    dg_h: float, dg_z: float, gamma: float, speed: float, dt: float
-) -> tuple[float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) with respect to the increment."""
-    size = np.sqrt(dg_h * dg_h + dg_z * dg_z)
-    reach = speed * dt
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Derivatives (00, 01, 10, 11) by the trial slip (none), then by the increment."""
+    gamma = laws.gamma[k]
+    size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
+    reach = laws.own[k, REFERENCE_SPEED] * dt
     if size == 0.0:
-        c = 0.5 * gamma / reach
-        return c, 0.0, 0.0, c
-    s = logistic_sign(size / reach)
-    along = 0.5 * gamma * (1.0 - s * s) / reach
+        c = regularised_sign_slope(0.0) * gamma / reach
+        return 0.0, 0.0, 0.0, 0.0, c, 0.0, 0.0, c
+    s = regularised_sign(size / reach)
+    along = gamma * regularised_sign_slope(s) / reach
     across = gamma * s / size
     nh, nz = dg_h / size, dg_z / size
     d = along - across
-    return across + d * nh * nh, d * nh * nz, d * nh * nz, across + d * nz * nz
+    return 0.0, 0.0, 0.0, 0.0, across + d * nh * nh, d * nh * nz, d * nh * nz, across + d * nz * nz

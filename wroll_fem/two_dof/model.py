@@ -32,7 +32,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from wroll_fem.contact.smoothed_coulomb import logistic_sign
+from wroll_fem.contact.smoothed_coulomb import regularised_sign
 from wroll_fem.errors import InputError, require_positive
 from wroll_fem.typing import FloatArray
 
@@ -49,7 +49,7 @@ SLIDES = np.array([1.0, -1.0])
 def smoothed_sign(x: npt.ArrayLike) -> FloatArray:
     """S(x) = 2 / (1 + exp(-x)) - 1 (equation 5.4), the function of `contact.smoothed_coulomb`."""
     values = np.asarray(x, dtype=np.float64)
-    return np.array([logistic_sign(v) for v in values.ravel()]).reshape(values.shape)
+    return np.array([regularised_sign(v) for v in values.ravel()]).reshape(values.shape)
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class TwoMasses:
             raise InputError(
                 f"friction capacity {capacity}", key="two_dof.friction_capacity", remedy="give positive forces in N"
             )
-        share = float(logistic_sign(capacity)) if self.preload_dependent else 1.0
+        share = float(regularised_sign(capacity)) if self.preload_dependent else 1.0
         return Pressed(
             m1=self.m1 + self.m2 * (1.0 - share),
             k1=self.k1,

@@ -16,7 +16,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.contact.interface import Interface, NormalPenalty
-from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.contact.kernels import regularised_signs
+from wroll_fem.contact.point import NORMAL
+from wroll_fem.contact.smoothed_coulomb import REFERENCE_SPEED, SmoothedCoulomb, regularised_sign_slope
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import condense
@@ -76,11 +78,12 @@ class _OneLine(HarmonicContact):
     def jacobian(self, contact: PeriodicContact, *, threshold: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """As `HarmonicContact.jacobian`; every point is taken, whatever the ``threshold``."""
         laws, s, jump = self.laws, self.sampling, self.model.jump[0]
-        reach = laws.speed[0] * contact.dt
-        sign = np.tanh(0.5 * contact.rate[0] / reach)
-        slope = 0.5 * laws.mu[0] * -self.preload.traction[2] * (1.0 - sign**2) / reach  # Pa per m and sample
+        reach = laws.own[0, REFERENCE_SPEED] * contact.sampled.dt
+        sign = regularised_signs(contact.sampled.rate[0] / reach)
+        limit = laws.mu[0] * -self.preload.traction[NORMAL]
+        slope = limit * regularised_sign_slope(sign) / reach  # Pa per m and sample
         block = s.project @ (slope[:, None] * s.velocities) - self.model.springs[0] * np.eye(s.size)
-        by_log = s.project @ (slope * contact.rate[0])
+        by_log = s.project @ (slope * contact.sampled.rate[0])
         return np.kron(block, laws.area[0] * np.outer(jump, jump)), np.outer(by_log, laws.area[0] * jump)
 
 
@@ -194,7 +197,7 @@ class PeriodicMotion:
             input=-float((pull_1 + b * pull_2) @ y_dot) * step,
             primary=p.c1 * float(speed_1 @ speed_1) * step,
             secondary=p.c2 * float(speed_2 @ speed_2) * step,
-            friction=p.capacity * float(np.tanh(0.5 * p.smoothing * rubbing) @ rubbing) * step,
+            friction=p.capacity * float(regularised_signs(p.smoothing * rubbing) @ rubbing) * step,
         )
 
 

@@ -9,6 +9,7 @@ import numba
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from wroll_fem.contact.laws import regularised_sign, regularised_sign_slope
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.two_dof.model import Pressed
@@ -43,7 +44,7 @@ def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: Fl
     m1, k1, c1, m2, k2, c2, capacity, smoothing, amplitude, a, b = p
     x1, x2, v1, v2 = state[0], state[1], state[2], state[3]
     y, y_dot = amplitude * np.sin(omega * t), amplitude * omega * np.cos(omega * t)
-    friction = capacity * np.tanh(0.5 * smoothing * (v1 - v2))
+    friction = capacity * regularised_sign(smoothing * (v1 - v2))
     pull_1 = k1 * (x1 - y) + c1 * (v1 - y_dot)
     pull_2 = k2 * (x2 - a * x1 - b * y) + c2 * (v2 - a * v1 - b * y_dot)
     out[0], out[1] = v1, v2
@@ -63,8 +64,8 @@ def _rates(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArr
 def _slopes(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArray:
     """(4, 4) derivatives of the rates."""
     m1, k1, c1, m2, k2, c2, capacity, smoothing, _, a, _ = p
-    s = np.tanh(0.5 * smoothing * (state[2] - state[3]))
-    f = 0.5 * capacity * smoothing * (1.0 - s * s)
+    s = regularised_sign(smoothing * (state[2] - state[3]))
+    f = capacity * smoothing * regularised_sign_slope(s)
     out = np.zeros((4, 4))
     out[0, 2] = out[1, 3] = 1.0
     out[2, 0], out[2, 1] = -(k1 + a * a * k2) / m1, a * k2 / m1

@@ -35,8 +35,8 @@ def test_jacobian_is_that_of_central_differences(law: str, normal: float) -> Non
     a[2] = normal * rng.standard_normal(7)
     frequency = 60.0
     found = contact.evaluate(a, frequency)
-    assert found.settled < 1e-8
-    assert 0.3 < found.sliding.mean() <= 1.0
+    assert found.periodicity_error < 1e-8
+    assert 0.3 < found.hysteresis.sliding.mean() <= 1.0
     assert bool(found.open.any()) == (normal > 1e-7)
     _, blocks, by_frequency = contact.point_blocks(found, threshold=0.0)
     for index in np.ndindex(3, 7):
@@ -60,7 +60,7 @@ def test_reduced_jacobian_is_that_of_central_differences(law: str) -> None:
         system = with_friction(system, LAWS[law])
     problem = balance(system, 2.0)
     _, contact = problem.residual(q, frequency)
-    assert contact.sliding.any()
+    assert contact.hysteresis.sliding.any()
     matrix, by_frequency = problem.jacobian(q, frequency, contact, threshold=0.0)
     scale = np.abs(q).max()
     for index in range(q.size):
@@ -81,5 +81,5 @@ def test_a_memory_that_does_not_settle_is_reported() -> None:
     a[0, 1], a[1, 2] = 1.3e-5, 0.4e-5
     settled = HarmonicContact(model, preload, system.laws, Sampling(3, 64), max_periods=60).evaluate(a, 60.0)
     cut = HarmonicContact(model, preload, system.laws, Sampling(3, 64), max_periods=1).evaluate(a, 60.0)
-    assert settled.periods.max() > 1
-    assert settled.settled < 1e-8 < cut.settled
+    assert settled.hysteresis.periods.max() > 1
+    assert settled.periodicity_error < 1e-8 < cut.periodicity_error

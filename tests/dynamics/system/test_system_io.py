@@ -20,7 +20,14 @@ from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, wri
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case import Case, example_case, load_case
-from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from wroll_fem.contact.interface import (
+    Interface,
+    NormalPenalty,
+    PenaltyCoulomb,
+    PointwiseFriction,
+    RateCoulomb,
+    SmoothedCoulomb,
+)
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system, save_system, system_size
@@ -97,6 +104,17 @@ def test_systems_come_back_bit_by_bit(tmp_path: Path, suffix: str) -> None:
     check_same(system, again)
     check_same_state(state, state_again)
     assert system_size(path) == (3, 3)
+
+
+@BOTH
+def test_laws_that_vary_from_point_to_point_come_back(tmp_path: Path, suffix: str) -> None:
+    system = two_interfaces()
+    first, second = system.interfaces
+    laws = PointwiseFriction((PenaltyCoulomb(0.1, 3e-7), second.friction), np.array([1, 0]))
+    varying = replace(second, friction=laws, normal=NormalPenalty(np.array([3.0e7, 5.0e7]), np.array([False, True])))
+    system = replace(system, interfaces=(first, varying))
+    again, _ = load_system(save_system(system, tmp_path / f"varying{suffix}"))
+    check_same(system, again)
 
 
 @BOTH

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.case.contact import RateFriction, SmoothedFriction
-from wroll_fem.contact.interface import FrictionLaw, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
+from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.structure.body import Body
 
@@ -55,12 +55,7 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
 def friction_law(case: Case) -> FrictionLaw:
     """Tangential law of every interface."""
     friction = case.contact.friction
-    if isinstance(friction, RateFriction):
-        table = friction.rate_table
-        return RateCoulomb(friction.mu, friction.elastic_slip, tuple(table.slip_rate), tuple(table.mu))
-    if isinstance(friction, SmoothedFriction):
-        return SmoothedCoulomb(friction.mu, friction.reference_speed)
-    return PenaltyCoulomb(friction.mu, friction.elastic_slip)
+    return BY_NAME[friction.law].from_section(friction)
 
 
 def build_system(case: Case, bodies: Sequence[Body]) -> System:

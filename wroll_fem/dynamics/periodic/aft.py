@@ -2,12 +2,14 @@ r"""Alternating frequency-time evaluation of the contact: harmonics of the motio
 
 Periodic motions are Fourier series in the phase :math:`\varphi = \omega t`, coefficients in the order
 (constant, cos 1, sin 1, ..., cos H, sin H), R = 2 H + 1 of them. The constant term and the even harmonics matter:
-pressure varies, and the limit of friction with it. The law is evaluated at N samples of the period, the very law of
-the time integration with dt = T/N, and the samples are projected back by the trapezoidal rule.
+pressure varies, and the limit of friction with it. The laws are evaluated at N samples of the period with dt = T/N, and
+the samples are projected back by the trapezoidal rule. The friction law, the penalty and the split of the work are the
+functions of the time integration (`contact.point`, `contact.laws`). Two things differ on purpose: a point that opens
+has no release traction, since that belongs to the trapezoidal work of a time step and samples are no steps; and slip
+rates are those of the Fourier series at the sample, not differences.
 
-The memory of friction starts in the preload state and is wound on until the elastic slip repeats; derivatives are
-carried through all of it (`harmonic_kernel`), so that Newton's method sees the exact Jacobian. Slip rates are those
-of the Fourier series at the sample, not differences.
+The memory of friction starts in the preload state and is iterated to periodic hysteresis: until the elastic slip
+repeats. Derivatives are carried through all of it (`aft_kernel`), so that Newton's method has the exact Jacobian.
 
 References
 ----------
@@ -20,15 +22,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.contact.kernels import PointLaws
+from wroll_fem.contact.kernels import PointLaws, Reference
+from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import InputError
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import BoolArray, FloatArray
 
-SETTLED = 1e-8
-"""The memory has settled when the elastic slip repeats to this fraction of gamma* over a period."""
+PERIODIC = 1e-8
+"""The hysteresis is periodic when the elastic slip repeats to this fraction of gamma* over a period."""
 
 MAX_PERIODS = 8
 """Most periods for that. Sliding in a plane just above the limit creeps towards its steady path for very long."""
@@ -102,38 +105,29 @@ class Sampling:
 
 @dataclass(frozen=True)
 class PeriodicContact:
-    """Contact of all points over one settled period.
+    """Contact of all points over one period of their hysteresis.
 
     Attributes
     ----------
-    motion : (3 n, N) relative displacement from the preload state, m; rate : its change per sample
-    slip : (2 n, N) elastic slip, m
+    sampled : motion at the samples
+    hysteresis : elastic slip, and which points slide
     correction : (3 n, N) s = t - t_0 - D_0 (g - g_0), Pa
     coefficients : (3 n, R) its Fourier coefficients, Pa
-    sliding, open : (n, N)
-    moved : (n,) slid at any time, the ramp included
-    periods : (n,) whole periods computed; change : (n,) change of the elastic slip over the last, relative to gamma*
+    open : (n, N) whether the surfaces are apart
     pressure_change : (n,) largest relative change of the pressure
-    dt : time per sample, s
     """
 
-    motion: FloatArray
-    rate: FloatArray
-    slip: FloatArray
+    sampled: kernel.SampledMotion
+    hysteresis: kernel.Hysteresis
     correction: FloatArray
     coefficients: FloatArray
-    sliding: np.ndarray
-    open: np.ndarray
-    moved: np.ndarray
-    periods: np.ndarray
-    change: FloatArray
+    open: BoolArray
     pressure_change: FloatArray
-    dt: float
 
     @property
-    def settled(self) -> float:
+    def periodicity_error(self) -> float:
         """Largest change of the elastic slip over the last period computed, relative to gamma*."""
-        return float(self.change.max(initial=0.0))
+        return float(self.hysteresis.change.max(initial=0.0))
 
 
 class HarmonicContact:
@@ -146,7 +140,7 @@ class HarmonicContact:
     sampling
         Harmonics and samples.
     max_periods
-        Whole periods after the ramp that the memory may take to settle.
+        Whole periods after the ramp that the hysteresis may take to become periodic.
     """
 
     def __init__(
@@ -161,10 +155,10 @@ class HarmonicContact:
         self.model, self.preload, self.laws, self.sampling = model, preload, laws, sampling
         self.max_periods = max_periods
         self.n = len(laws.area)
-        self.weights = np.concatenate([np.repeat(laws.area, 2), laws.area])
+        self.weights = per_dof(laws.area, laws.area)
+        self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, model.springs)
         self.force_operator = np.ascontiguousarray((model.jump * self.weights[:, None]).T)
-        k = np.arange(self.n)
-        self.slots = np.column_stack([2 * k, 2 * k + 1, 2 * self.n + k])
+        self.dofs = contact_dofs(self.n)
 
     def motion(self, coefficients: FloatArray) -> FloatArray:
         """(3 n, R) Fourier coefficients of the relative displacement for those of q (R, m), m."""
@@ -175,22 +169,16 @@ class HarmonicContact:
         n, s = self.n, self.sampling
         motion = np.ascontiguousarray(jump_coefficients @ s.values.T)
         rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
-        dt = 2.0 * np.pi / (frequency * s.samples)
-        slip, out = np.zeros((2 * n, s.samples)), np.zeros((3 * n, s.samples))
-        sliding, is_open = np.zeros((n, s.samples), np.bool_), np.zeros((n, s.samples), np.bool_)
-        moved, periods = np.zeros(n, np.bool_), np.zeros(n, np.int64)
-        change, pressure_change = np.zeros(n), np.zeros(n)
-        kernel.settle(
-            motion, rate, s.ramp, s.ramp_rate, self.preload.elastic_slip, self.laws, dt, self.max_periods, SETTLED,
-            slip, sliding, moved, periods, change,
+        path = kernel.SampledMotion(motion, rate, s.ramp, s.ramp_rate, 2.0 * np.pi / (frequency * s.samples))
+        hysteresis = kernel.Hysteresis(
+            slip=np.zeros((2 * n, s.samples)), sliding=np.zeros((n, s.samples), np.bool_),
+            moved=np.zeros(n, np.bool_), periods=np.zeros(n, np.int64), change=np.zeros(n),
         )  # fmt: skip
-        kernel.correction(
-            motion, slip, self.preload.jump, self.preload.traction, self.model.springs, self.laws,
-            out, is_open, pressure_change,
-        )  # fmt: skip
-        return PeriodicContact(
-            motion, rate, slip, out, out @ s.project.T, sliding, is_open, moved, periods, change, pressure_change, dt
-        )
+        kernel.iterate_to_periodic(path, self.reference, self.laws, self.max_periods, PERIODIC, hysteresis)
+        correction, is_open = np.zeros((3 * n, s.samples)), np.zeros((n, s.samples), np.bool_)
+        pressure_change = np.zeros(n)
+        kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open, pressure_change)
+        return PeriodicContact(path, hysteresis, correction, correction @ s.project.T, is_open, pressure_change)
 
     def force(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) Fourier coefficients of the reduced force jump^T W s."""
@@ -207,14 +195,14 @@ class HarmonicContact:
         blocks : (a, 3, R, 3, R) d(s coefficients)/d(jump coefficients), Pa/m
         by_frequency : (a, 2, R) d(tangential s)/d(ln frequency), Pa
         """
-        wanted = contact.moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
+        moved = contact.hysteresis.moved
+        wanted = moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
         points, size, s = np.flatnonzero(wanted), self.sampling.size, self.sampling
         blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
+        series = kernel.Series(s.values, s.velocities, s.project)
         kernel.derivatives(
-            points, contact.moved, contact.periods, contact.motion, contact.rate, s.ramp, s.ramp_rate,
-            self.preload.elastic_slip, self.preload.jump, self.model.springs, self.laws, contact.dt,
-            s.values, s.velocities, s.project, blocks, by_frequency,
-        )  # fmt: skip
+            points, contact.sampled, contact.hysteresis, self.reference, self.laws, series, blocks, by_frequency
+        )
         return points, blocks, by_frequency
 
     def jacobian(
@@ -225,11 +213,11 @@ class HarmonicContact:
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
         if len(points) == 0:
             return np.zeros((size * m, size * m)), np.zeros((size, m))
-        a, slots = len(points), self.slots[points]
-        jump = self.model.jump[slots]  # (a, 3, m)
+        a, dofs = len(points), self.dofs[points]
+        jump = self.model.jump[dofs]  # (a, 3, m)
         # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
         right = blocks.transpose(0, 1, 2, 4, 3).reshape(a, 3 * size * size, 3) @ jump
-        left = self.force_operator[:, slots.ravel()]  # (m, 3 a)
+        left = self.force_operator[:, dofs.ravel()]  # (m, 3 a)
         full = left @ right.reshape(3 * a, size * size * m)
         matrix = full.reshape(m, size, size, m).transpose(1, 0, 2, 3).reshape(size * m, size * m)
         tangential = left.reshape(m, a, 3)[:, :, :2].reshape(m, 2 * a)

@@ -1,46 +1,108 @@
 """The compiled half of harmonic balance: contact laws over one period, and their exact derivatives (see `aft`).
 
-A point's motion relative to the preload state is known at N phases of the period (`motion`, with `rate` its change per
-sample by its exact velocity). The memory of friction starts in the preload state: one period in which the motion grows
-from nothing (`ramp`), then whole periods until the elastic slip repeats. Tractions are those of the last period.
+The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The memory of
+friction starts in the preload state: one period in which the motion grows from nothing (the ramp), then whole periods
+until the elastic slip repeats. Tractions are those of the last period. The normal law is the penalty alone: a point
+that opens between two samples has no release traction (see `aft`).
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
-from wroll_fem.contact.laws import PENALTY, SMOOTHED, slip_derivatives, slip_update
+from wroll_fem.contact import point
+from wroll_fem.contact.laws import slip_derivatives, slip_update
+from wroll_fem.contact.point import (
+    axial,
+    contact_dof,
+    hoop,
+    is_closed,
+    modulation_work,
+    normal,
+    penalty_traction,
+    pressure,
+    stick_stiffness,
+    tangential_work,
+)
 from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 drop_stale_cache(__file__)
 
 
-@numba.njit(cache=True)
-def settle(motion, rate, ramp, ramp_rate, e_0, laws, dt, max_periods, tolerance, slip, sliding, moved, periods, change):
-    """Elastic slip of every point over a settled period.
+class SampledMotion(NamedTuple):
+    """Motion of all points at the samples of a period.
 
-    Parameters
+    Attributes
     ----------
     motion, rate : (3 n, N) relative displacement from the preload state at phases 2 pi j / N, and its change
         per sample (velocity times ``dt``), m
     ramp, ramp_rate : (N + 1,) growth of the motion in the first period and its change per sample
-    e_0 : (2 n,) elastic slip of the preload state, m
     dt : time per sample, s
+    """
+
+    motion: FloatArray
+    rate: FloatArray
+    ramp: FloatArray
+    ramp_rate: FloatArray
+    dt: float
+
+
+class Hysteresis(NamedTuple):
+    """Friction of all points over the last period computed.
+
+    Attributes
+    ----------
+    slip : (2 n, N) elastic slip, m
+    sliding : (n, N) whether the point slides
+    moved : (n,) whether it ever slid, the ramp included
+    periods : (n,) whole periods computed
+    change : (n,) change of the elastic slip over the last of them, relative to gamma*
+    """
+
+    slip: FloatArray
+    sliding: BoolArray
+    moved: BoolArray
+    periods: IntArray
+    change: FloatArray
+
+
+class Series(NamedTuple):
+    """Fourier series at the samples.
+
+    Attributes
+    ----------
+    values, velocities : (N, R) motion and its change per sample for unit coefficients
+    project : (R, N) samples to coefficients
+    """
+
+    values: FloatArray
+    velocities: FloatArray
+    project: FloatArray
+
+
+@numba.njit(cache=True)
+def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
+    """Fill the `Hysteresis` ``out``: elastic slip of every point over a period that repeats.
+
+    Parameters
+    ----------
+    path : `SampledMotion`
+    reference : `contact.kernels.Reference`
     max_periods, tolerance : whole periods at most; the change of the elastic slip over a period, relative to gamma*,
         below which it repeats
-    slip : output (2 n, N) elastic slip of the last period, m
-    sliding : output (n, N) whether the point slides there
-    moved : output (n,) whether it ever slid, the ramp included
-    periods : output (n,) whole periods computed
-    change : output (n,) change of the elastic slip over the last of them, relative to gamma*
     """
+    motion, rate, ramp, ramp_rate, dt = path
+    slip, sliding, moved, periods, change = out
     n, count = sliding.shape
     for k in range(n):
-        h, z = 2 * k, 2 * k + 1
-        eh, ez = e_0[h], e_0[z]
+        h, z = hoop(k), axial(k)
+        eh, ez = reference.elastic_slip[h], reference.elastic_slip[z]
         before_h = before_z = 0.0
-        moved[k] = laws.kind[k] == SMOOTHED
+        moved[k] = not laws.sticks[k]
         for i in range(1, count + 1):
             j = i % count
             now_h, now_z = ramp[i] * motion[h, j], ramp[i] * motion[z, j]
@@ -72,61 +134,63 @@ def settle(motion, rate, ramp, ramp_rate, e_0, laws, dt, max_periods, tolerance,
 
 
 @numba.njit(cache=True)
-def correction(motion, slip, g_0, t_0, springs, laws, s, is_open, pressure_change):
+def correction(path, slip, reference, laws, s, is_open, pressure_change):
     """Traction less that of the stuck preload state, s = t - t_0 - D_0 (g - g_0), over the period.
 
     Parameters
     ----------
-    motion, slip : (3 n, N) and (2 n, N), m
-    g_0, t_0, springs : (3 n,) preload state m, Pa, and its springs Pa/m
+    path, reference : `SampledMotion`, `contact.kernels.Reference`
+    slip : (2 n, N) elastic slip, m
     s : output (3 n, N), Pa
     is_open : output (n, N) whether the surfaces are apart
     pressure_change : output (n,) largest relative change of the stick stiffness
     """
+    motion = path.motion
+    g_0, t_0, springs = reference.jump, reference.traction, reference.springs
     n, count = is_open.shape
     for k in range(n):
-        stick = laws.mu[k] / laws.gamma[k]
-        p_0 = -t_0[2 * n + k]
+        r = normal(k, n)
+        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        p_0 = -t_0[r]
         largest = 0.0
         for j in range(count):
-            gn = g_0[2 * n + k] + motion[2 * n + k, j]
-            closed = gn <= 0.0 or not laws.separation[k]
-            tn = laws.kn[k] * gn if closed else 0.0
-            p = -tn if tn < 0.0 else 0.0
-            is_open[k, j] = not closed
+            gn = g_0[r] + motion[r, j]
+            tn = penalty_traction(k, gn, laws)
+            p = pressure(tn)
+            is_open[k, j] = not is_closed(k, gn, laws)
             for c in range(2):
-                i = 2 * k + c
-                s[i, j] = stick * p * slip[i, j] - t_0[i] - springs[i] * motion[i, j]
-            s[2 * n + k, j] = tn - t_0[2 * n + k] - springs[2 * n + k] * motion[2 * n + k, j]
+                i = contact_dof(k, c, n)
+                s[i, j] = point.correction(stick * p * slip[i, j], t_0[i], springs[i], motion[i, j])
+            s[r, j] = point.correction(tn, t_0[r], springs[r], motion[r, j])
             largest = max(largest, abs(p - p_0))
         pressure_change[k] = largest / p_0 if p_0 > 0.0 else np.inf
 
 
 @numba.njit(cache=True)
-def derivatives(
-    points, moved, periods, motion, rate, ramp, ramp_rate, e_0, g_0, springs, laws, dt,
-    values, velocities, project, blocks, by_frequency,
-):  # fmt: skip
+def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_frequency):
     """Exact derivatives of the harmonics of s with respect to the harmonics of the motion, through the memory.
 
     Parameters
     ----------
     points : (a,) points wanted
-    moved, periods : as `settle` left them: a point that never slid keeps de = d(motion)
-    values, velocities : (N, R) motion and its change per sample for unit coefficients
-    project : (R, N) samples to coefficients
+    hysteresis : of the same `SampledMotion`: a point that never slid keeps de = d(motion)
+    series : `Series`
     blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
     by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
         fixed coefficients, Pa (laws that depend on the slip rate)
     """
+    motion, rate, ramp, ramp_rate, dt = path
+    moved, periods = hysteresis.moved, hysteresis.periods
+    e_0, g_0, springs = reference.elastic_slip, reference.jump, reference.springs
+    values, velocities, project = series
     count, size = values.shape
     n = laws.mu.shape[0]
     de, trial, new = np.zeros((2, 2 * size)), np.zeros((2, 2 * size)), np.zeros((2, 2 * size))
     rows = np.zeros((count, 7 * size + 2))
     for index in range(points.shape[0]):
         k = points[index]
-        h, z = 2 * k, 2 * k + 1
-        stick = laws.mu[k] / laws.gamma[k]
+        h, z, normal_dof = hoop(k), axial(k), normal(k, n)
+        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
         eh, ez = e_0[h], e_0[z]
         before_h = before_z = 0.0
         de[:] = 0.0
@@ -154,7 +218,7 @@ def derivatives(
                         trial[c, r], trial[c, size + r] = de[c, r], de[c, size + r]
                     trial[0, r] += moves
                     trial[1, size + r] += moves
-                if slides or laws.kind[k] != PENALTY:
+                if slides or not laws.sticks[k]:
                     a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, laws, dt)
                     for r in range(2 * size):
                         new[0, r] = a00 * trial[0, r] + a01 * trial[1, r]
@@ -177,19 +241,18 @@ def derivatives(
                     de[1, size + r] = values[j, r]
             before_h, before_z = now_h, now_z
             if last:
-                gn = g_0[2 * n + k] + motion[2 * n + k, j]
-                closed = gn <= 0.0 or not laws.separation[k]
-                normal = laws.kn[k] if closed else 0.0
-                pressed = closed and gn < 0.0
-                kt = -stick * normal * gn if pressed else 0.0
-                slope = -stick * normal if pressed else 0.0
+                gn = g_0[normal_dof] + motion[normal_dof, j]
+                stiffness = laws.kn[k] if is_closed(k, gn, laws) else 0.0
+                pressed = pressure(penalty_traction(k, gn, laws)) > 0.0
+                slope = stick * -stiffness if pressed else 0.0  # of the stick stiffness with the gap
+                kt = slope * gn
                 for r in range(2 * size):
                     rows[j, r] = kt * de[0, r]
                     rows[j, 2 * size + r] = kt * de[1, r]
                 for r in range(size):
                     rows[j, 4 * size + r] = slope * eh * values[j, r]
                     rows[j, 5 * size + r] = slope * ez * values[j, r]
-                    rows[j, 6 * size + r] = normal * values[j, r]
+                    rows[j, 6 * size + r] = stiffness * values[j, r]
                 rows[j, 7 * size] = kt * wh
                 rows[j, 7 * size + 1] = kt * wz
         found = np.dot(project, rows)
@@ -201,47 +264,46 @@ def derivatives(
                     blocks[index, c, r, 2, q] = found[r, (4 + c) * size + q]
                     blocks[index, 2, r, c, q] = 0.0
                 blocks[index, 2, r, 2, q] = found[r, 6 * size + q]
-            blocks[index, 0, r, 0, r] -= springs[h]
-            blocks[index, 1, r, 1, r] -= springs[z]
-            blocks[index, 2, r, 2, r] -= springs[2 * n + k]
+            for c in range(3):
+                blocks[index, c, r, c, r] -= springs[contact_dof(k, c, n)]
             by_frequency[index, 0, r] = found[r, 7 * size]
             by_frequency[index, 1, r] = found[r, 7 * size + 1]
 
 
 @numba.njit(cache=True)
-def cycle_work(motion, slip, g_0, laws, friction, path, peak):
-    """Friction work per area and period, slip path and peak displacement of every point.
+def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
+    """Work of friction per area and period, slip path and peak displacement of every point.
 
     Parameters
     ----------
-    motion, slip : (3 n, N), (2 n, N) of a settled period, m
+    motion, slip : (3 n, N), (2 n, N) of a period that repeats, m
     g_0 : (3 n,) m
     friction : output (n,) mean traction times plastic slip, summed over the period, J/m^2
+    modulation : output (n,) exchange of the elastic slip with the varying pressure, J/m^2
     path : output (n,) length of the plastic slip path per period, m
     peak : output (n, 3) largest tangential displacement from the preload state and its components, m
     """
     n, count = friction.shape[0], motion.shape[1]
     for k in range(n):
-        h, z = 2 * k, 2 * k + 1
-        stick = laws.mu[k] / laws.gamma[k]
-        friction[k] = path[k] = 0.0
+        h, z, r = hoop(k), axial(k), normal(k, n)
+        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        keeps = 1.0 if laws.stores_slip[k] else 0.0  # without memory all slip is lost
+        friction[k] = modulation[k] = path[k] = 0.0
         peak[k, :] = 0.0
         for j in range(count):
             b = (j - 1) % count
-            p, p_b = _pressure(k, motion, g_0, laws, n, j), _pressure(k, motion, g_0, laws, n, b)
+            p = pressure(penalty_traction(k, g_0[r] + motion[r, j], laws))
+            p_b = pressure(penalty_traction(k, g_0[r] + motion[r, b], laws))
             dh, dz = motion[h, j] - motion[h, b], motion[z, j] - motion[z, b]
-            if laws.kind[k] != SMOOTHED:  # that law stores nothing: all its slip is lost
-                dh, dz = dh - (slip[h, j] - slip[h, b]), dz - (slip[z, j] - slip[z, b])
-            friction[k] += (
-                0.5 * stick * ((p * slip[h, j] + p_b * slip[h, b]) * dh + (p * slip[z, j] + p_b * slip[z, b]) * dz)
-            )
-            path[k] += np.sqrt(dh * dh + dz * dz)
+            eh, ez, eh_b, ez_b = keeps * slip[h, j], keeps * slip[z, j], keeps * slip[h, b], keeps * slip[z, b]
+            plastic, _, _ = tangential_work(
+                k, p_b, p, (stick * p_b * slip[h, b], stick * p_b * slip[z, b]),
+                (stick * p * slip[h, j], stick * p * slip[z, j]), (dh, dz), (eh_b, ez_b), (eh, ez), laws,
+            )  # fmt: skip
+            friction[k] += plastic
+            modulation[k] += modulation_work(k, p_b, p, (eh_b, ez_b), (eh, ez), laws)
+            ph, pz = dh - (eh - eh_b), dz - (ez - ez_b)
+            path[k] += np.sqrt(ph * ph + pz * pz)
             size = np.sqrt(motion[h, j] ** 2 + motion[z, j] ** 2)
             if size > peak[k, 0]:
                 peak[k, 0], peak[k, 1], peak[k, 2] = size, motion[h, j], motion[z, j]
-
-
-@numba.njit(cache=True)
-def _pressure(k, motion, g_0, laws, n, j):
-    gn = g_0[2 * n + k] + motion[2 * n + k, j]
-    return -laws.kn[k] * gn if gn < 0.0 else 0.0

@@ -37,11 +37,14 @@ class PeriodicMotion:
         self.work = balance.cycle_work(coefficients, frequency)
         self.friction, self.path, self.peak = np.zeros(n), np.zeros(n), np.zeros((n, 3))
         kernel.cycle_work(
-            state.motion, state.slip, contact.preload.jump, contact.laws, self.friction, self.path, self.peak
+            state.sampled.motion, state.hysteresis.slip, contact.preload.jump, contact.laws,
+            self.friction, np.zeros(n), self.path, self.peak,
+        )  # fmt: skip
+        self.slips = (state.hysteresis.sliding & ~state.open).any(axis=1) & (
+            self.path > SLIP_SHARE * contact.laws.gamma
         )
-        self.slips = (state.sliding & ~state.open).any(axis=1) & (self.path > SLIP_SHARE * contact.laws.gamma)
         self.opens = state.open.any(axis=1)
-        self.memory = state.settled
+        self.memory = state.periodicity_error
 
 
 def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> dict[str, tuple]:

@@ -28,7 +28,7 @@ from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampli
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve, main_mode, solve_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_response
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
@@ -107,12 +107,12 @@ def correction(
     stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
     inverse = 1.0 / stiffness[orders.astype(int)].T  # (r, R)
     points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-    slots = contact.slots[points]
+    dofs = contact.dofs[points]
 
     def changed(z: FloatArray) -> FloatArray:
         """D z: traction (3 n, R) of a jump (3 n, R)."""
         out = np.zeros_like(z)
-        out[slots] = np.einsum("airjq,ajq->air", blocks, z[slots], optimize=True)
+        out[dofs] = np.einsum("airjq,ajq->air", blocks, z[dofs], optimize=True)
         return out
 
     def answer(z: FloatArray) -> FloatArray:
@@ -121,7 +121,7 @@ def correction(
 
     direct = -inverse * residual
     z = gmres(
-        lambda v: v + slot_jump(c, answer(v)), slot_jump(c, direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
+        lambda v: v + contact_jump(c, answer(v)), contact_jump(c, direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
     )
     delta = direct - answer(z)
     root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.contact.laws import SMOOTHED, PointLaws
+from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -97,20 +97,13 @@ class HarmonicBalance:
         """Energy of one period, J; the identity input = interface + viscous holds as exactly as the balance itself."""
         contact = self.contact.evaluate(self.contact.motion(coefficients), frequency)
         n, laws, area = self.contact.n, self.contact.laws, self.contact.laws.area
-        friction, path, peak = np.zeros(n), np.zeros(n), np.zeros((n, 3))
-        kernel.cycle_work(contact.motion, contact.slip, self.contact.preload.jump, laws, friction, path, peak)
-        # s lacks the stuck preload springs and the preload tractions, whose work over a closed cycle is none
-        interface = float(np.einsum("i,ij,ij->", self.contact.weights, contact.correction, contact.rate))
-        stick = (laws.mu / laws.gamma * area)[:, None]
-        kept = (laws.kind != SMOOTHED)[:, None]
-        slip = np.where(np.repeat(kept, 2, axis=0), contact.slip, 0.0)
-        before, now = np.roll(slip, 1, axis=1), slip
-        pressure = np.maximum(
-            0.0, -laws.kn[:, None] * (self.contact.preload.jump[2 * n :, None] + contact.motion[2 * n :])
-        )
-        change = np.repeat(stick * (pressure - np.roll(pressure, 1, axis=1)), 2, axis=0)
-        # exchange of the elastic slip with the pressure: traction times elastic increment over a closed cycle
-        modulation = -0.5 * float(np.sum(change * now * before))
+        friction, modulation, path, peak = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, 3))
+        kernel.cycle_work(
+            contact.sampled.motion, contact.hysteresis.slip, self.contact.preload.jump, laws,
+            friction, modulation, path, peak,
+        )  # fmt: skip
+        # s lacks the stuck preload springs and the preload tractions, whose work over a closed cycle is zero
+        interface = float(np.einsum("i,ij,ij->", self.contact.weights, contact.correction, contact.sampled.rate))
         speed = self.velocity(coefficients, frequency)
         period = 2.0 * np.pi / frequency
         half = np.where(self.orders == 0.0, 1.0, 0.5)[:, None] * period
@@ -120,7 +113,7 @@ class HarmonicBalance:
         return CycleWork(
             input=float(np.sum(half * speed * self.load())),
             friction=float(friction @ area),
-            modulation=modulation,
+            modulation=float(modulation @ area),
             viscous=viscous,
             interface=interface,
         )

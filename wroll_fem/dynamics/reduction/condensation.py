@@ -83,7 +83,7 @@ class Condensation:
         Returns
         -------
         blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude per amplitude of force, m/N
-        dense : (3 n_points, 3 n_points) in slot order, m/Pa
+        dense : (3 n_points, 3 n_points), m/Pa
         """
         parts = np.split(inverse, self.blocks[1:-1])
         blocks = np.array([(j * p) @ j.T for j, p in zip(self.jump, parts, strict=True)])
@@ -100,7 +100,7 @@ def condense_cyclic(system: System, springs: FloatArray, moments: int = 0) -> Co
     Parameters
     ----------
     springs
-        (3 n_points,) interface springs per slot, Pa/m; they are levelled around each row of points.
+        (3 n_points,) interface springs, Pa/m; they are levelled around each row of points.
     moments
         See `condense`.
     """

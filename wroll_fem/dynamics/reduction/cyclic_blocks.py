@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.contact.point import contact_dofs, normals, per_dof, tangentials
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
@@ -84,13 +85,12 @@ class Blocks:
 
 
 def by_component(n: int) -> np.ndarray:
-    """Slots of n points ordered hoop, axial, normal."""
-    k = np.arange(n)
-    return np.concatenate([2 * k, 2 * k + 1, 2 * n + k])
+    """(3 n,) contact degrees of freedom of n points, all hoop components first, then axial, then normal ones."""
+    return contact_dofs(n).T.ravel()
 
 
 def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) amplitudes of a jump in slot order that follows ``profile`` (3, n_theta) in every row."""
+    """(3 n_rows, 3 n_points) amplitudes of a jump that follows ``profile`` (3, n_theta) in every row."""
     rows, n = len(area), area.size
     norm = area @ (profile**2).T
     norm = np.where(norm > 1e-12 * norm.max(axis=0, initial=1e-300), norm, np.inf)  # (n_rows, 3)
@@ -101,7 +101,7 @@ def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
 
 
 def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatArray:
-    """(3 n_points, 3 n_points) jump per traction in slot order, m/Pa.
+    """(3 n_points, 3 n_points) jump per traction, m/Pa.
 
     Parameters
     ----------
@@ -118,20 +118,18 @@ def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatA
             whole[i, :, :, k] = np.einsum(
                 "bt,brs,bu->rtsu", profiles[:, i], split[:, i, :, k], profiles[:, k], optimize=True
             )
-    slots = by_component(n)
+    dofs = by_component(n)
     dense = np.empty((3 * n, 3 * n))
-    dense[np.ix_(slots, slots)] = whole.reshape(3 * n, 3 * n) * np.tile(area, 3)
+    dense[np.ix_(dofs, dofs)] = whole.reshape(3 * n, 3 * n) * np.tile(area, 3)
     return dense
 
 
 def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
     """Springs (3 n_points,) that are the same all around each row of points: means, or none where a point is open."""
-    n = system.n_points
-    tangential = springs[: 2 * n].reshape(-1, 2 * n_theta).mean(axis=1)
-    closed = (springs[2 * n :] > 0).reshape(-1, n_theta).all(axis=1)
-    return np.concatenate(
-        [np.repeat(tangential, 2 * n_theta), np.repeat(np.where(closed, system.laws.kn[::n_theta], 0.0), n_theta)]
-    )
+    tangential = tangentials(springs).reshape(-1, 2 * n_theta).mean(axis=1)
+    closed = (normals(springs) > 0).reshape(-1, n_theta).all(axis=1)
+    normal = np.where(closed, system.laws.kn[::n_theta], 0.0)
+    return per_dof(np.repeat(tangential, n_theta), np.repeat(normal, n_theta))
 
 
 def points_per_row(system: System) -> int:

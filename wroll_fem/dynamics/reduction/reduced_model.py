@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
+from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
@@ -31,7 +32,7 @@ class ReducedModel:
     Attributes
     ----------
     eigenvalues : (m,) rad^2/s^2
-    jump : (3 n_points, m) relative displacement in slot order per coordinate
+    jump : (3 n_points, m) relative displacement per coordinate
     base : (m,) inertia force per unit base acceleration
     tip : (m,) tip displacement
     springs : (3 n_points,) springs D_0 that are part of the structure, Pa/m
@@ -80,7 +81,7 @@ class ReducedModel:
         """Model on mass-orthonormal ``vectors`` (r, m) that make the stiffness diagonal, ``values`` (m,)."""
         return cls(
             eigenvalues=np.ascontiguousarray(values),
-            jump=slot_jump(condensation, vectors),
+            jump=contact_jump(condensation, vectors),
             base=vectors.T @ condensation.base,
             tip=vectors.T @ condensation.tip,
             springs=condensation.springs,
@@ -107,29 +108,27 @@ class ReducedModel:
         return np.sqrt(np.sum(values * displacement**2, axis=0))
 
 
-def slot_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
-    """(3 n_points, k) jump in slot order of modal vectors (r, k)."""
+def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
+    """(3 n_points, k) jump of modal vectors (r, k)."""
     amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
     rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
     stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows, k)
     points = np.einsum("bcrk,bct->crtk", stacked, condensation.profiles, optimize=True)
     n = rows * condensation.n_theta
     out = np.empty((3 * n, k))
-    for component in range(2):
-        out[component : 2 * n : 2] = points[component].reshape(n, k)
-    out[2 * n :] = points[2].reshape(n, k)
+    for component, dofs in enumerate(contact_dofs(n).T):
+        out[dofs] = points[component].reshape(n, k)
     return out
 
 
 def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
-    """(r, k) modal forces G^T f of point forces ``force`` (3 n_points, k) in slot order, N."""
+    """(r, k) modal forces G^T f of point forces ``force`` (3 n_points, k), N."""
     k, n_theta = force.shape[1], condensation.n_theta
     n = force.shape[0] // 3
     rows = n // n_theta
     points = np.empty((3, rows, n_theta, k))
-    for component in range(2):
-        points[component] = force[component : 2 * n : 2].reshape(rows, n_theta, k)
-    points[2] = force[2 * n :].reshape(rows, n_theta, k)
+    for component, dofs in enumerate(contact_dofs(n).T):
+        points[component] = force[dofs].reshape(rows, n_theta, k)
     amplitudes = np.einsum("crtk,bct->bcrk", points, condensation.profiles, optimize=True)
     flat = amplitudes.reshape(len(amplitudes), 3 * rows, k)
     return np.concatenate([j.T @ part for j, part in zip(condensation.jump, flat, strict=True)])

@@ -18,6 +18,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from wroll_fem.contact.laws import PointLaws
+from wroll_fem.contact.point import EVERY, per_dof, stick_stiffness
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState, TrialContact
 from wroll_fem.dynamics.statics.full import unconverged
@@ -48,14 +49,14 @@ class CondensedStatic:
     def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
         """Solver for ``system``, or None when it has no interfaces or no rotational symmetry.
 
-        ``traction_scale``: pressure in Pa near which the solver's built-in springs are chosen; any positive
+        ``traction_scale``: pressure in Pa near which the solver's reference stiffness are chosen; any positive
         value gives the same solution.
         """
         law = system.laws
         if not system.interfaces:
             return None
-        stick = np.maximum(law.mu * traction_scale / law.gamma, LEAST_TANGENT * law.kn)
-        blocks = Blocks.of(system, np.concatenate([np.repeat(stick, 2), law.kn]))
+        stick = np.maximum(stick_stiffness(EVERY, traction_scale, law), LEAST_TANGENT * law.kn)
+        blocks = Blocks.of(system, per_dof(stick, law.kn))
         return None if blocks is None else cls(blocks)
 
     def __init__(self, blocks: Blocks):
@@ -171,14 +172,14 @@ class CondensedStatic:
         )
 
     def _rows(self, values: FloatArray) -> FloatArray:
-        """Slots (tangential, or tangential and normal) of the first point of each row."""
+        """Components (tangential, or tangential and normal) of the first point of each row."""
         rows, n_theta = self.blocks.area.shape
         n = rows * n_theta
-        tangential = values[: 2 * n].reshape(rows, n_theta, 2)[:, 0].ravel()
-        return np.concatenate([tangential, values[2 * n :].reshape(-1, n_theta)[:, 0]])
+        tangential, normal = values[: 2 * n], values[2 * n :]
+        return np.concatenate([tangential.reshape(rows, n_theta, 2)[:, 0].ravel(), normal.reshape(-1, n_theta)[:, 0]])
 
     def _repeat(self, values: FloatArray) -> FloatArray:
-        """Slots of all points from those of one point for each row."""
+        """Components of all points from those of one point for each row."""
         rows, n_theta = self.blocks.area.shape
         tangential = np.repeat(values[: 2 * rows].reshape(rows, 2), n_theta, axis=0).ravel()
         return np.concatenate([tangential, np.repeat(values[2 * rows :], n_theta)])

@@ -1,37 +1,34 @@
-"""Springs that a solver builds into the linear structure in place of the interfaces."""
+"""Springs that stand in for the interfaces in the linear structure: stick stiffness and reference contact stiffness."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.contact.laws import SMOOTHED
+from wroll_fem.contact.point import EVERY, per_dof, stick_stiffness
+from wroll_fem.contact.pointwise import different_laws
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
 
-def stick_springs(system: System, state: ContactState) -> FloatArray:
-    """(3 n_points,) stiffness per slot of the contact that sticks at ``state``, Pa/m.
-
-    Open points have none, nor has the smoothed law along the surface: it holds nothing at rest.
-    """
-    law, pressure = system.laws, state.pressure
-    closed = (pressure > 0) | ~law.separation
-    stick = np.where(law.kind == SMOOTHED, 0.0, law.mu * pressure / law.gamma)
-    return np.concatenate([np.repeat(stick, 2), np.where(closed, law.kn, 0.0)])
-
-
-def built_in_springs(system: System, state: ContactState, dt: float) -> FloatArray:
-    """(3 n_points,) springs D_0 per slot, Pa/m, near the tangents that Newton meets in steps of ``dt`` (s).
+def reference_stiffness(system: System, state: ContactState, dt: float) -> FloatArray:
+    """(3 n_points,) reference contact stiffness D_0, Pa/m: the tangent from rest in steps of ``dt`` (s), pressure kept.
 
     Any D_0 gives the same solution; a good one leaves few points to solve for. Points that stick have their stick
-    stiffness. The smoothed law sticks nowhere: below its reference speed V_0 it is the dashpot mu p / (2 V_0), whose
-    tangent in a step is mu p / (2 V_0 dt). Unlike no spring at all, that also leaves no body free to drift.
+    stiffness, open points none. A law without memory sticks nowhere: regularised friction is, below its reference
+    speed V_0, the dashpot mu p / (2 V_0), with the tangent mu p / (2 V_0 dt). That also leaves no body free to drift.
     """
-    law, springs = system.laws, stick_springs(system, state)
-    smoothed = law.kind == SMOOTHED
-    if smoothed.any():
-        dashpot = law.mu * state.pressure / (2.0 * law.speed * dt)
-        n = law.n
-        springs[: 2 * n] = np.where(np.repeat(smoothed, 2), np.repeat(dashpot, 2), springs[: 2 * n])
-    return springs
+    points, pressure = system.laws, state.pressure
+    laws, which = different_laws([i.friction for i in system.interfaces], [i.n_points for i in system.interfaces])
+    length = np.array([law.rest_length(dt) for law in laws])[which]
+    closed = (pressure > 0) | ~points.separation
+    stick = stick_stiffness(EVERY, pressure, points._replace(gamma=length))
+    return per_dof(stick, np.where(closed, points.kn, 0.0))
+
+
+def stick_springs(system: System, state: ContactState) -> FloatArray:
+    """(3 n_points,) stiffness of the contact that sticks at ``state``, Pa/m.
+
+    Open points have none, nor has a law without memory along the surface: it transmits nothing at rest.
+    """
+    return reference_stiffness(system, state, np.inf)

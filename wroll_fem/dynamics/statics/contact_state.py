@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import PointLaws
+from wroll_fem.contact.point import contact_dofs, normals
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
@@ -26,11 +27,11 @@ class ContactState:
     displacement
         (n_dofs,) m.
     jump
-        (3 n_points,) relative displacement in slot order, m.
+        (3 n_points,) relative displacement in the order of `contact.point`, m.
     elastic_slip
         (2 n_points,) m.
     traction
-        (3 n_points,) Pa; tangential slots first, the normal is negative in compression.
+        (3 n_points,) Pa; tangential ones first; the normal is negative in compression.
     status
         (n_points,) `contact.kernels.STICK`, ``SLIP`` or ``OPEN``.
     """
@@ -44,8 +45,7 @@ class ContactState:
     @property
     def pressure(self) -> FloatArray:
         """(n_points,) contact pressure, Pa, positive in compression."""
-        n = len(self.status)
-        return np.maximum(0.0, -self.traction[2 * n :])
+        return np.maximum(0.0, -normals(self.traction))
 
     @classmethod
     def unloaded(cls, system: System) -> ContactState:
@@ -54,13 +54,12 @@ class ContactState:
         return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
 
 
-def slot_blocks(d: FloatArray) -> sp.csr_matrix:
-    """(n, 3, 3) point tangents (hoop, axial, normal) as a (3 n, 3 n) sparse matrix in slot order."""
+def point_blocks(d: FloatArray) -> sp.csr_matrix:
+    """(n, 3, 3) point tangents (hoop, axial, normal) as a (3 n, 3 n) sparse matrix over contact degrees of freedom."""
     n = len(d)
-    k = np.arange(n)
-    slots = np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
-    rows = np.repeat(slots, 3, axis=1).ravel()
-    cols = np.tile(slots, (1, 3)).ravel()
+    dofs = contact_dofs(n)
+    rows = np.repeat(dofs, 3, axis=1).ravel()
+    cols = np.tile(dofs, (1, 3)).ravel()
     return sp.csr_matrix((d.ravel(), (rows, cols)), shape=(3 * n, 3 * n))
 
 
@@ -90,7 +89,7 @@ class TrialContact:
         return self.traction
 
     def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0, dt: float = np.inf) -> sp.csr_matrix:
-        """Consistent tangent (3 n, 3 n) in slot order; ``floor`` is the least stiffness per slot, Pa/m."""
+        """Consistent tangent (3 n, 3 n); ``floor`` is the least stiffness per contact degree of freedom, Pa/m."""
         kernels.consistent_tangent(jump, state.jump, state.elastic_slip, self.laws, dt, self.tangent)
         if floor > 0.0:
             # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method
@@ -98,7 +97,7 @@ class TrialContact:
             for c in range(3):
                 least = np.where(sticks, self.tangent[:, c, c], floor)
                 self.tangent[:, c, c] = np.maximum(self.tangent[:, c, c], least)
-        return slot_blocks(self.tangent)
+        return point_blocks(self.tangent)
 
     def committed(self, displacement: FloatArray, jump: FloatArray) -> ContactState:
         """The state that results when the last trial is accepted."""

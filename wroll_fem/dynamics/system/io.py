@@ -10,7 +10,9 @@ Field names, units, signs and orders are documented in docs/matrices.md; the sho
 ``interface_<k>_operator``      (3 n_k, n), row 3 i + c: component c of (normal, hoop, axial) of outer minus inner body
 ``interface_<k>_area``          (n_k,) m^2 per point
 ``interface_<k>_points``        (n_k, 3) theta rad, z m, r m; may be left out
-``interface_<k>_friction_...``  law and parameters; ``interface_<k>_normal_stiffness`` Pa/m, ``_normal_separation``
+``interface_<k>_friction_...``  law and parameters; with ``_friction_index`` (n_k,) the law ``_friction_<j>_...`` of
+                                each point, j from 1
+``interface_<k>_normal_...``    ``stiffness`` Pa/m and ``separation``, one value or (n_k,)
 ``interface_<k>_preload_...``   ready preload state (jump, traction, elastic_slip, status) or pressure alone
 ``subspaces_...``               invariant subspaces of a roll (see `cyclic`); ours alone have them
 =============================== ======================================================================================
@@ -25,38 +27,29 @@ import difflib
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.contact.interface import (
-    FrictionLaw,
-    Interface,
-    NormalPenalty,
-    PenaltyCoulomb,
-    RateCoulomb,
-    SmoothedCoulomb,
-)
+from wroll_fem.contact.interface import Interface, NormalPenalty
+from wroll_fem.contact.law import FrictionLaw
+from wroll_fem.contact.point import NORMAL, contact_dofs
+from wroll_fem.contact.pointwise import PointwiseFriction
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
+from wroll_fem.dynamics.system.law_fields import FRICTION_LAWS, law_field_names, law_fields, read_laws
 from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
+
+__all__ = ["FRICTION_LAWS", "load_system", "save_system", "system_size"]
 
 VERSION = 1
-"""Of the format; files of a later one are refused."""
-
-FRICTION_LAWS: dict[str, type[Any]] = {
-    "penalty_coulomb": PenaltyCoulomb,
-    "rate_coulomb": RateCoulomb,
-    "smoothed_coulomb": SmoothedCoulomb,
-}
-"""Names of `contact.friction.law`; the parameters in a file are the fields of the class."""
+"""File-format version; newer files are refused."""
 
 CONSISTENT = 1e-6
 """Largest relative error of a preload state against its laws and against load_preload."""
@@ -68,7 +61,7 @@ _GENERAL = (
 )  # fmt: skip
 _MEANT = {"stiffness": "K", "mass": "M", "damping": "C", "k": "K", "m": "M", "c": "C", "D": "C", "r": "influence"}
 _OF_INTERFACE = (
-    "name", "operator", "area", "points", "friction_law", "normal_stiffness", "normal_separation",
+    "name", "operator", "area", "points",
     "preload_pressure", "preload_jump", "preload_traction", "preload_elastic_slip", "preload_status",
 )  # fmt: skip
 
@@ -111,27 +104,19 @@ def _interface_content(interface: Interface) -> dict[str, Any]:
     content: dict[str, Any] = {"name": interface.name, "operator": interface.operator, "area": interface.areas}
     if np.isfinite(interface.points).all():
         content["points"] = interface.points
-    law = interface.friction
-    content["friction_law"] = next(name for name, kind in FRICTION_LAWS.items() if type(law) is kind)
-    content |= {f"friction_{entry.name}": np.array(getattr(law, entry.name), float) for entry in fields(law)}
-    content["normal_stiffness"] = interface.normal.stiffness
-    content["normal_separation"] = float(interface.normal.separation)
+    content |= law_fields(interface)
     return content
 
 
-def _slots(system: System) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Per interface the slots of its points: (n_k, 2) hoop and axial, (n_k,) normal; see `contact.kernels`."""
-    n, start, result = system.n_points, 0, []
-    for interface in system.interfaces:
-        k = start + np.arange(interface.n_points)
-        result.append((np.column_stack([2 * k, 2 * k + 1]), 2 * n + k))
-        start += interface.n_points
-    return result
+def _dofs(system: System) -> list[tuple[IntArray, IntArray]]:
+    """Per interface the contact degrees of freedom of its points: (n_k, 2) hoop and axial, (n_k,) normal."""
+    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
+    return [(part[:, :NORMAL], part[:, NORMAL]) for part in np.split(contact_dofs(system.n_points), ends)]
 
 
 def _state_content(system: System, state: ContactState) -> dict[str, Any]:
     content: dict[str, Any] = {"preload_displacement": state.displacement}
-    for number, (tangential, normal) in enumerate(_slots(system), start=1):
+    for number, (tangential, normal) in enumerate(_dofs(system), start=1):
         rows = np.column_stack([normal, tangential])
         content |= {
             f"interface_{number}_preload_jump": state.jump[rows].ravel(),
@@ -185,7 +170,7 @@ def load_system(
         raise file.error(f"has format {version:g}", key="wroll_format", remedy="read it with a newer wroll_fem")
     count = _check_names(file)
     n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
-    laws = [_laws(file, k, friction, normal_stiffness, separation) for k in range(1, count + 1)]
+    laws = [read_laws(file, k, friction, normal_stiffness, separation) for k in range(1, count + 1)]
     system = System(
         stiffness=_square(file, "K", n, "stiffness matrix, N/m"),
         mass=_square(file, "M", n, "mass matrix, kg"),
@@ -213,10 +198,11 @@ def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
 
 def _check_names(file: ArrayFile) -> int:
     """Refuse unknown fields (a misspelt one would be ignored in silence); number of interfaces."""
-    parameters = [f"friction_{entry.name}" for law in FRICTION_LAWS.values() for entry in fields(law)]
-    of_interface = [*_OF_INTERFACE, *dict.fromkeys(parameters)]
     numbers = {int(m[1]) for name in file.names if (m := re.match(r"interface_(\d+)_", name))}
-    known = [*_GENERAL, *(f"interface_{k}_{key}" for k in sorted(numbers) for key in of_interface)]
+    known = [
+        *_GENERAL,
+        *(f"interface_{k}_{key}" for k in sorted(numbers) for key in (*_OF_INTERFACE, *law_field_names(file))),
+    ]
     for name in file.names:
         if name in known or name.startswith(("probe_", "load_", _OWN)):
             continue
@@ -247,7 +233,9 @@ def _vectors(file: ArrayFile, kind: str, n: int, meaning: str) -> dict[str, Floa
     return {name[len(start) :]: file.vector(name, n, meaning) for name in file.names if name.startswith(start)}
 
 
-def _interface(file: ArrayFile, number: int, n: int, friction: FrictionLaw, normal: NormalPenalty) -> Interface:
+def _interface(
+    file: ArrayFile, number: int, n: int, friction: FrictionLaw | PointwiseFriction, normal: NormalPenalty
+) -> Interface:
     own = f"interface_{number}_"
     area = file.vector(f"{own}area", None, "area of each point, m^2")
     if area.size == 0 or area.min() <= 0.0:
@@ -265,42 +253,6 @@ def _interface(file: ArrayFile, number: int, n: int, friction: FrictionLaw, norm
         points = file.table(f"{own}points", (area.size, 3), "theta (rad), z (m), r (m) of each point")
     name = file.text(f"{own}name", "name of the interface") if f"{own}name" in file else f"contact {number}"
     return Interface(name, operator, area, points, friction, normal)
-
-
-def _laws(
-    file: ArrayFile, number: int, friction: FrictionLaw | None, stiffness: float | None, separation: bool | None
-) -> tuple[FrictionLaw, NormalPenalty, bool]:
-    """Laws of an interface, and whether they are not those in the file."""
-    own = f"interface_{number}_"
-    law = _friction(file, own) if friction is None or f"{own}friction_law" in file else None
-    key, meaning = f"{own}normal_stiffness", "normal contact stiffness, Pa/m; contact.normal.penalty stands in for it"
-    kn = file.number(key, meaning) if stiffness is None or key in file else None
-    if kn is not None and not kn > 0.0:
-        raise file.error(f"is {kn:g} Pa/m", key=key, remedy="give a positive stiffness")
-    key = f"{own}normal_separation"
-    opens = bool(file.number(key, "1: opens, 0: does not")) if key in file else True
-    used = (friction or law, stiffness if stiffness is not None else kn, opens if separation is None else separation)
-    assert used[0] is not None
-    assert used[1] is not None
-    return used[0], NormalPenalty(used[1], used[2]), used != (law, kn, opens)
-
-
-def _friction(file: ArrayFile, own: str) -> FrictionLaw:
-    key = f"{own}friction_law"
-    name = file.text(key, "friction law; contact.friction of the case file stands in for it")
-    if name not in FRICTION_LAWS:
-        raise file.error(f"is {name!r}", key=key, remedy=f"use one of: {', '.join(FRICTION_LAWS)}")
-    values: dict[str, Any] = {}
-    for entry in fields(FRICTION_LAWS[name]):
-        field = f"{own}friction_{entry.name}"
-        if "tuple" in str(entry.type):
-            values[entry.name] = tuple(file.vector(field, None, f"{entry.name} of {name}").tolist())
-        else:
-            values[entry.name] = file.number(field, f"{entry.name} of {name}")
-    try:
-        return FRICTION_LAWS[name](**values)
-    except InputError as error:
-        raise file.error(error.problem, key=key, remedy=error.remedy or "correct the parameter") from None
 
 
 def _subspaces(file: ArrayFile, n: int) -> tuple[Subspace, ...]:
@@ -327,7 +279,7 @@ def _state(file: ArrayFile, system: System) -> ContactState | None:
     jump, traction, slip, status = state.jump, state.traction, state.elastic_slip, state.status
     whole = False
     for number, ((tangential, normal), interface) in enumerate(
-        zip(_slots(system), system.interfaces, strict=True), start=1
+        zip(_dofs(system), system.interfaces, strict=True), start=1
     ):
         own, count = f"interface_{number}_preload_", interface.n_points
         rows = np.column_stack([normal, tangential])

@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, facing
+from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, PointwiseFriction, matched_interface
 from wroll_fem.contact.laws import PointLaws, stack_laws
+from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
@@ -89,7 +90,7 @@ class System:
 
     @cached_property
     def jump(self) -> sp.csr_matrix:
-        """(3 n_points, n) relative-displacement operator in slot order (see `contact.kernels`)."""
+        """(3 n_points, n) relative-displacement operator in the order of `contact.point`."""
         tangential, normal = [], []
         for interface in self.interfaces:
             k = np.arange(interface.n_points)
@@ -102,12 +103,11 @@ class System:
 
     @cached_property
     def weights(self) -> FloatArray:
-        """(3 n_points,) area of each slot, m^2."""
-        area = self.laws.area
-        return np.concatenate([np.repeat(area, 2), area])
+        """(3 n_points,) area of each contact degree of freedom, m^2."""
+        return per_dof(self.laws.area, self.laws.area)
 
     def with_interface_springs(self, stiffness: FloatArray) -> sp.csc_matrix:
-        """K + G^T W diag(stiffness) G for springs of ``stiffness`` (3 n_points,) Pa/m per slot."""
+        """K + G^T W diag(stiffness) G for springs of ``stiffness`` (3 n_points,) Pa/m per contact degree of freedom."""
         if not self.interfaces:
             return self.stiffness.tocsc()
         return (self.stiffness + self.jump.T @ sp.diags(self.weights * stiffness) @ self.jump).tocsc()
@@ -118,7 +118,7 @@ class System:
         bodies: Sequence[Body],
         *,
         direction: int = 0,
-        friction: FrictionLaw | None = None,
+        friction: FrictionLaw | PointwiseFriction | None = None,
         normal: NormalPenalty | None = None,
         pressures: Sequence[float] = (),
     ) -> System:
@@ -142,7 +142,7 @@ class System:
                 raise InputError("several bodies need a friction law and a normal law", key="contact")
             for i in range(len(bodies) - 1):
                 interfaces.append(
-                    facing(
+                    matched_interface(
                         f"{bodies[i].name}/{bodies[i + 1].name}",
                         bodies[i].traces["outer"],
                         bodies[i + 1].traces["inner"],

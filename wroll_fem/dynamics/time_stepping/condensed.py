@@ -27,7 +27,7 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.statics.contact_springs import built_in_springs
+from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed_kernel import advance_steps
@@ -50,7 +50,7 @@ class CondensedStepper(Stepper):
             )
         super().__init__(system, preload, scheme, options)
         check_unambiguous(system, preload, scheme, dt)
-        self.condensation = condense(system, built_in_springs(system, preload, dt), scheme, dt)
+        self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
         r = len(self.condensation.eigenvalues)
         self.q, self.v, self.a = np.zeros(r), np.zeros(r), np.zeros(r)
         self.residual, self.residual_change = np.zeros(r), np.zeros(r)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
@@ -35,7 +36,7 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
     when they do not, and are left out with `radius` when an interface has no points in space.
     """
     dims = ("interface", "point")
-    traction = preload.traction[: 2 * system.n_points].reshape(-1, 2)
+    traction = tangentials(preload.traction)
     data: dict[str, np.ndarray] = {
         "area": system.laws.area,
         "pressure": preload.pressure,

@@ -20,7 +20,7 @@ import scipy.linalg as la
 
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
-from wroll_fem.dynamics.statics.contact_springs import built_in_springs
+from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -79,7 +79,7 @@ class ReducedStepper(Stepper):
             )
         check_unambiguous(system, preload, scheme, dt)
         self._looks: list[FloatArray] = []
-        self.condensation = condense(system, built_in_springs(system, preload, dt), scheme, dt)
+        self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
         self.tolerance = tolerance
         n = system.n_points
         self.jump, self.elastic_slip = preload.jump.copy(), preload.elastic_slip.copy()

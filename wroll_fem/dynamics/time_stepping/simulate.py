@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -185,9 +186,8 @@ class _Run:
         self.held = check_energy(self.records[first : done + count], times[first + 1 : done + count + 1], self.held)
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
-            n = self.stepper.system.n_points
             jump = self.stepper.jump - self.stepper.preload.jump
-            self.kept.append(jump[: 2 * n].copy())
+            self.kept.append(tangentials(jump).ravel().copy())
             self.kept_times.append(float(times[done]))
         self._committed = (done, self.stepper.snapshot())
 

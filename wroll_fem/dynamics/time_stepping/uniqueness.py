@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from wroll_fem.contact.laws import RATE
+from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -30,28 +30,15 @@ MOST_STEPS = 1024
 """Factor of steps per cycle beyond which none is advised any more."""
 
 
-def steepest_falls(system: System) -> FloatArray:
-    """(n_points,) largest -d mu / dV of each point's law, s/m; 0 where it never falls."""
-    law = system.laws
-    falls = np.zeros(law.n)
-    rated = law.kind == RATE
-    if rated.any():
-        widths, rises = np.diff(law.rates, axis=1), np.diff(law.coefficients, axis=1)
-        slopes = np.divide(rises, widths, out=np.zeros_like(rises), where=widths > 0.0)
-        steepest = np.maximum(0.0, -slopes.min(axis=1, initial=0.0))
-        falls[rated] = steepest[law.table[rated]]
-    return falls
-
-
 def ambiguity(system: System, state: ContactState, scheme: Scheme, dt: float) -> float:
     """Left side of the condition at the pressures of ``state``: below 1, steps of ``dt`` (s) have one solution."""
-    negative = state.pressure * steepest_falls(system) / dt
+    negative = state.pressure * system.laws.weakening / dt
     slots = np.flatnonzero(np.repeat(negative, 2) > 0.0)
     if slots.size == 0:
         return 0.0
     law = system.laws
     closed = np.where((state.pressure > 0.0) | ~law.separation, law.kn, 0.0)
-    stiffness = system.with_interface_springs(np.concatenate([np.zeros(2 * law.n), closed]))
+    stiffness = system.with_interface_springs(per_dof(np.zeros(law.n), closed))
     factor = factorise(sp.csr_matrix(system.mass / (scheme.beta * dt**2) + (1.0 + scheme.alpha) * stiffness))
     root = np.sqrt(system.weights[slots] * np.repeat(negative, 2)[slots])
     operator = sp.diags(root) @ system.jump[slots]
@@ -82,7 +69,7 @@ def check_unambiguous(system: System, state: ContactState, scheme: Scheme, dt: f
     factor = 2
     while factor < MOST_STEPS and ambiguity(system, state, scheme, dt / factor) >= 1.0:
         factor *= 2
-    fall = float(steepest_falls(system).max())
+    fall = float(system.laws.weakening.max())
     raise InputError(
         f"the coefficient falls by up to {fall:.3g} per m/s, so fast that steps of {dt:.3g} s may have more than one "
         f"solution ({value:.3g}, must be below 1)",

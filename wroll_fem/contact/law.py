@@ -1,0 +1,82 @@
+"""What a friction law declares: its name, its parameters with bounds and meaning, and its traits.
+
+A law is one file: a frozen dataclass derived from `FrictionLaw`, and two functions of one point, `slip_update` and
+`slip_derivatives` (see `laws`). The file imports neither numba nor numpy: the case file is read without them, and
+`laws` compiles the functions of all laws in `registry`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
+
+
+class Parameter(NamedTuple):
+    """Meaning (with unit) and bounds of a parameter: it is above ``above``, or at least ``least``."""
+
+    meaning: str
+    above: float | None = None
+    least: float | None = None
+
+
+class FrictionLaw:
+    """Base class of the friction laws.
+
+    The traction is tau = (mu p / elastic_slip) e; the law gives e. A parameter is a field with the annotation
+    ``Annotated[float, Parameter(...)]``. Numbers beyond ``mu`` and ``elastic_slip`` reach the compiled functions as
+    ``laws.own[k, i]``, sequences of numbers as ``laws.tables[laws.table[k], i, :]``, i counting them in the order of
+    the fields.
+
+    Attributes
+    ----------
+    name : value of `contact.friction.law` in the case file
+    sentence : one sentence about the law, for the reference of the case file
+    stores_slip : e is an elastic slip, kept from step to step, whose energy is recovered; False: a law without memory
+    sticks : a point that does not slide has e equal to its trial slip
+    mu : coefficient of friction, at rest
+    elastic_slip : gamma*, m; relative displacement at which sliding starts, or the length that normalises the traction
+    """
+
+    name: ClassVar[str]
+    sentence: ClassVar[str]
+    stores_slip: ClassVar[bool] = True
+    sticks: ClassVar[bool] = True
+    mu: float
+    elastic_slip: float
+
+    @property
+    def weakening_slope(self) -> float:
+        """Velocity weakening: largest -d mu / dV, s/m; 0 where the coefficient never falls with the slip rate."""
+        return 0.0
+
+    def rest_length(self, dt: float) -> float:
+        """Length L, m, of the tangent mu p / L from rest in a step ``dt`` (s; infinite in statics)."""
+        return self.elastic_slip
+
+    @classmethod
+    def from_section(cls, section: Any) -> Self:
+        """Law of a case section `contact.friction`; its keys are the parameters of the law."""
+        return cls(**{name: getattr(section, name) for name in parameters(cls)})
+
+
+def parameters(law: type[FrictionLaw]) -> dict[str, Parameter]:
+    """Parameters of a law by name, in the order of its fields."""
+    hints = get_type_hints(law, include_extras=True)
+    found = {}
+    for entry in fields(law):  # type: ignore[arg-type]  # every law is a dataclass
+        hint = hints[entry.name]
+        notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+        found[entry.name] = next((note for note in notes if isinstance(note, Parameter)), Parameter(entry.name))
+    return found
+
+
+def sequence_parameters(law: type[FrictionLaw]) -> list[str]:
+    """Names of the parameters that are sequences of numbers."""
+    hints = get_type_hints(law)
+    return [name for name in parameters(law) if get_origin(hints[name]) is tuple]
+
+
+def own_parameters(law: type[FrictionLaw]) -> list[str]:
+    """Names of the parameters that are numbers and that not every law has."""
+    sequences = sequence_parameters(law)
+    return [name for name in parameters(law) if name not in ("mu", "elastic_slip", *sequences)]

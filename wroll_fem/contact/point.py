@@ -1,0 +1,187 @@
+r"""Contact at one point: order of its degrees of freedom, normal law, stick stiffness, correction and work of a step.
+
+Time integration, statics and harmonic balance all call these functions; numba inlines them.
+
+Contact degrees of freedom of ``n`` points: hoop and axial of point ``k`` at ``2 k`` and ``2 k + 1``, its normal at
+``2 n + k``. Tangential ones come first because they alone change their law while the contact stays closed.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numba.extending import register_jitable
+
+from wroll_fem.typing import FloatArray, IntArray
+
+HOOP, AXIAL, NORMAL = 0, 1, 2
+"""Components of a relative displacement or traction at a point."""
+
+EVERY = slice(None)
+
+# ---- order of the contact degrees of freedom -------------------------------------------------------------------------
+
+
+@numba.njit(cache=True, inline="always")
+def hoop(k):
+    """Contact degree of freedom of the hoop component of point ``k``."""
+    return 2 * k
+
+
+@numba.njit(cache=True, inline="always")
+def axial(k):
+    """Contact degree of freedom of the axial component of point ``k``."""
+    return 2 * k + 1
+
+
+@numba.njit(cache=True, inline="always")
+def normal(k, n):
+    """Contact degree of freedom of the normal component of point ``k`` of ``n``."""
+    return 2 * n + k
+
+
+@numba.njit(cache=True, inline="always")
+def contact_dof(k, component, n):
+    """Contact degree of freedom of a ``component`` (HOOP, AXIAL, NORMAL) of point ``k`` of ``n``."""
+    return 2 * k + component if component < NORMAL else 2 * n + k
+
+
+@numba.njit(cache=True, inline="always")
+def point_of(dof, n):
+    """Point of a contact degree of freedom."""
+    return dof // 2 if dof < 2 * n else dof - 2 * n
+
+
+@numba.njit(cache=True, inline="always")
+def component_of(dof, n):
+    """Component (HOOP, AXIAL, NORMAL) of a contact degree of freedom."""
+    return dof % 2 if dof < 2 * n else NORMAL
+
+
+def contact_dofs(n: int) -> IntArray:
+    """(n, 3) contact degrees of freedom of all points: hoop, axial, normal."""
+    k = np.arange(n)
+    return np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
+
+
+def normals(values: FloatArray) -> FloatArray:
+    """(n, ...) view of the normal components of an array (3 n, ...) over contact degrees of freedom."""
+    return values[2 * (len(values) // 3) :]
+
+
+def tangentials(values: FloatArray) -> FloatArray:
+    """(n, 2) view of the hoop and axial components of an array (3 n,) over contact degrees of freedom."""
+    return values[: 2 * (len(values) // 3)].reshape(-1, 2)
+
+
+def per_dof(tangential: FloatArray, normal: FloatArray) -> FloatArray:
+    """(3 n,) values of the contact degrees of freedom from one (n,) value for both tangential ones, and the normal."""
+    return np.concatenate([np.repeat(tangential, 2), normal])
+
+
+# ---- normal law ------------------------------------------------------------------------------------------------------
+
+
+@numba.njit(cache=True, inline="always")
+def is_closed(k, gn, laws):
+    """Whether point ``k`` is in contact at the normal gap ``gn`` (m)."""
+    return gn <= 0.0 or not laws.separation[k]
+
+
+@numba.njit(cache=True, inline="always")
+def penalty_traction(k, gn, laws):
+    """Normal traction (Pa, negative in compression) of the penalty at the gap ``gn`` (m)."""
+    return laws.kn[k] * gn if is_closed(k, gn, laws) else 0.0
+
+
+@numba.njit(cache=True, inline="always")
+def opens_in_step(k, gn, gn_c, laws, dt):
+    """Whether point ``k`` opens within a time step, from the committed gap ``gn_c`` < 0 to ``gn`` > 0 (m)."""
+    return not is_closed(k, gn, laws) and gn_c < 0.0 and dt < np.inf
+
+
+@numba.njit(cache=True, inline="always")
+def step_traction(k, gn, gn_c, laws, dt):
+    """Normal traction (Pa) at the end of a step ``dt`` (s) from the committed gap ``gn_c`` to ``gn`` (m).
+
+    The penalty's, but in a time step that opens the point: the release traction keeps the energy of the step.
+    """
+    if opens_in_step(k, gn, gn_c, laws, dt):
+        return laws.kn[k] * gn_c * gn / (gn_c - gn)
+    return penalty_traction(k, gn, laws)
+
+
+@numba.njit(cache=True, inline="always")
+def step_stiffness(k, gn, gn_c, laws, dt):
+    """Derivative of `step_traction` by ``gn``, Pa/m."""
+    if is_closed(k, gn, laws):
+        return laws.kn[k]
+    if opens_in_step(k, gn, gn_c, laws, dt):
+        return laws.kn[k] * (gn_c / (gn_c - gn)) ** 2
+    return 0.0
+
+
+@numba.njit(cache=True, inline="always")
+def pressure(tn):
+    """Contact pressure (Pa) of the normal traction ``tn``: 0 in tension."""
+    return -tn if tn < 0.0 else 0.0
+
+
+@numba.njit(cache=True, inline="always")
+def squared_penalty(k, tn, laws):
+    """Square of a normal traction that the penalty stores: a release traction is not stored."""
+    return 0.0 if laws.separation[k] and tn > 0.0 else tn * tn
+
+
+# ---- friction --------------------------------------------------------------------------------------------------------
+
+
+@register_jitable(inline="always")
+def stick_stiffness(k, p, laws):
+    """Tangential traction per elastic slip at the pressure ``p``, mu p / gamma*, Pa/m; -kn in place of p: its slope.
+
+    Outside compiled code ``k`` may be `EVERY` point, with ``p`` (n,).
+    """
+    return laws.mu[k] * p / laws.gamma[k]
+
+
+@numba.njit(cache=True, inline="always")
+def correction(t, t_0, spring, change):
+    """s = t - t_0 - D_0 (g - g_0), Pa: traction beyond that of the reference stiffness at the preload."""
+    return t - t_0 - spring * change
+
+
+@numba.njit(cache=True, inline="always")
+def tangential_work(k, p_c, p, t_c, t, dg, e_c, e, laws):
+    """Work of a step along the surface, J/m^2, from the committed state (index c) to the new one.
+
+    Parameters
+    ----------
+    p_c, p : pressure, Pa
+    t_c, t : (hoop, axial) traction, Pa
+    dg : (hoop, axial) increment of the relative displacement, m
+    e_c, e : (hoop, axial) elastic slip, m; zero for a law without memory
+
+    Returns
+    -------
+    friction : mean traction times plastic slip
+    elastic : mean traction times the increment of the elastic slip
+    stored : increase of the energy of the elastic slip; elastic - stored is `modulation_work`
+    """
+    mean_h, mean_z = 0.5 * (t[0] + t_c[0]), 0.5 * (t[1] + t_c[1])
+    de_h, de_z = e[0] - e_c[0], e[1] - e_c[1]
+    old = 0.5 * stick_stiffness(k, p_c, laws) * (e_c[0] ** 2 + e_c[1] ** 2)
+    new = 0.5 * stick_stiffness(k, p, laws) * (e[0] ** 2 + e[1] ** 2)
+    friction = mean_h * (dg[0] - de_h) + mean_z * (dg[1] - de_z)
+    return friction, mean_h * de_h + mean_z * de_z, new - old
+
+
+@numba.njit(cache=True, inline="always")
+def modulation_work(k, p_c, p, e_c, e, laws):
+    """Work that the elastic slip exchanges with the varying pressure in a step, J/m^2: -(k - k_c) e . e_c / 2.
+
+    Equal to elastic - stored of `tangential_work` where the traction is the stick stiffness times e, without the
+    rounding error of that difference.
+    """
+    stick = stick_stiffness(k, 1.0, laws)
+    return -0.5 * stick * (p - p_c) * (e[0] * e_c[0] + e[1] * e_c[1])

@@ -1,0 +1,34 @@
+"""The friction laws that the program knows: a new law is one file and one entry here (docs/extend.md)."""
+
+from __future__ import annotations
+
+from wroll_fem.contact.law import FrictionLaw
+from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.contact.rate_coulomb import RateCoulomb
+from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.errors import InputError
+
+LAWS: tuple[type[FrictionLaw], ...] = (
+    PenaltyCoulomb,
+    RateCoulomb,
+    SmoothedCoulomb,
+)
+"""The place of a law in this tuple is its number, `PointLaws.kind`."""
+
+BY_NAME: dict[str, type[FrictionLaw]] = {law.name: law for law in LAWS}
+"""Name in case and matrix files -> law."""
+
+
+def check_registered(law: object) -> None:
+    """Refuse an object that is not a registered friction law.
+
+    Raises
+    ------
+    InputError
+        With the laws that there are.
+    """
+    if type(law) not in LAWS:
+        known = ", ".join(kind.__name__ for kind in LAWS)
+        raise InputError(
+            f"{type(law).__name__} is not a registered friction law", key="contact.friction", remedy=f"use {known}"
+        )
