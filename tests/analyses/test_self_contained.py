@@ -57,6 +57,18 @@ def test_plot_and_report_work_without_the_files_of_the_case(mailed: Path) -> Non
     assert "data:image/png;base64," in (mailed / "report.html").read_text(encoding="utf-8")
 
 
+def test_a_results_file_alone_is_drawn_and_reported(mailed: Path, tmp_path: Path) -> None:
+    file = Path(shutil.copy(mailed / "results.nc", tmp_path / "mailed.nc"))
+    runner = CliRunner()
+    assert runner.invoke(app, ["plot", str(file)]).exit_code == 0
+    assert (tmp_path / "figures" / "transmissibility.png").is_file()
+    done = runner.invoke(app, ["report", str(file)])
+    assert done.exit_code == 0, done.output
+    page = (tmp_path / "mailed.html").read_text(encoding="utf-8")
+    for words in ("Run mailed.nc", "Resonance frequency f_n", "data:image/png;base64,", "excitation.f_start"):
+        assert words in page
+
+
 def test_results_of_version_0_1_0_know_their_analysis_from_the_text_of_their_case(mailed: Path) -> None:
     result = wf.load_result(mailed)
     old = result.drop_attrs(deep=False).assign_attrs({k: v for k, v in result.attrs.items() if k != "analysis"})

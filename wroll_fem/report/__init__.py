@@ -17,9 +17,9 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
     Parameters
     ----------
     folder
-        Folder of a `wroll run` (also an unfinished one) or of a `wroll batch`.
+        Folder of a `wroll run` (also an unfinished one) or of a `wroll batch`, or a results file (.nc) alone.
     out
-        File to write; `folder`/report.html by default.
+        File to write; `folder`/report.html, or the results file with the ending .html, by default.
 
     Returns
     -------
@@ -32,8 +32,13 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
         If the folder is neither, or the file cannot be written.
     """
     folder = Path(folder)
-    target = Path(out) if out is not None else folder / "report.html"
-    if RunFolder(folder).case_file.is_file():
+    beside = folder.with_suffix(".html") if folder.is_file() else folder / "report.html"
+    target = Path(out) if out is not None else beside
+    if folder.is_file():
+        from wroll_fem.report.run import result_page
+
+        text = result_page(folder)
+    elif RunFolder(folder).case_file.is_file():
         from wroll_fem.report.run import run_page
 
         text = run_page(folder)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
 from wroll_fem.report.values import open_balance, shown
-from wroll_fem.report.words import analysis_words, case_rows
+from wroll_fem.report.words import NUMERICS, analysis_words, case_rows
 from wroll_fem.results.summary import EFFORT, GROUPS, label
 
 if TYPE_CHECKING:
@@ -58,33 +58,76 @@ def run_page(path: Path) -> str:
     """
     folder = RunFolder(path)
     written = folder.case_file.read_text(encoding="utf-8", errors="replace")
-    given = _plain_case(written)
     summary = folder.summary() if folder.summary_file.is_file() else {}
     origin = folder.provenance()
     dataset, trouble = _results(folder)
     status = str(origin.get("status", "complete" if summary else "not finished"))
-    warnings = run_warnings(folder, status, summary, dataset) + [(text, True) for text in trouble]
+    errors = [("error", str(why))] if (why := origin.get("error")) else []
+    warnings = run_warnings([*errors, *logged(folder)], status, summary, dataset) + [(text, True) for text in trouble]
+    made = sorted(folder.figures.glob("*.png"))
+    return _page(
+        path.resolve().name, written, summary, origin | {"status": status}, dataset, warnings, made, _files(path)
+    )
+
+
+def result_page(path: Path) -> str:
+    """HTML of a results file alone.
+
+    Raises
+    ------
+    InputError
+        When it is not a results file.
+    """
+    from wroll_fem import analyses
+    from wroll_fem.results.dataset import load_dataset
+
+    dataset = load_dataset(path)
+    complete = bool(dataset.attrs.get("complete", True))
+    summary = analyses.summarise(dataset) if complete else {}
+    status = "complete" if complete else "not finished"
+    origin = {**dataset.attrs.get("provenance", {}), "case_hash": dataset.attrs.get("case_hash"), "status": status}
+    warnings = run_warnings([], status, summary, dataset)
+    written = str(dataset.attrs.get("case_yaml", ""))
+    return _page(path.resolve().name, written, summary, origin, dataset, warnings, [], html.Markup())
+
+
+def _page(
+    name: str,
+    written: str,
+    summary: Mapping[str, Any],
+    origin: Mapping[str, Any],
+    dataset: xr.Dataset | None,
+    warnings: list[tuple[str, bool]],
+    figures: list[Path],
+    files: html.Markup,
+) -> str:
+    """Page from what is known of a run."""
+    given, status = _plain_case(written), str(origin["status"])
     with TemporaryDirectory() as scratch:
-        figures = _figures(folder, dataset, Path(scratch))
+        drawn = _figures(figures, dataset, Path(scratch))
     return html.page(
-        f"Run {path.resolve().name}",
+        f"Run {name}",
         f"{given.get('analysis', 'analysis unknown')} · {_STATUS.get(status, status)} · {origin.get('time_utc', '')}",
         [
             ("What was solved", solved(given) + html.folded("Case file", html.listing(written))),
             ("Warnings", html.notes(warnings)),
             ("Metrics", metrics(summary)),
-            ("Figures", figures),
+            ("Figures", drawn),
             ("Damping by several methods", damping_table(dataset) if dataset is not None else html.Markup()),
             ("Energy ledger", energy_ledger(dataset) if dataset is not None else html.Markup()),
             ("Versions and origin", origin_table(origin)),
-            ("Files", _files(path)),
+            ("Files", files),
         ],
     )
 
 
 def solved(given: Mapping[str, Any]) -> html.Markup:
-    """Analysis and keys of a case."""
-    return html.paragraph(analysis_words(given)) + html.case_table(case_rows(given))
+    """Analysis and keys of a case; those of the numerics are folded."""
+    rows = case_rows(given)
+    physics = [row for row in rows if row.key.split(".")[0] not in NUMERICS]
+    numerics = [row for row in rows if row not in physics]
+    content = html.paragraph(analysis_words(given)) + html.case_table(physics)
+    return content + (html.folded("Mesh and numerical settings", html.case_table(numerics)) if numerics else "")
 
 
 def _plain_case(written: str) -> Mapping[str, Any]:
@@ -107,14 +150,13 @@ def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
 
 
 def run_warnings(
-    folder: RunFolder, status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
+    messages: Sequence[tuple[str, str]], status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
 ) -> list[tuple[str, bool]]:
     """Warnings of the run and doubtful numbers; with each, whether something went wrong."""
     found: list[tuple[str, bool]] = []
     if status != "complete":
         found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
-    errors = [("error", str(why))] if (why := folder.provenance().get("error")) else []
-    for kind, words in [*errors, *logged(folder)]:
+    for kind, words in messages:
         if (words, kind == "error") not in found:
             found.append((words, kind == "error"))
     gap = open_balance(summary)
@@ -169,9 +211,8 @@ def metrics(summary: Mapping[str, Any]) -> html.Markup:
     return html.join(parts) + (html.subheading(EFFORT) + effort if effort else html.Markup())
 
 
-def _figures(folder: RunFolder, dataset: xr.Dataset | None, scratch: Path) -> html.Markup:
+def _figures(made: list[Path], dataset: xr.Dataset | None, scratch: Path) -> html.Markup:
     """The run's own figures; drawn from its results when it made none."""
-    made = sorted(folder.figures.glob("*.png"))
     if not made and dataset is not None:
         from wroll_fem import analyses
 

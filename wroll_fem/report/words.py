@@ -23,6 +23,9 @@ _SETTINGS = ("modal", "harmonic", "backbone")
 _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
 """Analyses that neither integrate in time nor solve increments."""
 
+NUMERICS = ("integrator", "solver", "mesh", "modal", "harmonic", "backbone")
+"""Sections that say how a case is solved, not what is solved."""
+
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
 """Keys that change no number."""
 

@@ -1,0 +1,30 @@
+"""The `wroll` command: one module for each kind of command.
+
+Heavy libraries are imported inside the commands that need them, so that `wroll --help` and error messages are instant.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+# One thread per process: the solvers work on small matrices, where threads only get in each other's way.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+from wroll_fem.cli import runs  # isort: skip
+from wroll_fem.cli import cases  # isort: skip
+from wroll_fem.cli import results  # isort: skip
+from wroll_fem.cli import project  # isort: skip
+from wroll_fem.cli.app import app
+
+__all__ = ["app", "cases", "main", "project", "results", "runs"]  # the order of imports is that of `wroll --help`
+
+
+def main() -> None:
+    """Entry point of the `wroll` command."""
+    try:
+        app()
+    except BrokenPipeError:  # the reader (head, less) has gone: nothing left to print
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)

@@ -1,0 +1,65 @@
+"""The typer application, and what its commands share: options, error reports, interrupts."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+from wroll_fem.errors import WrollError
+from wroll_fem.results.provenance import program_version
+
+app = typer.Typer(
+    name="wroll", help="Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps.",
+    no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
+)  # fmt: skip
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (YAML).", show_default=False)]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a dotted key, e.g. contact.friction.mu=0.5. Repeatable."),
+]
+
+
+@contextmanager
+def reporting() -> Iterator[None]:
+    """One line on standard error instead of a traceback, and the documented exit code."""
+    try:
+        yield
+    except WrollError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(error.exit_code) from None
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"wroll_fem {program_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps."""
+
+
+@contextmanager
+def sigterm_interrupts() -> Iterator[None]:
+    """Let a terminated job save itself like an interrupted one."""
+
+    def interrupt(signum: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,85 @@
+"""Commands about the program: `wroll reproduce` and `wroll info`."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from wroll_fem.cli.app import app, reporting, sigterm_interrupts
+from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.progress import TerminalProgress
+from wroll_fem.results.provenance import program_version
+
+
+@app.command()
+def reproduce(
+    chapters: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[CHAPTER]...", help="ch2 ch3 ch4 ch5 ch6 appendices; all by default.", show_default=False
+        ),
+    ] = None,
+    fast: Annotated[bool, typer.Option("--fast", help="Coarse meshes, fewer values: a quarter of an hour.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", help="Folder for runs, table and page; delete it to run all anew. Default runs/reproduce."
+        ),
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 2,
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Where to write the page (Markdown); default OUT/claims.md.")
+    ] = None,
+) -> None:
+    """Judge the claims of the thesis, one line each, from stored or fresh runs."""
+    with reporting():
+        judge_all = _reproduction().reproduce
+
+        folder = out if out is not None else Path("runs") / ("reproduce_fast" if fast else "reproduce")
+        command = ["wroll", "reproduce", *(chapters or ()), *(["--fast"] if fast else [])]
+        try:
+            with sigterm_interrupts(), TerminalProgress() as progress:
+                done = judge_all(
+                    chapters or (), folder, fast=fast, workers=workers, progress=progress, page=page,
+                    command=shlex.join(command),
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            typer.echo("interrupted; the same command continues from here", err=True)
+            raise typer.Exit(130) from None
+        typer.echo(done.count)
+        for path in done.written:
+            typer.echo(f"written     {path}")
+        if done.unfinished:
+            typer.echo(f"not computed, because a run failed: {', '.join(done.unfinished)}", err=True)
+            raise typer.Exit(ConvergenceError.exit_code)
+
+
+def _reproduction() -> Any:
+    """Module `reproduction.reproduce` of the clone that this package runs from; the package alone does not have it."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / "reproduction" / "reproduce.py").is_file():
+        remedy = "run from a clone of the project, whose folders reproduction/ and configs/ have them"
+        raise InputError("the claims of the thesis are not part of the installed package", remedy=remedy)
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))
+    return import_module("reproduction.reproduce")
+
+
+@app.command()
+def info() -> None:
+    """Print the versions of the libraries used, and whether each works."""
+    from wroll_fem.jobs.environment import OPTIONAL, check_environment
+
+    typer.echo(f"{'wroll_fem':<10} {program_version()}")
+    broken = False
+    for part in check_environment():
+        state = "works" if not part.problem else f"DOES NOT WORK: {part.problem}"
+        typer.echo(f"{part.name:<10} {part.version:<12} {state}")
+        broken = broken or bool(part.problem and part.name not in OPTIONAL)
+    if broken:
+        raise typer.Exit(1)
