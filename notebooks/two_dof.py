@@ -64,7 +64,7 @@ model = wf.two_dof.TwoMasses()
 curves = wf.transmissibility(family)
 for capacity in (2.0, 5.0, 20.0):
     omega = float(curves["omega"].sel(omega=0.97, method="nearest"))
-    settled = wf.two_dof.settle(model.pressed(capacity), omega)
+    settled = wf.two_dof.integrate_to_steady_state(model.preloaded(capacity), omega)
     periodic = float(curves.sel(friction_capacity=capacity, omega=omega))
     print(f"F_c = {capacity:g} N: T = {settled.transmissibility:.5f} in time, {periodic:.5f} periodic")
     assert np.isclose(settled.transmissibility, periodic, rtol=1e-4)
@@ -113,11 +113,11 @@ omega = np.linspace(0.7, 1.4, 12)
 noise = np.random.default_rng(1)
 measured = []
 for capacity in (2.0, 6.0):
-    motions = wf.two_dof.PeriodicSolver(truth.pressed(capacity)).curve(omega)
+    motions = wf.two_dof.PeriodicSolver(truth.preloaded(capacity)).curve(omega)
     exact = np.array([motion.transmissibility for motion in motions])
     measured.append(wf.two_dof.Measured(omega, exact * np.exp(0.01 * noise.standard_normal(omega.size)), capacity))
 
-found = wf.two_dof.fit_family(measured, {"m2": (0.2, 2.0), "k2": (0.2, 3.0)}, starts=1, workers=1)
+found = wf.two_dof.fit_curves(measured, {"m2": (0.2, 2.0), "k2": (0.2, 3.0)}, starts=1, workers=1)
 print(f"m2 = {found.model.m2:.3f}, k2 = {found.model.k2:.3f}; {100 * found.error:.1f} % is left")
 assert np.allclose([found.model.m2, found.model.k2], [0.6, 0.9], rtol=0.02)
 assert found.error < 0.015
@@ -151,7 +151,7 @@ for member, guess in zip(elements, guesses.values(), strict=True):
 
 start = wf.two_dof.TwoMasses(m2=0.5, k2=0.7)
 bounds = {"m2": (0.05, 2.0), "k2": (0.05, 3.0)}
-fit = wf.two_dof.fit_family(measured, bounds, model=start, capacity_bounds=(0.05, 100.0), starts=1, workers=1)
+fit = wf.two_dof.fit_curves(measured, bounds, model=start, capacity_bounds=(0.05, 100.0), starts=1, workers=1)
 print(f"m2 = {fit.model.m2:.2f} m1, k2 = {fit.model.k2:.2f} k1, capacities {np.round(fit.capacities, 2)} N; "
       f"{100 * fit.error:.0f} % is left")  # fmt: skip
 

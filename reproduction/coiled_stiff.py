@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
+from reproduction.symmetry import SymmetryClass, study_figure
 from reproduction.verdict import Verdict
 from reproduction.words import numbers
 from wroll_fem.errors import InputError
@@ -119,10 +119,10 @@ def softest(evidence: Evidence, modulus: float) -> float:
     case = evidence.case(*kapton(modulus, isotropic(modulus)), HARMONICS)
 
     def search() -> xr.Dataset:
-        from wroll_fem.coiled_stiff.frequency_bounds import loosest_coil
+        from wroll_fem.coiled_stiff.frequency_bounds import softest_coil
         from wroll_fem.fem.fourier_roll import FourierRoll
 
-        found = loosest_coil(FourierRoll(case), case.coil.material.solid())
+        found = softest_coil(FourierRoll(case), case.coil.material.solid())
         if found is None:
             raise InputError(f"a Kapton roll of {modulus:g} Pa does not bend in its lowest mode")
         return xr.Dataset({"shear_modulus": found.shear_modulus})
@@ -189,7 +189,7 @@ def c32(evidence: Evidence) -> Verdict:
     return Verdict(value, exact and abs(material.E_r - 0.01 * 4e9) < 1.0 and round(isotropic(4e9) / 1e9, 2) == 1.48)
 
 
-FAMILY = Family(
+FAMILY = SymmetryClass(
     {"C14": c14, "C15": c15, "C16": c16, "C17": c17, "C28": c28, "C29": c29, "C30": c30, "C31": c31, "C32": c32},
     figures={
         "shear_stiffness": (

@@ -20,12 +20,12 @@ from wroll_fem.plotting import style
 from wroll_fem.signals.estimators import (
     DampingEstimate,
     choose,
+    cubic_spring_transmissibility,
     gaussian_fit,
     half_power_estimate,
-    half_power_reading,
-    leaning_transmissibility,
     lower_bound,
     rational_fraction,
+    single_dof_half_power,
     single_dof_transmissibility,
 )
 from wroll_fem.typing import FloatArray
@@ -72,7 +72,7 @@ def reach(estimate: DampingEstimate) -> float:
 
 def c116(evidence: Evidence) -> Verdict:
     found = zetas(HALF_POWER)
-    gap = max(abs(found[z] / half_power_reading(z) - 1.0) for z in PRESCRIBED if z >= 0.05)
+    gap = max(abs(found[z] / single_dof_half_power(z) - 1.0) for z in PRESCRIBED if z >= 0.05)
     told = "; ".join(f"{z:g}: {found[z]:.4f}" for z in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5))
     over = all(found[z] > z for z in PRESCRIBED if z > 0.2)
     value = f"on |T| of a base-excited single degree of freedom: {told}; within {gap:.1e} of the closed form"
@@ -146,7 +146,7 @@ def hard_curves() -> list[tuple[str, float, FloatArray, np.ndarray]]:
         curves.append((f"second mode {gap:g} Hz higher (zeta 0.012)", 0.01, pair))
     for lean in (0.02, 0.05, 0.1):
         name = f"leaning by {100 * lean:g} % of the stiffness"
-        curves.append((name, 0.02, leaning_transmissibility(f, 150.0, 0.02, lean)))
+        curves.append((name, 0.02, cubic_spring_transmissibility(f, 150.0, 0.02, lean)))
     return [(name, z, f, T) for name, z, T in curves]
 
 

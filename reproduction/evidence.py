@@ -20,12 +20,12 @@ import yaml
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import replacing
 from wroll_fem.jobs.batch import load_series, run_grid
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
 from wroll_fem.plotting.study import SeriesMember
 from wroll_fem.progress import Progress, SilentProgress
+from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import load_dataset, save_dataset
 
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"

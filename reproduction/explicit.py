@@ -12,7 +12,7 @@ import numpy as np
 
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.two_dof import time as in_time
-from wroll_fem.two_dof.model import Pressed
+from wroll_fem.two_dof.model import PreloadedTwoMasses
 from wroll_fem.two_dof.time import parameters, rates_into
 from wroll_fem.typing import FloatArray
 
@@ -101,7 +101,9 @@ def _run(
     return peak, steps
 
 
-def run_from_rest(pressed: Pressed, omega: float, *, rtol: float, atol: float, periods: int = 20) -> ExplicitRun:
+def run_from_rest(
+    preloaded: PreloadedTwoMasses, omega: float, *, rtol: float, atol: float, periods: int = 20
+) -> ExplicitRun:
     """Run for 6/(0.002 omega) s from rest under y = Y_0 sin(omega t), read over its last ``periods``.
 
     Parameters
@@ -117,5 +119,5 @@ def run_from_rest(pressed: Pressed, omega: float, *, rtol: float, atol: float, p
     """
     end = 6.0 / (ZETA * omega)
     start = end - periods * 2.0 * np.pi / omega
-    peak, steps = _run(omega, parameters(pressed), end, start, rtol, atol, _C, _A, _E)
-    return ExplicitRun(peak / pressed.base_amplitude, steps)
+    peak, steps = _run(omega, parameters(preloaded), end, start, rtol, atol, _C, _A, _E)
+    return ExplicitRun(peak / preloaded.base_amplitude, steps)

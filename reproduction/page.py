@@ -41,9 +41,9 @@ def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command
     lines = ["# The claims of the thesis", ""]
     lines += [f"Written by `{command}`{coarse}: {count(judged)}.", ""]
     lines += [
-        "Each row restates one claim of the thesis (A. Wen, \"Vibration Damping of Coiled Structures Through Frictional "
-        "Slip\", PhD thesis, California Institute of Technology, 2024) as a test of computed results, with its "
-        "criterion. No input was tuned. An input that the thesis does not state is named with the value used.",
+        "Each row restates one claim of the thesis (A. Wen, \"Vibration Damping of Coiled Structures Through "
+        "Frictional Slip\", PhD thesis, California Institute of Technology, 2024) as a test of computed results, with "
+        "its criterion. No input was tuned. An input that the thesis does not state is named with the value used.",
         "",
     ]  # fmt: skip
     written = [path]

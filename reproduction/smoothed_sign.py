@@ -18,7 +18,7 @@ from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting import style
-from wroll_fem.two_dof import Pressed, TwoMasses, smoothed_sign
+from wroll_fem.two_dof import PreloadedTwoMasses, TwoMasses, regularised_sign
 from wroll_fem.two_dof.shooting import adapted_curve, off_neighbours, orbit_curve
 from wroll_fem.typing import FloatArray
 
@@ -30,9 +30,9 @@ TOLERANCES = {"loose": (1e-3, 1e-6), "tight": (1e-8, 1e-8)}
 """Name -> rtol (ode45's default, and a tight one) and atol."""
 
 
-def pressed(capacity: float, scale: float) -> Pressed:
+def pressed(capacity: float, scale: float) -> PreloadedTwoMasses:
     """Table 5.2 under a capacity, N, with the scale s."""
-    return TwoMasses(smoothing=scale).pressed(capacity)
+    return TwoMasses(smoothing=scale).preloaded(capacity)
 
 
 def capacities(evidence: Evidence) -> tuple[float, ...]:
@@ -155,7 +155,7 @@ def plot_sign(evidence: Evidence) -> Axes:
     ax = style.axes(None)
     x = np.linspace(-6.0, 6.0, 1201)
     for scale, colour in zip(SCALES, style.LINES, strict=False):
-        ax.plot(x, smoothed_sign(scale * x), color=colour, lw=1.6, label=f"S({scale:g} x)")
+        ax.plot(x, regularised_sign(scale * x), color=colour, lw=1.6, label=f"S({scale:g} x)")
     ax.plot([-6, 0, 0, 6], [-1, -1, 1, 1], color="black", lw=1.0, ls="--", label="sgn(x)")
     ax.set_xlabel("Relative velocity x (–)")
     ax.set_ylabel("Smoothed sign S(s x) (–)")

@@ -18,7 +18,7 @@ from wroll_fem.plotting.two_dof import (
     plot_two_dof_design_space,
     plot_two_dof_readings,
 )
-from wroll_fem.two_dof import PeriodicSolver, TwoMasses, smoothed_sign
+from wroll_fem.two_dof import PeriodicSolver, TwoMasses, regularised_sign
 
 
 def short(values: Iterable[float], form: str = ".3g") -> str:
@@ -28,8 +28,8 @@ def short(values: Iterable[float], form: str = ".3g") -> str:
 
 def c77(evidence: Evidence) -> Verdict:
     x = np.linspace(-30.0, 30.0, 601)
-    gap = float(np.abs(smoothed_sign(x) - np.tanh(0.5 * x)).max())
-    one, five = smoothed_sign([1.0, 5.0])
+    gap = float(np.abs(regularised_sign(x) - np.tanh(0.5 * x)).max())
+    one, five = regularised_sign([1.0, 5.0])
     holds = gap < 1e-14 and abs(one - 0.4621) < 5e-5 and abs(five - 0.98661) < 5e-6
     return Verdict(f"S(x) = tanh(x/2) to {gap:.0e}; S(1) = {one:.4f}, S(5) = {five:.5f}", bool(holds))
 
@@ -57,7 +57,7 @@ def c80(evidence: Evidence) -> Verdict:
     )
     forces, tops, at = (data[name].values for name in ("friction_capacity", "peak_transmissibility", "omega_peak"))
     for capacity, reading, omega in zip(forces, tops, at, strict=True):
-        tighter = PeriodicSolver(TwoMasses().pressed(float(capacity)), accuracy=5e-6)
+        tighter = PeriodicSolver(TwoMasses().preloaded(float(capacity)), accuracy=5e-6)
         change = max(change, abs(tighter.motion(float(omega)).transmissibility / reading - 1.0))
     k = int(lowest.values.argmin())
     said = (
@@ -70,7 +70,7 @@ def c80(evidence: Evidence) -> Verdict:
 
 def c81(evidence: Evidence) -> Verdict:
     model, peaks = TwoMasses(), study.series(evidence)["omega_peak"].values
-    floor = float(np.sqrt(model.k1 / model.pressed(1.0).m1))
+    floor = float(np.sqrt(model.k1 / model.preloaded(1.0).m1))
     ceiling = float(np.sqrt((model.k1 + model.k2) / (model.m1 + model.m2)))
     gaps = peaks[0] / floor - 1.0, peaks[-1] / ceiling - 1.0
     said = (

@@ -11,7 +11,7 @@ import xarray as xr
 from reproduction.evidence import Evidence
 from reproduction.explicit import ZETA
 from wroll_fem.plotting.study import SeriesMember
-from wroll_fem.two_dof import PeriodicSolver, TwoMasses, response_map, settle
+from wroll_fem.two_dof import PeriodicSolver, TwoMasses, integrate_to_steady_state, response_map
 from wroll_fem.two_dof.time import dwell
 from wroll_fem.typing import FloatArray
 
@@ -150,17 +150,17 @@ def _over_motions(
 
 
 def _settled(point: Point) -> tuple[float, float, float]:
-    pressed = TwoMasses().pressed(point[0])
-    found = settle(pressed, point[1])
+    pressed = TwoMasses().preloaded(point[0])
+    found = integrate_to_steady_state(pressed, point[1])
     return PeriodicSolver(pressed).motion(point[1]).transmissibility, found.transmissibility, float(found.periods)
 
 
 def _dwelt(point: Point) -> tuple[float, float]:
-    pressed = TwoMasses().pressed(point[0])
+    pressed = TwoMasses().preloaded(point[0])
     run = dwell(pressed, point[1], 6.0 / (ZETA * point[1]))
     return PeriodicSolver(pressed).motion(point[1]).transmissibility, run
 
 
 def _damping(task: tuple[float, float, int]) -> float:
     k2, force, points = task
-    return response_map(TwoMasses(k2=k2), [force], np.linspace(0.4, 3.0, points), workers=1)[0].reading.zeta
+    return response_map(TwoMasses(k2=k2), [force], np.linspace(0.4, 3.0, points), workers=1)[0].half_power.zeta

@@ -92,7 +92,7 @@ def c2(evidence: Evidence) -> Verdict:
     off = abs(strain / (-s / K_m) - 1.0)
     parts = []
     for name, roll in (("case study", winding), ("lab at 60 N", lab(evidence, 60.0))):
-        right, law = wound_roll(roll), RadialModulus.of(roll.web.radial_modulus)
+        right, law = wound_roll(roll), RadialModulus.from_case(roll.web.radial_modulus)
         core = float(law(right.pressure[0])) / right.mandrel_stiffness + roll.web.nu_theta
         printed = at_the_mandrel(roll, law, core)
         parts.append(f"{1e-6 * right.pressure[0]:.3f} MPa ({name}; {1e-6 * printed:.3f} with E_r/K_m)")
@@ -128,7 +128,7 @@ def c4(evidence: Evidence) -> Verdict:
 
 def c5(evidence: Evidence) -> Verdict:
     winding = case_study(evidence)
-    law = RadialModulus.of(winding.web.radial_modulus)
+    law = RadialModulus.from_case(winding.web.radial_modulus)
     P = np.array([0.0, 1.0e3, 1.0e6])
     off = float(np.abs(law(P) / (40.0 * (1.0e3 + P)) - 1.0).max())
     literal = at_the_mandrel(winding, RadialModulus.pfeiffer(1.0e3, 40.0e9), core_of(winding))

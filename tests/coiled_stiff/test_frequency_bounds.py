@@ -33,5 +33,5 @@ def test_a_gap_that_never_closes_gives_the_lowest_modulus() -> None:
 
 
 def test_a_gap_that_is_still_open_at_the_top_is_an_error() -> None:
-    with pytest.raises(ConvergenceError, match="above the coil's own shear modulus"):
+    with pytest.raises(ConvergenceError, match="not the fundamental mode at the interlayer shear modulus"):
         _crossing(lambda x: 0.5 * (x - 30.0), 7.0, 20.0)

@@ -198,7 +198,7 @@ def test_results_are_saved_and_read_with_units(dataset, tmp_path):
 
 
 def test_shapes_of_hand_made_modes_are_checked():
-    with pytest.raises(ValueError, match=r"srz has shape \(3, 2\), not \(3, 1440\)"):
+    with pytest.raises(ValueError, match=r"srz must have the shape \(3, 1440\), got \(3, 2\)"):
         replace(beam(), srz=np.zeros((3, 2)))
 
 

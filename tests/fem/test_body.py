@@ -12,16 +12,16 @@ from support.paths import CONFIGS
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError, WrollError
 from wroll_fem.fem import eigen
-from wroll_fem.fem.body import assemble_bodies, ring_weights, section_of
+from wroll_fem.fem.body import assemble_bodies, ring_weights, shell_section
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
-from wroll_fem.fem.shell import Section
+from wroll_fem.fem.shell import ShellSection
 from wroll_fem.mesh.generate import build_mesh, make_cylinders, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh
 from wroll_fem.structure.mode_shapes import classify_mode
 
 TINY = CONFIGS / "tiny.yaml"
-LAB = Section(2.7e9, 0.35, 1200.0, 1.5e-3)
+LAB = ShellSection(2.7e9, 0.35, 1200.0, 1.5e-3)
 FREE = ["mandrel.base=free", "mandrel.tip=free", "mandrel.tip_mass=0"]
 
 
@@ -78,7 +78,7 @@ def test_coil_as_nonstructural_mass_lowers_the_frequency_by_its_mass():
     assert loaded.mass_total - alone.mass_total == pytest.approx(coil, rel=1e-3)  # area of the 12 quadratic arcs
     assert abs(loaded.stiffness - alone.stiffness).max() == 0.0
     f_alone, f_loaded = (solve_modes(b.stiffness, b.mass, 1)[0][0] for b in (alone, loaded))
-    heavier = Section(2.7e9, 0.35, 1200.0 * (loaded.mass_total - 0.05) / (alone.mass_total - 0.05), 1.5e-3)
+    heavier = ShellSection(2.7e9, 0.35, 1200.0 * (loaded.mass_total - 0.05) / (alone.mass_total - 0.05), 1.5e-3)
     expected = beam_frequency(heavier, 0.03925, 0.3, 0.05) / beam_frequency(LAB, 0.03925, 0.3, 0.05)
     assert f_loaded / f_alone == pytest.approx(expected, rel=3e-3)  # beam theory turns the section, with its inertia
 
@@ -337,7 +337,7 @@ def test_a_missed_mode_is_counted(whole):
 
 def test_negative_stiffness_is_reported_not_hidden():
     K = sp.diags([-3.0e4, 1.0e5, 2.0e5, 3.0e5, 4.0e5]).tocsr()
-    with pytest.raises(WrollError, match=r"1 negative eigenvalue\(s\), the lowest -3.000e\+04"):
+    with pytest.raises(WrollError, match=r"1 negative eigenvalue\(s\), lowest -3.000e\+04"):
         solve_modes(K, sp.eye(5, format="csr"), 3)
 
 
@@ -348,14 +348,14 @@ def test_coupled_matrices_of_any_origin_give_their_known_frequencies():
     frequencies, vectors = solve_modes(K, sp.eye(n, format="csr"), 5)
     np.testing.assert_allclose(frequencies, exact, rtol=1e-9)
     assert (vectors[np.abs(vectors).argmax(axis=0), range(5)] > 0).all()
-    with pytest.raises(ValueError, match="61 modes"):
+    with pytest.raises(ValueError, match="got 61"):
         solve_modes(K, sp.eye(n, format="csr"), 61)
 
 
 def test_bending_of_layers_can_be_switched_off():
     case = lab("coil.bending=false")
-    assert section_of(case, 1, 1e-3).bending == 0.0
-    assert section_of(case, 0, 1e-3).bending == 1.0
+    assert shell_section(case, 1, 1e-3).bending == 0.0
+    assert shell_section(case, 0, 1e-3).bending == 1.0
     on, off = (assemble_bodies(c, symmetric=True) for c in (lab(), case))
     assert abs(on[0].stiffness - off[0].stiffness).max() == 0.0
     soft, stiff = (solve_modes(b[1].stiffness, b[1].mass, 5)[0][3:] for b in (off, on))

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse.linalg as spla
 import ufl
 from dolfinx import fem
-from support.fourier_rolls import NU, PLASTIC, RHO, WEB, E, L, model, section
+from support.fourier_rolls import NU, PLASTIC, RHO, WEB, E, L, half_plane, model
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.fourier import COIL, strains
@@ -79,7 +79,7 @@ def test_lame_and_lekhnitskii_tubes():
         C = material.stiffness()
         k = np.sqrt(C[1, 1] / C[0, 0])
         a, b = 0.02, 0.03
-        made = model(section(inner=a, wall=0.024, outer=b, length=0.01, cells=(4, 6, 1)), material, material)
+        made = model(half_plane(inner=a, wall=0.024, outer=b, length=0.01, cells=(4, 6, 1)), material, material)
         r = made.nodes[:, 0]
         exact = 1e-4 * ((r / b) ** k + (r / b) ** -k)
         u = np.column_stack([exact, np.zeros_like(r), np.zeros_like(r)]).ravel()
@@ -120,7 +120,7 @@ def test_a_material_with_tilted_axes_is_refused():
 def manufactured_error(degree, cells):
     """L2 error for a smooth field of harmonic 2, body force from the equations of equilibrium in r, theta, z."""
     m, size = 2, 0.02
-    made = model(section(0.02, 0.03, 0.04, size, (cells, cells, 2 * cells)), WEB, WEB, degree)
+    made = model(half_plane(0.02, 0.03, 0.04, size, (cells, cells, 2 * cells)), WEB, WEB, degree)
     r, z = ufl.SpatialCoordinate(made.mesh)
     a, b = np.pi / size * r, np.pi / size * z
     exact = ufl.as_vector([ufl.sin(a) * ufl.cos(b), ufl.cos(a + b), ufl.sin(b) * ufl.sin(a)])

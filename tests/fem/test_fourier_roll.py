@@ -1,4 +1,4 @@
-"""The roll in harmonics around its axis against beams, the shells and the solid; what is made of its modes."""
+"""Fourier elements of the roll against beam theory, shells and solids; their modes and shear stress."""
 
 import dataclasses
 
@@ -7,14 +7,14 @@ import pytest
 from support.beam_theory import beam_frequency
 from support.fourier_rolls import RHO, WEB, E, L, case, kapton, model
 
-from wroll_fem.coiled_stiff.fourier_stress import section_shear, shear_modes
-from wroll_fem.coiled_stiff.frequency_bounds import fundamental, loosest_coil
-from wroll_fem.coiled_stiff.solid_stress import shear_modes as three_dimensional_shear
+from wroll_fem.analyses.slip_model import shear_modes
+from wroll_fem.coiled_stiff.fourier_stress import shear_amplitudes
+from wroll_fem.coiled_stiff.frequency_bounds import fundamental, softest_coil
 from wroll_fem.errors import InputError
-from wroll_fem.fem.fourier_modes import family_modes, lowest_modes
-from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll, families
-from wroll_fem.fem.shell import Section
-from wroll_fem.mesh.axisymmetric import make_section, split_ends
+from wroll_fem.fem.fourier_modes import lowest_modes, symmetry_class_modes
+from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, SymmetryClass, symmetry_classes
+from wroll_fem.fem.shell import ShellSection
+from wroll_fem.mesh.axisymmetric import refined_mesh, split_ends
 from wroll_fem.mesh.revolve import cartesian, revolve
 
 # ---- rolls ---------------------------------------------------------------------------------------------------------
@@ -24,7 +24,7 @@ def test_free_roll_has_the_six_rigid_motions_alone():
     free = case("mandrel.base=free", "mandrel.tip=free", "mandrel.tip_mass=0.0", coil=kapton())
     roll = FourierRoll(free)
     for m, kinds in ((0, ["axial", "torsion"]), (1, ["x", "tilt"]), (2, []), (3, [])):
-        found = [mode for f in families(m) for mode in family_modes(roll, f, 3)]
+        found = [mode for f in symmetry_classes(m) for mode in symmetry_class_modes(roll, f, 3)]
         assert sum(mode.kind == "rigid" for mode in found) == len(kinds)
         assert max([mode.frequency_hz for mode in found if mode.kind == "rigid"], default=0.0) < 0.05
         assert min(mode.frequency_hz for mode in found if mode.kind != "rigid") > 100.0
@@ -37,8 +37,8 @@ def test_thin_and_thick_tubes_bend_like_a_timoshenko_beam():
             "mandrel.material.nu=0.0", "mandrel.tip=rigid", f"geometry.mandrel_thickness={t}",
             "geometry.mandrel_outer_diameter=0.04",
         )  # fmt: skip
-        found = family_modes(FourierRoll(tube), BENDING, 1)[0].frequency_hz
-        beam = beam_frequency(Section(E, 0.0, RHO, t), 0.02 - t / 2, L, 0.05)
+        found = symmetry_class_modes(FourierRoll(tube), BENDING, 1)[0].frequency_hz
+        beam = beam_frequency(ShellSection(E, 0.0, RHO, t), 0.02 - t / 2, L, 0.05)
         assert found == pytest.approx(beam, rel=tolerance)
 
 
@@ -59,7 +59,7 @@ def test_lab_mandrel_agrees_with_the_shells():
 def test_the_fundamental_mode_may_lie_in_a_high_harmonic():
     # wide and thin: ovalling-2 lies above bending, ovalling-5 far below
     roll = FourierRoll(case("geometry.mandrel_outer_diameter=0.16", "geometry.mandrel_thickness=0.5e-3"))
-    lowest = {m: min(family_modes(roll, f, 1)[0].frequency_hz for f in families(m)) for m in range(11)}
+    lowest = {m: min(symmetry_class_modes(roll, f, 1)[0].frequency_hz for f in symmetry_classes(m)) for m in range(11)}
     expected = min(lowest, key=lowest.__getitem__)
     assert lowest[2] > lowest[1] > lowest[expected]
     assert fundamental(roll).kind == f"ovalling-{expected}"
@@ -71,7 +71,7 @@ def test_effective_masses_add_up():
     for family in (BENDING, AXIAL):
         system = roll.matrices(family)
         moved = system.influence @ system.mass @ system.influence
-        everything = family_modes(roll, family, 60)
+        everything = symmetry_class_modes(roll, family, 60)
         assert sum(mode.participation**2 for mode in everything) == pytest.approx(moved, rel=0.02)
         assert moved < roll.mass_total
 
@@ -81,8 +81,8 @@ def test_thin_walls_do_not_lock():
     for t in (4e-3, 1e-3, 0.4e-3):
         coarse = FourierRoll(case(f"geometry.mandrel_thickness={t}"))
         fine = FourierRoll(case(f"geometry.mandrel_thickness={t}", "mesh.axial=24"))
-        for family in (BENDING, Family(2, (0, 1, 2)), Family(3, (0, 1, 2))):
-            a, b = (family_modes(roll, family, 1)[0].frequency_hz for roll in (coarse, fine))
+        for family in (BENDING, SymmetryClass(2, (0, 1, 2)), SymmetryClass(3, (0, 1, 2))):
+            a, b = (symmetry_class_modes(roll, family, 1)[0].frequency_hz for roll in (coarse, fine))
             assert a == pytest.approx(b, rel=1e-3)
 
 
@@ -93,7 +93,7 @@ def test_coil_models_rank_as_they_should():
         "none": {"model": "none"},
     }.items():  # fmt: skip
         roll = FourierRoll(case(coil=coil))
-        f[name] = family_modes(roll, BENDING, 1)[0].frequency_hz
+        f[name] = symmetry_class_modes(roll, BENDING, 1)[0].frequency_hz
     assert f["mass"] < f["soft"] < f["none"] < f["solid"]
 
 
@@ -102,12 +102,12 @@ def test_bonded_layers_are_an_isotropic_solid_coil():
     bonded = {"model": "bonded", "layers": 2, "total_thickness": 1.25e-3, "material": material}
     solid = {"model": "solid", "thickness": 1.25e-3, "material": material}
     a, b = (
-        family_modes(FourierRoll(case("mesh.radial=2", coil=coil)), BENDING, 1)[0].frequency_hz
+        symmetry_class_modes(FourierRoll(case("mesh.radial=2", coil=coil)), BENDING, 1)[0].frequency_hz
         for coil in (bonded, solid)
     )
     assert a == pytest.approx(b, rel=1e-10)
     clamped, edge = (
-        family_modes(FourierRoll(case(coil=bonded | {"base": base})), BENDING, 1)[0].frequency_hz
+        symmetry_class_modes(FourierRoll(case(coil=bonded | {"base": base})), BENDING, 1)[0].frequency_hz
         for base in ("clamped", "inner_edge")
     )
     assert a < edge < clamped
@@ -130,8 +130,8 @@ def test_displacements_on_the_revolved_skin():
     assert np.array_equal(np.unique(cells), np.arange(len(nodes)))
     shift = cartesian(np.tile([1.0, -1.0, 0.0], (6, 1)), 1, 8)
     np.testing.assert_allclose(shift, np.tile([1.0, 0.0, 0.0], (len(nodes), 1)), atol=1e-14)
-    turned = cartesian(np.tile([1.0, -1.0, 0.0], (6, 1)), 1, 8, turned=True)
-    np.testing.assert_allclose(turned, np.tile([0.0, 1.0, 0.0], (len(nodes), 1)), atol=1e-14)
+    rotated = cartesian(np.tile([1.0, -1.0, 0.0], (6, 1)), 1, 8, rotated=True)
+    np.testing.assert_allclose(rotated, np.tile([0.0, 1.0, 0.0], (len(nodes), 1)), atol=1e-14)
     spin = cartesian(outline[:, [0]] * [0.0, 1.0, 0.0], 0, 8)
     np.testing.assert_allclose(spin, np.cross([0.0, 0.0, 1.0], nodes), atol=1e-14)
 
@@ -142,13 +142,13 @@ def test_shear_stress_of_a_known_field():
     # U = r z, V = r^2, W = r^2 z with m = 1: rz = r + 2 r z, tz = -r z, rt = 2 r - (r^2 + r z) / r
     values = np.column_stack([r * z, r**2, r**2 * z])
     points = np.random.default_rng(3).uniform([0.02, 0.0], [0.03, L], (40, 2))
-    srz, srt = section_shear(made, values, WEB, 1, points)
+    srz, srt = shear_amplitudes(made, values, WEB, 1, points)
     R, Z = points.T
     np.testing.assert_allclose(srz, 0.5e9 * (R + 2 * R * Z), rtol=1e-9)
     np.testing.assert_allclose(srt, 0.3e9 * (R - Z), rtol=1e-8, atol=1.0)
 
 
-def test_shear_modes_stand_on_the_excitation():
+def test_shear_modes_lie_along_the_excitation():
     coil = kapton(G_r_theta=1e6, G_r_z=1e6)
     along_x = shear_modes(case("mesh.circumferential=8", coil=coil))
     t = along_x.points[:, 0]
@@ -158,7 +158,7 @@ def test_shear_modes_stand_on_the_excitation():
     assert abs(t[np.abs(along_x.srz[0]).argmax()]) % np.pi < 1e-12
     assert np.abs(t[np.abs(along_x.srt[0]).argmax()]) == pytest.approx(np.pi / 2)
     roll = FourierRoll(case(coil=coil))
-    first = family_modes(roll, BENDING, 1)[0]
+    first = symmetry_class_modes(roll, BENDING, 1)[0]
     assert along_x.frequencies_hz[0] == pytest.approx(first.frequency_hz)
     assert along_x.mass_total == pytest.approx(roll.mass_total)
     assert set(along_x.kinds) == {"bending"}
@@ -166,12 +166,12 @@ def test_shear_modes_stand_on_the_excitation():
         shear_modes(case("modal.count=1", coil=kapton(G_r_theta=300, G_r_z=300)))  # the coil's own shear
 
 
-def test_loosest_coil_shears_as_low_as_the_roll_bends():
+def test_shear_and_bending_frequencies_meet_at_the_softest_coil():
     roll = FourierRoll(case(coil=kapton()))
     tight = case(coil=kapton()).coil.material.solid()
-    found = loosest_coil(roll, tight)
-    assert found.rival == "torsion"
-    torsion = family_modes(roll, TORSION, 1)[0].frequency_hz
+    found = softest_coil(roll, tight)
+    assert found.competing_kind == "torsion"
+    torsion = symmetry_class_modes(roll, TORSION, 1)[0].frequency_hz
     assert torsion == pytest.approx(found.bending.frequency_hz, rel=1e-4)
     # a soft ring on a stiff wall: a quarter wave through its thickness
     assert torsion == pytest.approx(np.sqrt(found.shear_modulus / 1400.0) / (4 * 1.25e-3), rel=0.05)
@@ -183,16 +183,16 @@ def test_a_coil_clamped_at_its_base_may_be_as_loose_as_it_likes():
     # at G = 0 it is a cantilever tube of its own, whose torsion is not slow
     coil = kapton() | {"base": "clamped"}
     roll = FourierRoll(case("mesh.axial=6", coil=coil))
-    found = loosest_coil(roll, case(coil=coil).coil.material.solid())
-    assert found.rival == ""
+    found = softest_coil(roll, case(coil=coil).coil.material.solid())
+    assert found.competing_kind == ""
     assert found.shear_modulus == pytest.approx(1.0)
-    assert found.bending.frequency_hz < found.tightest.frequency_hz
+    assert found.bending.frequency_hz < found.stiffest.frequency_hz
 
 
-def test_no_loosest_coil_where_bending_is_never_the_fundamental_mode():
+def test_no_softest_coil_if_bending_is_never_the_fundamental_mode():
     # a free tip lets the thin wide tube become oval first
     wide = case("geometry.mandrel_outer_diameter=0.14", "mandrel.tip=free", coil=kapton())
-    assert loosest_coil(FourierRoll(wide), wide.coil.material.solid()) is None
+    assert softest_coil(FourierRoll(wide), wide.coil.material.solid()) is None
 
 
 def test_split_ends_keep_the_borders():
@@ -205,12 +205,12 @@ def test_split_ends_keep_the_borders():
 def test_a_model_moves_to_another_geometry():
     a, b = case(), case("geometry.mandrel_outer_diameter=0.05", "geometry.mandrel_thickness=3.0e-3")
     roll = FourierRoll(a)
-    family_modes(roll, BENDING, 1)
+    symmetry_class_modes(roll, BENDING, 1)
     model = roll.model
-    moved = family_modes(FourierRoll(b, model), BENDING, 1)[0].frequency_hz
-    assert moved == pytest.approx(family_modes(FourierRoll(b), BENDING, 1)[0].frequency_hz, rel=1e-12)
+    moved = symmetry_class_modes(FourierRoll(b, model), BENDING, 1)[0].frequency_hz
+    assert moved == pytest.approx(symmetry_class_modes(FourierRoll(b), BENDING, 1)[0].frequency_hz, rel=1e-12)
     with pytest.raises(ValueError, match="does not fit"):
-        model.move(make_section(case("mesh.axial=9")))
+        model.move(refined_mesh(case("mesh.axial=9")))
 
 
 def test_solid_coil_in_three_dimensions_has_the_same_frequencies_and_shear():
@@ -224,7 +224,7 @@ def test_solid_coil_in_three_dimensions_has_the_same_frequencies_and_shear():
         coil=coil | {"thickness": 15e-3},
     )  # fmt: skip
     section_model = shear_modes(study)
-    solid = three_dimensional_shear(study.changed("mesh.discretisation=three_dimensional"))
+    solid = shear_modes(study.changed("mesh.discretisation=three_dimensional"))
     along = np.abs(solid.participation) > 1e-3
     np.testing.assert_allclose(section_model.frequencies_hz, solid.frequencies_hz[along], rtol=3e-3)
     np.testing.assert_allclose(section_model.participation, np.abs(solid.participation[along]), rtol=3e-3)

@@ -12,11 +12,11 @@ from wroll_fem.errors import WrollError
 from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import build_constraints, rigid_motions
 from wroll_fem.fem.eigen import solve_modes
-from wroll_fem.fem.shell import Section, ShellModel
+from wroll_fem.fem.shell import ShellModel, ShellSection
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import make_cylinders
 
-LAB = Section(E=2.7e9, nu=0.35, rho=1200.0, thickness=1.5e-3)
+LAB = ShellSection(E=2.7e9, nu=0.35, rho=1200.0, thickness=1.5e-3)
 RADIUS, LENGTH = 0.03925, 0.3
 
 
@@ -46,7 +46,7 @@ def scordelis_lo(n):
     model = ShellModel(nodes, cells, normal_to_y_axis)
     fixed = mask(len(nodes), (t == 0, [1, 3, 5]), (t == 1, [0, 2, 4]), (s == 0, [0, 4, 5]))
     load = model.area_load(np.array([0.0, 0.0, -90.0]))
-    u = solve_static(model.stiffness(Section(4.32e8, 0.0, 1.0, 0.25)), load, fixed).reshape(-1, 6)
+    u = solve_static(model.stiffness(ShellSection(4.32e8, 0.0, 1.0, 0.25)), load, fixed).reshape(-1, 6)
     return -u[(s == 1) & (t == 0), 2].item()
 
 
@@ -61,7 +61,7 @@ def pinched_cylinder(n):
     dof = 6 * np.flatnonzero((s == 0) & (t == 0)).item() + 2
     force = np.zeros(6 * len(nodes))
     force[dof] = -0.25
-    return -solve_static(model.stiffness(Section(3e6, 0.3, 1.0, 3.0)), force, fixed)[dof]
+    return -solve_static(model.stiffness(ShellSection(3e6, 0.3, 1.0, 3.0)), force, fixed)[dof]
 
 
 def test_scordelis_lo_roof_agrees_with_the_reference():
@@ -103,7 +103,7 @@ def test_constant_membrane_strain_is_reproduced_on_a_distorted_mesh(thickness):
     exact = np.zeros((len(nodes), 6))
     exact[:, 0], exact[:, 1] = 1e-3 * x + 4e-4 * y, 2e-4 * x - 3e-4 * y
     exact[:, 5] = (2e-4 - 4e-4) / 2
-    K = model.stiffness(Section(1e9, 0.3, 1.0, thickness))
+    K = model.stiffness(ShellSection(1e9, 0.3, 1.0, thickness))
     u = solve_static(K, np.zeros(exact.size), mask(len(nodes), (border, range(6))), exact.ravel())
     np.testing.assert_allclose(u.reshape(-1, 6), exact, atol=1e-11)
 
@@ -117,7 +117,7 @@ def test_constant_curvature_is_reproduced_on_a_distorted_mesh(thickness):
     exact[:, 2] = 1e-3 * (0.5 * x**2 + 0.3 * x * y - 0.2 * y**2)
     exact[:, 3] = 1e-3 * (0.3 * x - 0.4 * y)  # theta_x = dw/dy, theta_y = -dw/dx
     exact[:, 4] = -1e-3 * (x + 0.3 * y)
-    section = Section(1e9, 0.3, 1.0, thickness)
+    section = ShellSection(1e9, 0.3, 1.0, thickness)
     K = model.stiffness(section)
     u = solve_static(K, np.zeros(exact.size), mask(len(nodes), (border, range(6))), exact.ravel())
     np.testing.assert_allclose(u.reshape(-1, 6), exact, atol=1e-11)
@@ -133,7 +133,7 @@ def test_constant_transverse_shear_stores_five_sixths_of_its_energy():
     model = ShellModel(nodes, cells, flat)
     field = np.zeros((len(nodes), 6))
     field[:, 2], field[:, 4] = 1e-3 * nodes[:, 0], 4e-4  # gamma_xz = dw/dx + theta_y
-    K, G = model.stiffness(Section(1e9, 0.3, 1.0, 0.1)), 1e9 / 2.6
+    K, G = model.stiffness(ShellSection(1e9, 0.3, 1.0, 0.1)), 1e9 / 2.6
     assert field.ravel() @ K @ field.ravel() == pytest.approx(5 / 6 * G * 0.1 * 1.4e-3**2, rel=1e-9)
 
 
@@ -159,9 +159,9 @@ def test_free_tube_has_exactly_six_zero_modes_and_the_others_converge():
 
 def test_a_layer_without_bending_has_no_zero_modes_but_the_six():
     _, model = tube(12, 4)
-    section = Section(2.8e9, 0.35, 2000.0, 1.25e-3, bending=0.0)
+    section = ShellSection(2.8e9, 0.35, 2000.0, 1.25e-3, bending=0.0)
     K, M = model.stiffness(section).toarray(), model.mass(section).toarray()
-    full = model.stiffness(Section(2.8e9, 0.35, 2000.0, 1.25e-3)).toarray()
+    full = model.stiffness(ShellSection(2.8e9, 0.35, 2000.0, 1.25e-3)).toarray()
     values = la.eigh(K, M, eigvals_only=True)
     assert (np.abs(values[:6]) < 1e-2).all()
     assert values[6] > 1e2
@@ -192,7 +192,7 @@ def cantilever(section, radius, length, circumferential, axial, tip_mass=0.0):
 def test_cantilever_tube_agrees_with_timoshenko_beam():
     # Poisson's ratio 0 keeps the clamped base and the rigid tip from squeezing the section, as beam theory assumes
     # measured: deflection +0.018 % and +0.032 %, frequency -0.015 % both
-    section = Section(2.7e9, 0.0, 1200.0, 1.5e-3)
+    section = ShellSection(2.7e9, 0.0, 1200.0, 1.5e-3)
     for length, tolerance in ((0.3, 5e-4), (0.8, 5e-4)):
         K, M, column = cantilever(section, RADIUS, length, 16, 8, tip_mass=0.05)
         force = np.zeros(K.shape[0])
@@ -238,7 +238,7 @@ def test_cantilever_tube_agrees_with_27_node_solids():
 
 def test_mass_matrix_holds_the_mass_and_the_extra_mass():
     part, model = tube(12, 4)
-    M = model.mass(Section(2.7e9, 0.35, 1200.0, 1.5e-3, extra_mass=0.7))
+    M = model.mass(ShellSection(2.7e9, 0.35, 1200.0, 1.5e-3, extra_mass=0.7))
     motion = rigid_motions(part.nodes, np.zeros(3))[:, 0]
     assert motion @ M @ motion == pytest.approx((1200 * 1.5e-3 + 0.7) * model.area, rel=1e-12)
     assert model.area == pytest.approx(2 * np.pi * RADIUS * LENGTH, rel=1e-4)

@@ -199,7 +199,7 @@ def test_a_mesh_of_another_geometry_is_refused(mesh):
     inside = np.unique(mesh.cells[mesh.groups["layer_01"]])
     inside = inside[(nodes[inside, 2] > 0.1) & (nodes[inside, 2] < 0.2)]
     nodes[inside, 2] += 0.003
-    with pytest.raises(InputError, match="vertices of layer_01 do not face"):
+    with pytest.raises(InputError, match="vertices of layer_01 do not match"):
         check_geometry(changed(mesh, nodes=nodes), layout, LENGTH, "own.msh")
 
 

@@ -133,7 +133,7 @@ def test_estimators_are_judged_on_what_they_read(evidence: Evidence, monkeypatch
     exact = estimators.exact
 
     def better(method: str) -> dict:
-        """Readings as the source claims them: right up to 0.2, half power above and the fit below beyond."""
+        """Readings as the thesis claims them: right up to 0.2, half power above and the fit below beyond."""
         lean = {estimators.HALF_POWER: 1.2, estimators.PRINTED: 0.8}.get(method, 1.0)
         found = exact(method)
         return {z: replace(one, zeta=z * (1.0 if z <= 0.2 else lean)) for z, one in found.items()}

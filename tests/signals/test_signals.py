@@ -215,7 +215,7 @@ def test_both_estimates_share_one_grid_and_agree_on_a_damped_slow_sweep():
 def test_unusable_histories_are_refused_in_words():
     motion = Chirp(5.0, 100.0, 200.0, 60.0)
     time, base = motion.samples(1e-4)
-    with pytest.raises(InputError, match="equal length"):
+    with pytest.raises(InputError, match="same length"):
         demodulated(time, base[:-1], motion)
     with pytest.raises(InputError, match="finite"):
         demodulated(time, np.where(time > 0.5, np.nan, base), motion)

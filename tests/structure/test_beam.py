@@ -67,8 +67,9 @@ def test_thin_and_solid_limits() -> None:
 
 
 def test_figure_and_wrong_input(tmp_path: Path) -> None:
+    open_before = plt.get_fignums()
     assert save_figure(plot_cantilever(THIN), tmp_path / "beam.png").stat().st_size > 10_000
-    assert not plt.get_fignums()
+    assert plt.get_fignums() == open_before
     with pytest.raises(InputError, match="the wall is thicker than the radius"):
         Cantilever(0.3, 0.01, 0.02)
     with pytest.raises(InputError, match="length: must be greater than 0"):

@@ -1,10 +1,10 @@
-"""Sections, models and cases of rolls in harmonics around their axis."""
+"""Half planes, models and cases of rolls with Fourier elements."""
 
 import numpy as np
 
 from wroll_fem.case import Case
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel
-from wroll_fem.mesh.axisymmetric import RollSection
+from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 E, NU, RHO, L = 2.7e9, 0.35, 1200.0, 0.3
@@ -12,14 +12,14 @@ PLASTIC = CylindricalOrthotropic.isotropic(E, NU, RHO)
 WEB = CylindricalOrthotropic(4e9, 3e9, 0.04e9, 0.35, 0.3, 0.25, 1.4e9, 0.3e9, 0.5e9, 1400.0)
 
 
-def section(inner=0.01, wall=0.02, outer=0.03, length=L, cells=(1, 1, 4)):
+def half_plane(inner=0.01, wall=0.02, outer=0.03, length=L, cells=(1, 1, 4)):
     n_wall, n_coil, n_z = cells
     radii = np.concatenate([np.linspace(inner, wall, n_wall + 1), np.linspace(wall, outer, n_coil + 1)[1:]])
-    return RollSection(radii, np.linspace(0.0, length, n_z + 1), n_wall)
+    return AxisymmetricMesh(radii, np.linspace(0.0, length, n_z + 1), n_wall)
 
 
 def model(where=None, wall=PLASTIC, coil=WEB, degree=3):
-    made = FourierModel(section() if where is None else where, degree)
+    made = FourierModel(half_plane() if where is None else where, degree)
     made.set_material(WALL, wall.stiffness(), wall.rho)
     made.set_material(COIL, coil.stiffness(), coil.rho)
     return made

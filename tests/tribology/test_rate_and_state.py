@@ -104,11 +104,12 @@ def test_sine_history_opposes_the_motion_and_dissipates() -> None:
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"mu": 0.0}, r"mu: mu = 0\.0; give a positive"), ({"a": -0.1}, r"a: a = -0\.1; give 0 or more"),
-     ({"law": "other"}, r"law: no state law 'other'; use ageing or slip")],
+    [({"mu": 0.0}, r"mu: mu = 0\.0; give a positive"),
+     ({"a": -0.1}, r"a: must not be negative, got -0\.1; give 0 or more"),
+     ({"law": "other"}, r"law: unknown state law 'other'; use ageing or slip")],
 )  # fmt: skip
 def test_values_without_a_meaning_are_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         replace(MODEL, **change)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="rate: a rate that is not above 0"):
+    with pytest.raises(InputError, match="rate: must be positive"):
         MODEL.coefficient(0.0, 1.0)

@@ -89,7 +89,10 @@ def test_stiffness_is_read_before_sliding() -> None:
 
 @pytest.mark.parametrize(
     ("values", "message"),
-    [((0, 1.0), "interfaces: interfaces = 0; give 1 or more"), ((3, -1.0), "normal_force: normal_force = -1.0; give")],
+    [
+        ((0, 1.0), "interfaces: must be at least 1, got 0; give 1 or more"),
+        ((3, -1.0), "normal_force: normal_force = -1.0; give"),
+    ],
 )
 def test_values_without_a_meaning_are_refused(values: tuple[int, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
@@ -97,5 +100,5 @@ def test_values_without_a_meaning_are_refused(values: tuple[int, float], message
 
 
 def test_steps_that_would_leave_open_what_slides_are_refused() -> None:
-    with pytest.raises(InputError, match="steps: 20 steps; use more than 30"):
+    with pytest.raises(InputError, match="steps: 20 steps are too few; use more than 30"):
         run_shear_test(ShearTest(3, 100.0), steps=20)

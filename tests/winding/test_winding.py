@@ -1,4 +1,4 @@
-"""Stress in the wound roll: against exact solutions, against the source's scheme written out, and its limits."""
+"""Stress in the wound roll: against exact solutions, against the thesis's scheme written out, and its limits."""
 
 from __future__ import annotations
 
@@ -178,7 +178,7 @@ def test_hoop_stress_balances_the_pressure_on_the_mandrel() -> None:
         assert found.hoop_stress[-1] == pytest.approx(40.0e6, rel=1e-12)
 
 
-# ---- the source's scheme -------------------------------------------------------------------------
+# ---- the thesis's scheme -------------------------------------------------------------------------
 
 
 def thesis_scheme(winding: Winding) -> np.ndarray:
@@ -230,7 +230,7 @@ def test_the_core_row_keeps_mandrel_and_roll_together() -> None:
     nu_r = nu * E_r / E  # nu_r/E_r = nu_theta/E_theta
     roll_strain, mandrel_strain = hoop / E - nu_r * radial / E_r, -s / K_m
     assert roll_strain == pytest.approx(mandrel_strain, rel=1e-10)
-    # the rows of both grids have this slope: the source's to first order, the refined to second, where s is linear
+    # the rows of both grids have this slope: the thesis's to first order, the refined to second, where s is linear
     h = 5.0e-5
     modulus = RadialModulus.constant(E_r)
     grid = kernels.wrap_by_wrap(

@@ -54,29 +54,29 @@ class _Models:
 
     def design(self, case: Case) -> Design:
         """Frequencies of a case's mandrel."""
-        from wroll_fem.coiled_stiff.frequency_bounds import fundamental, loosest_coil, with_shear_modulus
-        from wroll_fem.fem.fourier_modes import family_modes
+        from wroll_fem.coiled_stiff.frequency_bounds import fundamental, softest_coil, with_shear_modulus
+        from wroll_fem.fem.fourier_modes import symmetry_class_modes
         from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
 
         assert case.design_map is not None
         bare = FourierRoll(case.model_copy(update={"coil": Coil(model="none")}), self._without)
         roll = FourierRoll(case, self._with)
         self._without, self._with = bare.model, roll.model
-        mandrel = family_modes(bare, BENDING, 1)[0].frequency_hz
+        mandrel = symmetry_class_modes(bare, BENDING, 1)[0].frequency_hz
         material = case.coil.material.solid()
         modulus = case.design_map.loosest
         if isinstance(modulus, str):
-            found = loosest_coil(roll, material)
+            found = softest_coil(roll, material)
             if found is None:
                 roll.set_coil(material)
                 return Design(np.nan, np.nan, mandrel, np.nan, fundamental(roll).kind)
-            low, high = found.bending.frequency_hz, found.tightest.frequency_hz
-            return Design(high, low, mandrel, found.shear_modulus, found.rival)
+            low, high = found.bending.frequency_hz, found.stiffest.frequency_hz
+            return Design(high, low, mandrel, found.shear_modulus, found.competing_kind)
         tight = fundamental(roll)
         roll.set_coil(with_shear_modulus(material, modulus))
         loose = fundamental(roll)
-        high, low = (mode.frequency_hz if mode.family == BENDING else np.nan for mode in (tight, loose))
-        kinds = [mode.kind for mode in (tight, loose) if mode.family != BENDING]
+        high, low = (mode.frequency_hz if mode.symmetry == BENDING else np.nan for mode in (tight, loose))
+        kinds = [mode.kind for mode in (tight, loose) if mode.symmetry != BENDING]
         return Design(high, low, mandrel, modulus, kinds[0] if kinds else "")
 
 

@@ -33,12 +33,12 @@ def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         stage.update(1, f"{3 * len(roll.model.nodes)} DOFs in each harmonic")
     with progress.stage("modes", 1) as stage:
         found = lowest_modes(roll, case.modal.count)
-        stage.update(1, f"harmonics 0 to {max(mode.family.harmonic for mode in found)}")
-    listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.family.harmonic else (False,))]
+        stage.update(1, f"harmonics 0 to {max(mode.symmetry.wave_number for mode in found)}")
+    listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.symmetry.wave_number else (False,))]
     listed = listed[: case.modal.count]
     fraction, share = np.zeros((len(listed), 3)), np.zeros(len(listed))
     for row, (mode, turned) in enumerate(listed):
-        direction = "y" if turned and mode.family.harmonic == 1 else mode.family.direction
+        direction = "y" if turned and mode.symmetry.wave_number == 1 else mode.symmetry.direction
         if direction is not None:
             fraction[row, "xyz".index(direction)] = mode.participation**2 / roll.mass_total
             share[row] = mode.tip * mode.participation if direction == case.excitation.direction else 0.0
@@ -47,7 +47,7 @@ def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         {
             "mode_frequency": ("mode", np.array([mode.frequency_hz for mode, _ in listed])),
             "mode_kind": ("mode", np.array([mode.kind for mode, _ in listed])),
-            "mode_harmonic": ("mode", np.array([mode.family.harmonic for mode, _ in listed])),
+            "mode_harmonic": ("mode", np.array([mode.symmetry.wave_number for mode, _ in listed])),
             "mode_residual": ("mode", np.array([mode.residual for mode, _ in listed])),
             "effective_mass_fraction": (("mode", "component"), fraction),
             "tip_participation": ("mode", share),
@@ -66,13 +66,13 @@ def _shapes(
     model: FourierModel, modes: list[tuple[FourierMode, bool]], around: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
     """Nodes (n, 3), cells (c, 9) and shapes (modes, n, 3), largest 1, on the skin of the revolved section."""
-    outline = model.section.outline
+    outline = model.half_plane.outline
     nodes, cells = revolve(outline, around)
     values = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), outline)[0]
     amplitudes = values.reshape(len(outline), len(modes), 3)
     shapes = np.array(
         [
-            cartesian(amplitudes[:, k], mode.family.harmonic, around, turned)
+            cartesian(amplitudes[:, k], mode.symmetry.wave_number, around, turned)
             for k, (mode, turned) in enumerate(modes)
         ]
     )  # fmt: skip

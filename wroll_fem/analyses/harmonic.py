@@ -24,7 +24,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.estimators import Reading, read_curve
+from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
@@ -90,7 +90,7 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
     dataset = _described(curve_dataset(system, trained.curve), case)
     read = read_response(dataset, case.output.damping)
     missed = missed_harmonic(condensation, 2.0 * np.pi * read.shape.f_n, settings.harmonics)
-    for text in (*read.doubts, memory_remark(dataset), missed):
+    for text in (*read.warnings, memory_remark(dataset), missed):
         if text:
             progress.warning(text)
     return dataset.assign_attrs(
@@ -124,7 +124,7 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
     return ""
 
 
-def read_response(dataset: xr.Dataset, method: str = "half_power") -> Reading:
+def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
     """Reading of the curve by an estimator of `ESTIMATORS`; of one that leans over, of its highest motions.
 
     On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
@@ -133,7 +133,7 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> Reading:
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
     if np.all(np.diff(frequency) > 0.0):
-        return read_curve(frequency, T, method)
+        return estimate_damping(frequency, T, method)
     size = np.abs(T)
     grid = np.linspace(frequency[0], frequency[-1], 20 * len(frequency))
     best = np.zeros_like(grid)
@@ -143,7 +143,7 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> Reading:
         if high > low:
             share = (grid[inside] - frequency[i]) / (frequency[i + 1] - frequency[i])
             best[inside] = np.maximum(best[inside], size[i] + share * (size[i + 1] - size[i]))
-    return read_curve(grid, best, method)
+    return estimate_damping(grid, best, method)
 
 
 def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:

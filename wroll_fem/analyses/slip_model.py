@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
 from wroll_fem.case.winding import completed
-from wroll_fem.coiled_stiff.stress_modes import ShearModes
+from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 from wroll_fem.winding import WoundRoll, wound_roll
@@ -24,12 +25,32 @@ _MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
 
 
 def shear_modes(case: Case) -> ShearModes:
-    """Modes with their shear stress from the discretisation that the case asks for."""
+    """Modes with their shear stress, in the discretisation of the case (three-dimensional or Fourier).
+
+    Raises
+    ------
+    InputError
+        If the coil is not solid, or none of the modes moves along the excitation.
+    WrollError
+        If the eigensolver misses modes or does not converge.
+    """
+    if case.coil.model != "solid":
+        raise needs_solid_coil()
+    material, count = case.coil.material.solid(), case.modal.count
+    direction = DIRECTIONS[case.excitation.direction]
     if case.mesh.discretisation == "fourier":
-        from wroll_fem.coiled_stiff.fourier_stress import shear_modes as modes_of
-    else:
-        from wroll_fem.coiled_stiff.solid_stress import shear_modes as modes_of
-    return modes_of(case)
+        from wroll_fem.coiled_stiff import fourier_stress
+        from wroll_fem.fem.fourier_roll import FourierRoll
+        from wroll_fem.mesh.axisymmetric import unrefined_mesh
+
+        return fourier_stress.shear_modes(
+            FourierRoll(case), material, unrefined_mesh(case), count=count, direction=direction,
+            circumferential=case.mesh.circumferential,
+        )  # fmt: skip
+    from wroll_fem.coiled_stiff import solid_stress
+
+    bodies = build_bodies(case, symmetric=False)
+    return solid_stress.shear_modes(bodies, material, count=count, direction=direction)
 
 
 @dataclass(frozen=True)

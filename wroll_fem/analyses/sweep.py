@@ -14,7 +14,7 @@ from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.damping import sweep_warning
-from wroll_fem.signals.estimators import read_curve
+from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.transmissibility import transmissibility
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ def run_sweep(case: Case, *, progress: Progress, checkpoint: Path | None = None,
     curve = transmissibility(history, motion)  # type: ignore[arg-type]
     dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
-    read = read_curve(curve["frequency"].values, T, case.output.damping)
-    for text in (sweep_warning(motion, read.shape), *read.doubts):  # type: ignore[arg-type]
+    read = estimate_damping(curve["frequency"].values, T, case.output.damping)
+    for text in (sweep_warning(motion, read.shape), *read.warnings):  # type: ignore[arg-type]
         if text:
             progress.warning(text)
     return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope"))

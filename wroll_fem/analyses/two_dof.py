@@ -11,7 +11,7 @@ import xarray as xr
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.estimators import Reading, lower_bound, read_curve
+from wroll_fem.signals.estimators import CurveDamping, estimate_damping, lower_bound
 from wroll_fem.two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
 
 if TYPE_CHECKING:
@@ -59,9 +59,9 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
     started = time.perf_counter()
     with progress.stage("two masses", len(capacities)) as stage:
         found = response_map(model, capacities, omegas, method=section.method, on_done=stage.update)
-    reads = [read_curve(*response.refined, case.output.damping) for response in found]
+    reads = [estimate_damping(*response.refined, case.output.damping) for response in found]
     for capacity, read in zip(capacities, reads, strict=True):
-        for text in () if read.damping.found else read.doubts:
+        for text in () if read.damping.found else read.warnings:
             progress.warning(f"friction capacity {capacity:g} N: {text}".replace(" Hz", " rad/s"))
     dataset = _curves(model, section, omegas, found, reads)
     if section.design_space is not None:
@@ -85,7 +85,7 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
 
 
 def _curves(
-    model: TwoMasses, section: TwoDof, omegas: np.ndarray, found: list[Response], read: list[Reading]
+    model: TwoMasses, section: TwoDof, omegas: np.ndarray, found: list[Response], read: list[CurveDamping]
 ) -> xr.Dataset:
     grid, line = ("friction_capacity", "omega"), "friction_capacity"
     shapes, damping = [r.shape for r in read], [r.damping for r in read]
@@ -100,7 +100,7 @@ def _curves(
         "omega_low": (line, np.array([r.f_low for r in shapes])),
         "omega_high": (line, np.array([r.f_high for r in shapes])),
         "skewness": (line, np.array([r.skewness for r in shapes])),
-        "omega_stuck": (line, np.array([model.pressed(c).stuck_frequency for c in section.friction_capacity])),
+        "omega_stuck": (line, np.array([model.preloaded(c).stuck_frequency for c in section.friction_capacity])),
         "reading_note": (line, np.array([(r.reason or r.note).replace(" Hz", " rad/s") for r in shapes])),
     }
     attrs: dict[str, Any] = {}

@@ -1,1 +1,1 @@
-"""The homogenised solid coil without slip: shear stress of its modes, response, where it would slip."""
+"""Homogenised solid coil without slip ("coiled stiff"): shear stress of its modes, response, predicted slip."""

@@ -1,58 +1,74 @@
-"""Shear stress of a solid coil in the bending modes of the Fourier model, at quadrature points around the axis."""
+"""Interlayer shear stress of a solid coil in the bending modes of the semi-analytical Fourier model."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
-from wroll_fem.fem.fourier import COSINE, SINE
+from wroll_fem.fem.fourier import COSINE, SINE, FourierModel
 from wroll_fem.fem.fourier_modes import lowest_modes
 from wroll_fem.fem.fourier_roll import FourierRoll
-from wroll_fem.mesh.axisymmetric import RollSection, plain_section
+from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
 from wroll_fem.structure.materials import CylindricalOrthotropic
 from wroll_fem.typing import FloatArray
 
-if TYPE_CHECKING:
-    from wroll_fem.case import Case
-    from wroll_fem.fem.fourier import FourierModel
-
-
 GAUSS_POINTS = 2
-"""Per direction and cell of the case, as in the three-dimensional model."""
+"""Gauss points per direction and cell of the unrefined mesh, as in the three-dimensional model."""
 
 
-def shear_modes(case: Case) -> ShearModes:
-    """Modes along the excitation among the lowest `modal.count` of the roll, with their shear stress in the coil.
+def shear_modes(
+    roll: FourierRoll,
+    material: CylindricalOrthotropic,
+    quadrature_mesh: AxisymmetricMesh,
+    *,
+    count: int,
+    direction: int,
+    circumferential: int,
+) -> ShearModes:
+    """Modes along the excitation among the lowest modes of a roll, with their shear stress in the coil.
 
-    Only the modes of harmonic 1 answer a lateral base motion, and of each pair only the one along the excitation: the
-    others are left out. The stress is that of the refined section, taken at the quadrature points of the cells that
-    the case asks for: it is singular at the coil's lower inner edge, where the clamp ends, and how near points come to
-    that edge follows from `mesh.axial`, `mesh.radial` and their gradings alone. There are 2 x `mesh.circumferential`
-    stations around the axis (a multiple of four), of which four lie on the excitation's axis and its normal.
+    A lateral base motion excites only modes of circumferential wave number 1, and of each degenerate pair only the one
+    along the excitation. All other modes are omitted.
+
+    Parameters
+    ----------
+    roll
+        Roll with a solid coil.
+    material
+        Material of the coil.
+    quadrature_mesh
+        Unrefined mesh of the case. The stress is computed on the refined mesh of `roll` and evaluated at the Gauss
+        points of this mesh. The stress is singular at the lower inner edge of the coil, where the clamp ends, so the
+        distance of the points from that edge must not depend on the refinement.
+    count
+        Number of lowest modes of the roll to search.
+    direction
+        Direction of the base motion: 0 for x, 1 for y.
+    circumferential
+        Number of elements around the circumference of the equivalent three-dimensional mesh. The stress is evaluated
+        at twice as many angles, rounded up to a multiple of four, so that points lie on the axis of the excitation and
+        on its normal.
 
     Raises
     ------
     InputError
-        If the case has no solid coil, or none of the modes moves sideways.
+        If none of the modes has wave number 1.
+    WrollError
+        If the eigensolver misses modes or does not converge.
     """
-    if case.coil.model != "solid":
-        raise InputError("the shear stress is that of a solid coil", key="coil.model", remedy="use coil.model: solid")
-    roll = FourierRoll(case)
-    modes = [mode for mode in lowest_modes(roll, case.modal.count) if mode.family.harmonic == 1]
+    modes = [mode for mode in lowest_modes(roll, count) if mode.symmetry.wave_number == 1]
     if not modes:
         raise InputError(
-            f"none of the lowest {case.modal.count} modes moves along the excitation", key="modal.count",
-            remedy="take more modes",
+            f"none of the lowest {count} modes moves along the excitation", key="modal.count",
+            remedy="increase modal.count",
         )  # fmt: skip
-    turn = 0.5 * np.pi if case.excitation.direction == "y" else 0.0
-    r, z, area = _quadrature(plain_section(case))
-    stations = 4 * -(-case.mesh.circumferential // 2)
+    turn = 0.5 * np.pi if direction == 1 else 0.0
+    r, z, area = _quadrature(quadrature_mesh)
+    stations = 4 * -(-circumferential // 2)
     theta = np.pi * (2 * (np.arange(stations) + 1) / stations - 1)
-    material, points = case.coil.material.solid(), np.column_stack([r, z])
-    fields = [section_shear(roll.model, mode.values, material, 1, points) for mode in modes]
+    points = np.column_stack([r, z])
+    fields = [shear_amplitudes(roll.model, mode.values, material, 1, points) for mode in modes]
     cosine, sine = np.cos(theta - turn), np.sin(theta - turn)
     return ShearModes(
         frequencies_hz=np.array([mode.frequency_hz for mode in modes]),
@@ -67,21 +83,27 @@ def shear_modes(case: Case) -> ShearModes:
     )
 
 
-def section_shear(
+def shear_amplitudes(
     model: FourierModel, values: FloatArray, material: CylindricalOrthotropic, harmonic: int, points: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Amplitudes of srz (cos m theta) and srt (sin m theta) at points of the coil, Pa.
+    """Amplitudes of srz (cos m theta) and srt (sin m theta) at points of the coil.
 
     Parameters
     ----------
+    model
+        Finite elements of the half plane.
     values
-        (n_nodes, 3) nodal [U, V, W], m.
+        (n_nodes, 3) nodal displacement amplitudes [U, V, W], m.
+    material
+        Material of the coil.
+    harmonic
+        Circumferential wave number m.
     points
-        (p, 2) [r, z], m.
+        (p, 2) coordinates [r, z], m.
 
     Returns
     -------
-    srz, srt : (p,)
+    srz, srt : (p,) Pa
     """
     at, gradient = model.evaluate(values, points)
     r, C = points[:, 0], material.stiffness()
@@ -93,11 +115,11 @@ def section_shear(
     return C[4, COSINE] @ np.stack([rr, tt, zz, rz]), C[5, SINE] @ np.stack([tz, rt])
 
 
-def _quadrature(section: RollSection) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gauss points r, z (p,) of the coil's cells and the area in m^2 that each stands for."""
+def _quadrature(mesh: AxisymmetricMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coordinates r and z (p,) in m and weights (p,) in m^2 of the Gauss points of the coil's cells."""
     x, w = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     at, weight = [], []
-    for borders in (section.radii[section.wall_cells :], section.heights):
+    for borders in (mesh.radii[mesh.wall_cells :], mesh.heights):
         size = np.diff(borders)[:, None]
         at.append((borders[:-1, None] + 0.5 * size * (x + 1)).ravel())
         weight.append((0.5 * size * w).ravel())

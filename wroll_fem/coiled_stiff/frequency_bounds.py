@@ -1,4 +1,4 @@
-"""The loosest coil whose roll still bends in its lowest mode (thesis, section 2.5), in harmonics around the axis."""
+"""Softest coil with which bending is still the fundamental mode of the roll (thesis, section 2.5)."""
 
 from __future__ import annotations
 
@@ -9,117 +9,135 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.fem.fourier_modes import FourierMode, family_modes, lowest_modes
-from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, Family, FourierRoll
+from wroll_fem.fem.fourier_modes import FourierMode, lowest_modes, symmetry_class_modes
+from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, SymmetryClass
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
-"""Pa: next to nothing beside any web. A coil that leaves bending the fundamental mode down to here has no limit."""
+"""Lower end of the search for the interlayer shear modulus, Pa; if bending is lowest even here, there is no limit."""
 
-_TOLERANCE = 1e-8  # of ln G
-_REACH = 2.5  # first interval over the gap at its start; 2 would meet the zero where the gap has the slope 1/2
-_ASIDE = 1e-3  # step above the crossing at which the fundamental mode is looked up, in the shear modulus
+_TOLERANCE = 1e-8  # absolute tolerance of ln G
+_REACH = 2.5  # length of the first interval per gap at its start; with the slope 1/2 the zero is at 2
+_OFFSET = 1e-3  # relative increase of the shear modulus above the crossing at which the fundamental mode is checked
 
 
 @dataclass(frozen=True)
-class LooseCoil:
-    """Coil of the lowest shear modulus between wraps that leaves bending the fundamental mode.
+class SoftestCoil:
+    """Coil with the lowest interlayer shear modulus for which bending is the fundamental mode.
 
     Attributes
     ----------
     shear_modulus
-        G_r_theta = G_r_z, Pa.
+        Interlayer shear modulus G_r_theta = G_r_z, Pa.
     bending
-        Bending mode there.
-    tightest
-        Bending mode of the roll with the tightest coil.
-    rival
-        Kind of the mode that takes its place below: "torsion" or "axial" shear of the coil, or "ovalling-n"; "" when
-        bending stays the fundamental mode down to `LOWEST_MODULUS` (a coil clamped at its base).
+        Bending mode of the roll with this coil.
+    stiffest
+        Bending mode of the roll with the stiffest coil.
+    competing_kind
+        Kind of the mode that is lower than bending for softer coils: "torsion" or "axial" (shear of the coil) or
+        "ovalling-n"; "" if bending is the fundamental mode down to `LOWEST_MODULUS` (a coil clamped at its base).
     """
 
     shear_modulus: float
     bending: FourierMode
-    tightest: FourierMode
-    rival: str
+    stiffest: FourierMode
+    competing_kind: str
 
 
 def with_shear_modulus(material: CylindricalOrthotropic, G: float) -> CylindricalOrthotropic:
-    """Same web with another shear modulus between wraps, G_r_theta = G_r_z, Pa."""
+    """Copy of a material with the interlayer shear modulus G = G_r_theta = G_r_z, Pa.
+
+    Raises
+    ------
+    InputError
+        If the material with this modulus is not admissible.
+    """
     return replace(material, G_r_theta=G, G_r_z=G)
 
 
 def fundamental(roll: FourierRoll) -> FourierMode:
-    """Lowest mode of a roll over all harmonics."""
+    """Fundamental mode of a roll: the lowest over all circumferential wave numbers.
+
+    Raises
+    ------
+    WrollError
+        If the eigensolver fails.
+    """
     return lowest_modes(roll, 1)[0]
 
 
-def loosest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> LooseCoil | None:
-    """Lower the shear modulus between wraps until another mode is as low as bending.
+def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> SoftestCoil | None:
+    """Reduce the interlayer shear modulus until the frequency of another mode falls to that of bending.
 
     Parameters
     ----------
     roll
-        Roll with a solid coil; it is left with the loosest one.
+        Roll with a solid coil; on return it has the softest coil.
     material
-        The tightest coil considered.
+        Material of the stiffest coil.
 
     Returns
     -------
-    LooseCoil or None
-        None if bending is not the fundamental mode of the tightest coil either.
+    SoftestCoil or None
+        None if bending is not the fundamental mode with the stiffest coil either.
 
     Raises
     ------
     ConvergenceError
-        If the crossing is not found.
+        If the crossing of the two frequencies is not found.
 
     Notes
     -----
-    Bending is the lowest mode of m = 1. A soft coil's own lowest motions are uniform shear on the wall, around or along
-    the axis, near sqrt(G / rho) / (4 t): they fall with sqrt(G) while bending hardly changes, so they cross once. Modes
-    of other harmonics are looked up at the crossing and, if one lies lower, take part in the next search.
+    Bending is the lowest mode with wave number 1. The lowest modes of a soft coil are uniform shear around or along the
+    axis, near sqrt(G / rho) / (4 t). They decrease with sqrt(G) while bending hardly changes, so the frequencies cross
+    once. The modes of all other wave numbers are checked at the crossing; if one is lower than bending, it is included
+    in a further search.
     """
     roll.set_coil(material)
     first = fundamental(roll)
-    if first.family != BENDING:
+    if first.symmetry != BENDING:
         return None
-    rivals: list[Family] = [TORSION, AXIAL]
+    competing: list[SymmetryClass] = [TORSION, AXIAL]
     while True:
         found: dict[float, tuple[FourierMode, FourierMode]] = {}
 
-        def gap(log_modulus: float, rivals: list[Family] = rivals, found: dict = found) -> float:
+        def gap(log_modulus: float, competing: list[SymmetryClass] = competing, found: dict = found) -> float:
             if log_modulus not in found:
                 roll.set_coil(with_shear_modulus(material, float(np.exp(log_modulus))))
-                bending = family_modes(roll, BENDING, 1)[0]
-                rival = min((family_modes(roll, f, 1)[0] for f in rivals), key=lambda mode: mode.frequency_hz)
-                found[log_modulus] = bending, rival
-            bending, rival = found[log_modulus]
-            return float(np.log(rival.frequency_hz / bending.frequency_hz))
+                bending = symmetry_class_modes(roll, BENDING, 1)[0]
+                other = min(
+                    (symmetry_class_modes(roll, f, 1)[0] for f in competing), key=lambda mode: mode.frequency_hz
+                )
+                found[log_modulus] = bending, other
+            bending, other = found[log_modulus]
+            return float(np.log(other.frequency_hz / bending.frequency_hz))
 
-        thickness = roll.model.section.radii[-1] - roll.model.section.wall_radius
+        thickness = roll.model.half_plane.radii[-1] - roll.model.half_plane.wall_radius
         estimate = float(np.log(material.rho * (4 * thickness * first.frequency_hz) ** 2))
         root = _crossing(gap, estimate, float(np.log(max(material.G_r_theta, material.G_r_z))))
         G = float(np.exp(root))
-        roll.set_coil(with_shear_modulus(material, G * (1 + _ASIDE)))
+        roll.set_coil(with_shear_modulus(material, G * (1 + _OFFSET)))
         lowest = fundamental(roll)
         roll.set_coil(with_shear_modulus(material, G))
-        if lowest.family == BENDING or lowest.family in rivals:
-            bending, rival = found[root]
-            unlimited = rival.frequency_hz > bending.frequency_hz * (1 + _ASIDE)
-            return LooseCoil(G, bending, first, "" if unlimited else rival.kind)
-        rivals = [*rivals, lowest.family]
+        if lowest.symmetry == BENDING or lowest.symmetry in competing:
+            bending, other = found[root]
+            unlimited = other.frequency_hz > bending.frequency_hz * (1 + _OFFSET)
+            return SoftestCoil(G, bending, first, "" if unlimited else other.kind)
+        competing = [*competing, lowest.symmetry]
 
 
 def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
-    """Zero of a growing function below ``top``, or the lowest modulus where the function is still positive there.
+    """Zero of an increasing function below ``top``; ln `LOWEST_MODULUS` if the function is positive even there.
 
     Parameters
     ----------
     gap
-        ln(rival / bending frequency) by ln G.
+        Logarithm of the ratio of competing to bending frequency, as a function of ln G.
     start
-        Estimate of the zero. A shear frequency grows as sqrt(G), so the zero is about 2 gap(start) below it.
+        Estimate of the zero. Shear frequencies are proportional to sqrt(G), so the zero is about 2 gap(start) below
+        it.
+    top
+        Upper end of the search, ln of the interlayer shear modulus of the stiffest coil.
 
     Raises
     ------
@@ -134,7 +152,7 @@ def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
         high = top
         if gap(high) < 0:
             raise ConvergenceError(
-                "bending stops being the fundamental mode above the coil's own shear modulus", time_s=None,
+                "bending is not the fundamental mode at the interlayer shear modulus of the stiffest coil", time_s=None,
                 iterations=3, residual_history=[], advice="give design_map.loosest as a shear modulus in Pa",
             )  # fmt: skip
     if gap(low) > 0:

@@ -1,4 +1,4 @@
-"""Response of a linear structure to a sine of its base in a basis of its modes: exact in time.
+"""Response of a linear structure to a sinusoidal base acceleration by modal superposition, exact in time.
 
 With mass-normalised modes, participation Gamma_k = phi_k^T M i and displacements relative to the base,
 
@@ -9,7 +9,7 @@ has the solution (complex amplitude Q_k, damped frequency w_d = w_k sqrt(1 - zet
     q_k(t) = Im(Q_k e^(i W t)) + e^(-zeta w_k t) (a_k cos w_d t + b_k sin w_d t),
     Q_k = -Gamma_k A / (w_k^2 - W^2 + 2 i zeta w_k W),    a_k = -Im Q_k,    b_k = (zeta w_k a_k - W Re Q_k) / w_d
 
-so there is no time step to choose: histories are evaluated where they are wanted. FEM-free.
+so there is no time step: histories are evaluated at any given times.
 """
 
 from __future__ import annotations
@@ -25,18 +25,20 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY_CHANGE = 1e-4
-"""Steady when the tip's motion changes by less than this share of its amplitude from one cycle to the next.
+"""Largest change of the tip motion from one cycle to the next, relative to its amplitude, in the steady state.
 
-The transient decays at least as fast as e^(-zeta w_1 t), so at resonance what is left to come is about
+The transient decays at least as fast as e^(-zeta w_1 t), so at resonance the remaining change is about
 STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
 """
 
 SAMPLES_PER_CYCLE = 64
+"""Samples per cycle of the stored history."""
 MOST_CYCLES = 20_000
+"""Number of cycles after which the search for the steady state stops with an error."""
 
 
 class ModalState(NamedTuple):
-    """Modal coordinates (m sqrt(kg)) and their rates, (n_modes, n_times) each."""
+    """Modal coordinates (m sqrt(kg)) and their first and second time derivatives, (n_modes, n_times) each."""
 
     coordinate: FloatArray
     velocity: FloatArray
@@ -45,16 +47,21 @@ class ModalState(NamedTuple):
 
 @dataclass(frozen=True)
 class Oscillators:
-    """Modes as independent oscillators under a sine of the base.
+    """Modes as independent oscillators under a sinusoidal base acceleration.
 
     Attributes
     ----------
     frequencies_hz
-        (n_modes,) undamped natural frequencies, Hz, greater than zero.
+        (n_modes,) undamped natural frequencies, Hz, above 0.
     participation
-        (n_modes,) phi^T M i, sqrt(kg), mass-normalised modes.
+        (n_modes,) modal participation phi^T M i of mass-normalised modes, sqrt(kg).
     damping_ratio
-        Share of critical damping of every mode, 0 < zeta < 1.
+        Damping ratio of every mode, 0 < zeta < 1.
+
+    Raises
+    ------
+    InputError
+        If the damping ratio or a frequency is out of range.
     """
 
     frequencies_hz: FloatArray
@@ -64,12 +71,12 @@ class Oscillators:
     def __post_init__(self) -> None:
         if not 0.0 < self.damping_ratio < 1.0:
             raise InputError(
-                f"must lie between 0 and 1, got {self.damping_ratio:g}", key="damping_ratio", remedy="0.02 is 2 %"
+                f"must lie between 0 and 1, got {self.damping_ratio:g}", key="damping_ratio", remedy="use 0.02 for 2 %"
             )
         if not np.all(np.asarray(self.frequencies_hz) > 0.0):
             raise InputError(
-                f"the lowest frequency is {np.min(self.frequencies_hz):g} Hz: a motion without strain has no steady "
-                "state", remedy="hold the structure at its base",
+                f"the lowest frequency is {np.min(self.frequencies_hz):g} Hz: a rigid-body motion has no steady state",
+                remedy="clamp the structure at its base",
             )  # fmt: skip
 
     @property
@@ -77,20 +84,40 @@ class Oscillators:
         return np.asarray(2.0 * np.pi * np.asarray(self.frequencies_hz))
 
     def steady(self, frequency_hz: float, amplitude: float = 1.0) -> ComplexArray:
-        """(n_modes,) complex amplitudes Q of q = Im(Q e^(i W t)), m sqrt(kg), under `amplitude` sin W t (m/s^2)."""
+        """Steady-state modal amplitudes under the base acceleration A sin W t.
+
+        Parameters
+        ----------
+        frequency_hz
+            Frequency of the base acceleration, Hz.
+        amplitude
+            Amplitude A of the base acceleration, 0-peak, m/s^2.
+
+        Returns
+        -------
+        (n_modes,) complex amplitudes Q of q = Im(Q e^(i W t)), m sqrt(kg)
+        """
         omega, driven = self._omega, 2.0 * np.pi * frequency_hz
         stiffness = omega**2 - driven**2 + 2j * self.damping_ratio * omega * driven
         return np.asarray(-amplitude * np.asarray(self.participation) / stiffness)
 
     def from_rest(self, times: FloatArray, frequency_hz: float, amplitude: float = 1.0) -> ModalState:
-        """Motion from rest at t = 0, at any `times` (n_times,) in s; see the module's equations."""
+        """Motion from rest at t = 0; the equations are in the docstring of the module.
+
+        Parameters
+        ----------
+        times
+            (n_times,) times at which the motion is evaluated, s.
+        frequency_hz, amplitude
+            Frequency (Hz) and amplitude (0-peak, m/s^2) of the base acceleration.
+        """
         driven = 2.0 * np.pi * frequency_hz
         omega = self._omega[:, None]
         decay, damped = self.damping_ratio * omega, omega * math.sqrt(1.0 - self.damping_ratio**2)
         forced = self.steady(frequency_hz, amplitude)[:, None]
         a = -forced.imag
         b = (decay * a - driven * forced.real) / damped
-        # a cos + b sin as the imaginary part of one complex exponential; derivatives are then products
+        # a cos + b sin is the imaginary part of one complex exponential, so derivatives are products
         rate = -decay + 1j * damped
         free = (b + 1j * a) * np.exp(rate * times)
         steady = forced * np.exp(1j * driven * times)
@@ -103,10 +130,21 @@ class Oscillators:
     def change_per_cycle(
         self, cycles: npt.NDArray[np.int64], frequency_hz: float, amplitude: float = 1.0
     ) -> FloatArray:
-        """(n_modes, n_cycles) by how much each mode's motion changes over the cycle that ends with each of `cycles`.
+        """Change of the motion of each mode over given cycles.
 
-        Amplitude, from displacement and velocity, of q(t) - q(t - T): it falls by e^(-zeta w T) per cycle and has no
-        zeros, however the phase of the transient drifts against the base.
+        It is the amplitude, from displacement and velocity, of q(t) - q(t - T). It decays by e^(-zeta w T) per cycle
+        and has no zeros, whatever the phase of the transient.
+
+        Parameters
+        ----------
+        cycles
+            (n_cycles,) numbers of the cycles, counted from 1.
+        frequency_hz, amplitude
+            Frequency (Hz) and amplitude (0-peak, m/s^2) of the base acceleration.
+
+        Returns
+        -------
+        (n_modes, n_cycles) change over the cycle that ends after each number of cycles, m sqrt(kg)
         """
         ends = np.asarray(cycles) / frequency_hz
         now = self.from_rest(ends, frequency_hz, amplitude)
@@ -118,16 +156,16 @@ class Oscillators:
 
 
 class SteadyRun(NamedTuple):
-    """History from rest until the motion is steady.
+    """History from rest to the steady state.
 
     Attributes
     ----------
     time
-        (n,) s, `SAMPLES_PER_CYCLE` per cycle from 0 on; the last cycle is the first steady one.
+        (n,) times, s, `SAMPLES_PER_CYCLE` per cycle from 0; the last cycle is the first one in the steady state.
     state
-        Modal coordinates and rates there.
+        Modal coordinates and their time derivatives at these times.
     change
-        (n_cycles,) change of the tip's motion over each cycle over its steady amplitude.
+        (n_cycles,) change of the tip motion over each cycle, relative to its steady amplitude.
     """
 
     time: FloatArray
@@ -136,7 +174,7 @@ class SteadyRun(NamedTuple):
 
     @property
     def last_cycle(self) -> slice:
-        """Samples of the last cycle, both ends included."""
+        """Indices of the samples of the last cycle, both ends included."""
         return slice(-SAMPLES_PER_CYCLE - 1, None)
 
 
@@ -148,38 +186,38 @@ def run_to_steady_state(
     *,
     tolerance: float = STEADY_CHANGE,
 ) -> SteadyRun:
-    """Shake the base from rest until the tip's motion repeats.
+    """Integrate the motion from rest until the tip motion is periodic.
 
     Parameters
     ----------
     oscillators
-        The modes.
+        Modes of the structure.
     tip
         (n_modes,) tip displacement per modal coordinate, 1/sqrt(kg).
     frequency_hz, amplitude
-        Sine of the base acceleration, Hz and m/s^2 (0-peak).
+        Frequency (Hz) and amplitude (0-peak, m/s^2) of the base acceleration.
     tolerance
-        Largest change from one cycle to the next, the modes' changes added up as they move the tip, over the tip's
-        steady amplitude.
+        Largest change from one cycle to the next: the sum over the modes of the change of the tip displacement,
+        relative to the steady amplitude of the tip.
 
     Raises
     ------
     InputError
-        When no mode moves the tip.
+        If no mode moves the tip.
     ConvergenceError
-        After `MOST_CYCLES` cycles.
+        If the motion is not periodic after `MOST_CYCLES` cycles.
     """
     largest = abs(np.asarray(tip) @ oscillators.steady(frequency_hz, amplitude))
     if not largest > 0.0:
         raise InputError(
             "no mode moves the tip along the excitation", key="modal.count",
-            remedy="take more modes, or change excitation.direction",
+            remedy="increase modal.count, or change excitation.direction",
         )  # fmt: skip
     change = np.zeros(0)
     while not np.any(change < tolerance):
         if change.size >= MOST_CYCLES:
             raise ConvergenceError(
-                "no steady state", time_s=change.size / frequency_hz, iterations=change.size,
+                "no steady state reached", time_s=change.size / frequency_hz, iterations=change.size,
                 residual_history=[float(c) for c in change[-5:]],
                 advice="raise damping_ratio, or lower excitation.frequency",
             )  # fmt: skip
@@ -192,6 +230,16 @@ def run_to_steady_state(
 
 
 def steady_transmissibility(oscillators: Oscillators, tip: FloatArray, frequency_hz: float) -> complex:
-    """Absolute tip acceleration over base acceleration in the steady state: 1 - W^2 sum of tip_k Q_k / A."""
+    """Ratio of absolute tip acceleration to base acceleration in the steady state: 1 - W^2 sum_k tip_k Q_k / A.
+
+    Parameters
+    ----------
+    oscillators
+        Modes of the structure.
+    tip
+        (n_modes,) tip displacement per modal coordinate, 1/sqrt(kg).
+    frequency_hz
+        Frequency of the base acceleration, Hz.
+    """
     driven = 2.0 * np.pi * frequency_hz
     return complex(1.0 - driven**2 * (np.asarray(tip) @ oscillators.steady(frequency_hz)))

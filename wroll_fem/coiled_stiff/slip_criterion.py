@@ -1,7 +1,7 @@
-"""Where a solid coil would slip: shear resultant over a steady cycle against the friction capacity. FEM-free.
+"""Slip criterion of a solid coil: shear resultant over a steady cycle compared with the friction capacity.
 
-The model is linear ("coiled stiff"): stresses grow in proportion to the base acceleration, so each point has one
-level, its onset, from which on it would slip. Slip itself is not followed: stresses do not redistribute.
+The model is linear ("coiled stiff"): stresses are proportional to the base acceleration, so each point has one level of
+the base acceleration, its onset level, above which it slips. Slip does not redistribute the stresses.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from wroll_fem.typing import ComplexArray, FloatArray
 
 
 class ShearPerG(NamedTuple):
-    """Steady shear stress at every point of the coil under 1 g (0-peak) of base acceleration, (n_points,) each, Pa.
+    """Steady-state shear stress in the coil under a base acceleration of 1 g (0-peak), (n_points,) each, Pa.
 
     Attributes
     ----------
     srz, srt
         Complex amplitudes S of Im(S e^(i W t)).
     resultant
-        Largest sqrt(srz^2 + srt^2) in the cycle.
+        Maximum over the cycle of sqrt(srz^2 + srt^2).
     """
 
     srz: ComplexArray
@@ -34,10 +34,10 @@ class ShearPerG(NamedTuple):
 
 
 def cycle_maximum(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Largest length over a cycle of the vector with components Im(first e^(i W t)), Im(second e^(i W t)).
+    """Maximum over a cycle of the magnitude of a vector with components Im(first e^(i W t)) and Im(second e^(i W t)).
 
-    The end of the vector runs on an ellipse; its squared length is a constant plus a cosine of 2 W t, whose largest
-    value is (|first|^2 + |second|^2 + |first^2 + second^2|) / 2, half axis squared.
+    The vector describes an ellipse. Its squared magnitude is a constant plus a cosine of 2 W t, with the maximum
+    (|first|^2 + |second|^2 + |first^2 + second^2|) / 2, the square of the major semi-axis.
     """
     first, second = np.asarray(first), np.asarray(second)
     mean = np.abs(first) ** 2 + np.abs(second) ** 2
@@ -45,34 +45,44 @@ def cycle_maximum(first: ComplexArray, second: ComplexArray) -> FloatArray:
 
 
 def shear_per_g(modes: ShearModes, oscillators: Oscillators, frequency_hz: float) -> ShearPerG:
-    """Steady shear stress under 1 g of base acceleration at `frequency_hz`."""
+    """Steady-state shear stress in the coil under a base acceleration of 1 g.
+
+    Parameters
+    ----------
+    modes
+        Modes with their shear stress.
+    oscillators
+        The same modes as oscillators.
+    frequency_hz
+        Frequency of the base acceleration, Hz.
+    """
     amplitudes = oscillators.steady(frequency_hz, GRAVITY)
     srz, srt = amplitudes @ modes.srz, amplitudes @ modes.srt
     return ShearPerG(srz, srt, cycle_maximum(srz, srt))
 
 
 def slips(resultant: FloatArray, capacity: FloatArray) -> npt.NDArray[np.bool_]:
-    """Slip where the shear resultant exceeds the capacity; equality is no slip (eqs 2.17, 2.18 of the source)."""
+    """Mask of the points whose shear resultant exceeds the friction capacity (thesis, equations 2.17 and 2.18)."""
     return np.asarray(resultant > capacity)
 
 
 def onset_levels(resultant_per_g: FloatArray, capacity: FloatArray) -> FloatArray:
-    """(n_points,) base acceleration in g above which each point slips; infinite where nothing shears it."""
+    """(n_points,) base acceleration above which each point slips, g; infinite at points without shear stress."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(resultant_per_g > 0.0, capacity / resultant_per_g, np.inf)
 
 
 class SlipZone(NamedTuple):
-    """How far slip reaches at one level; zeros where nothing slips.
+    """Extent of the slip zone at one level of the base acceleration; zeros without slip.
 
     Attributes
     ----------
     volume_fraction
-        Share of the coil's volume that slips.
+        Fraction of the volume of the coil that slips.
     height
-        Height above the base of the highest slipping point, m.
+        Height of the highest slipping point above the base, m.
     depth
-        Distance from the mandrel's surface to the outermost slipping point, m.
+        Distance of the outermost slipping point from the surface of the mandrel, m.
     """
 
     volume_fraction: float
@@ -81,7 +91,17 @@ class SlipZone(NamedTuple):
 
 
 def slip_zone(modes: ShearModes, slipping: npt.NDArray[np.bool_], mandrel_radius: float) -> SlipZone:
-    """Extent of the points that slip; `mandrel_radius` (m) is where the coil begins."""
+    """Extent of the slip zone.
+
+    Parameters
+    ----------
+    modes
+        Modes with the quadrature points of the coil.
+    slipping
+        (n_points,) mask of the slipping points.
+    mandrel_radius
+        Outer radius of the mandrel, m.
+    """
     if not slipping.any():
         return SlipZone(0.0, 0.0, 0.0)
     fraction = float(modes.volumes[slipping].sum() / modes.volumes.sum())
@@ -90,9 +110,9 @@ def slip_zone(modes: ShearModes, slipping: npt.NDArray[np.bool_], mandrel_radius
 
 
 def driven_mode(modes: ShearModes) -> int:
-    """Mode that a base at "resonance" drives: the one with the largest effective mass along the excitation.
+    """Index of the mode excited with `frequency: resonance`: that of the largest effective mass along the excitation.
 
-    For a cantilevered roll this is the first bending mode, also where modes of torsion or axial shear, which the base
-    hardly moves, lie below it.
+    For a cantilevered roll this is the first bending mode, even if modes of torsion or axial shear, which the base
+    motion hardly excites, have lower frequencies.
     """
     return int(np.argmax(np.asarray(modes.participation) ** 2))

@@ -1,63 +1,64 @@
-r"""Shear stress of the solid coil in its modes, at quadrature points.
+r"""Interlayer shear stress of a solid coil in the modes of the three-dimensional model.
 
-srz = G_rz gamma_rz and srt = G_rt gamma_rt are taken at the 2 x 2 x 2 Gauss points of each 27-node hex. There the
-strain of a quadratic element is one order more accurate than elsewhere in it (Barlow's points), and it is what the
-stiffness itself sees: the rest of the strain has only the small weight alpha (`solid`).
+srz = G_rz gamma_rz and srt = G_rt gamma_rt are evaluated at the 2 x 2 x 2 Gauss points of each 27-node hexahedron. At
+these points (Barlow points) the strain of a quadratic element is one order more accurate than elsewhere.
 
 References
 ----------
 J. Barlow (1976), doi:10.1002/nme.1620100202 (optimal stress locations);
-thesis, section 2.4, eq 2.17 (the two components that make wraps slip).
+thesis, section 2.4, equation 2.17 (the two components that cause slip between wraps).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
-from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
-from wroll_fem.coiled_stiff.stress_modes import ShearModes
-from wroll_fem.errors import InputError
+from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh.shells import VTK_GRID
-from wroll_fem.structure.mode_shapes import align_pairs, are_twins, classify_mode
+from wroll_fem.structure.body import Body, SolidPart
+from wroll_fem.structure.materials import CylindricalOrthotropic
+from wroll_fem.structure.mode_shapes import align_pairs, are_degenerate, classify_mode
 from wroll_fem.typing import FloatArray
 
-if TYPE_CHECKING:
-    from wroll_fem.case import Case
-    from wroll_fem.structure.body import SolidPart
-
-
 GAUSS_POINTS = 2
-"""Per direction and hex."""
+"""Gauss points per direction and hexahedron."""
 
-_CELLS_AT_ONCE = 512  # bounds the memory of the gradients
+_CELLS_AT_ONCE = 512  # limits the memory for the gradients
 
 
-def shear_modes(case: Case) -> ShearModes:
-    """Lowest `modal.count` modes of the roll and the shear stress that each makes in its coil.
+def shear_modes(bodies: Sequence[Body], material: CylindricalOrthotropic, *, count: int, direction: int) -> ShearModes:
+    """Lowest modes of a roll and the shear stress of each in its solid coil.
 
-    The twin of the last one is taken too: the direction of half a pair would be arbitrary.
+    Parameters
+    ----------
+    bodies
+        The mandrel with the solid coil bonded to it, whole circumference (no symmetry plane).
+    material
+        Material of the coil.
+    count
+        Number of modes. If the last one is half of a degenerate pair, its partner is added, because the direction of
+        a single mode of a pair is arbitrary.
+    direction
+        Direction of the base motion: 0 for x, 1 for y.
 
     Raises
     ------
     InputError
-        If the case has no solid coil.
+        If the mandrel carries no solid coil.
+    WrollError
+        If the eigensolver misses modes or does not converge.
     """
-    if case.coil.model != "solid":
-        raise InputError("the shear stress is that of a solid coil", key="coil.model", remedy="use coil.model: solid")
-    bodies = build_bodies(case, symmetric=False)
     body = bodies[0]
-    assert body.solid is not None  # the coil model above
-    count = case.modal.count
+    if body.solid is None:
+        raise needs_solid_coil()
     pairs = solve_pairs(body.stiffness, body.mass, min(count + 1, body.n_dofs), sigma=DEFAULT_SHIFT)
     frequencies = np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi)
     vectors = align_pairs(frequencies, pairs.vectors, body.mass, body.influence)
-    kept = count + 1 if len(frequencies) > count and are_twins(frequencies, count - 1) else count
+    kept = count + 1 if len(frequencies) > count and are_degenerate(frequencies, count - 1) else count
     frequencies, vectors = frequencies[:kept], vectors[:, :kept]
-    direction = DIRECTIONS[case.excitation.direction]
-    material = case.coil.material.solid()
     points, volumes, rz, rt = coil_shear_strain(body.solid, body.solid.expand @ vectors)
     return ShearModes(
         frequencies_hz=frequencies,
@@ -75,22 +76,22 @@ def shear_modes(case: Case) -> ShearModes:
 def coil_shear_strain(
     part: SolidPart, displacements: FloatArray, gauss_points: int = GAUSS_POINTS
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Engineering shear strains rz and rt of nodal displacements, at Gauss points.
+    """Engineering shear strains rz and rt at the Gauss points of a solid coil.
 
     Parameters
     ----------
     part
         Mesh of the coil.
     displacements
-        (3 n_nodes, n_fields), node-major [ux, uy, uz], m.
+        (3 n_nodes, n_fields) nodal displacements, node-major [ux, uy, uz], m.
     gauss_points
-        Per direction and hex.
+        Gauss points per direction and hexahedron.
 
     Returns
     -------
-    points : (n, 3) theta in (-pi, pi] rad, z m, r m.
-    volumes : (n,) m^3.
-    rz, rt : (n_fields, n)
+    points : (n, 3) coordinates theta in (-pi, pi] (rad), z (m), r (m).
+    volumes : (n,) volume of each point, m^3.
+    rz, rt : (n_fields, n) shear strains.
     """
     local, weights = _gauss_points(gauss_points)
     N, dN = quadratic_basis(local)
@@ -118,7 +119,7 @@ def coil_shear_strain(
 
 
 def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(n, 27) values and (n, 27, 3) derivatives of the quadratic basis of the unit cube, in VTK's order."""
+    """Values (n, 27) and derivatives (n, 27, 3) of the quadratic basis of the unit cube at points (n, 3); VTK order."""
     s = np.asarray(points, float)[:, None, :]
     line = np.concatenate([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)  # (n, 3 nodes, 3 axes)
     slope = np.concatenate([4 * s - 3, 4 - 8 * s, 4 * s - 1], axis=1)
@@ -134,7 +135,7 @@ def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _gauss_points(count: int) -> tuple[FloatArray, FloatArray]:
-    """Points (count^3, 3) and weights (count^3,) on the unit cube."""
+    """Gauss points (count^3, 3) and weights (count^3,) on the unit cube."""
     x, w = np.polynomial.legendre.leggauss(count)
     grid = np.stack(np.meshgrid(*[0.5 * (x + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     return grid, np.einsum("i,j,k->ijk", *[0.5 * w] * 3).ravel()

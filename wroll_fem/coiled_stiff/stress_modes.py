@@ -1,4 +1,4 @@
-"""Shear stress of a solid coil in its modes: what the finite-element models hand over. FEM-free."""
+"""Modes of a roll with the interlayer shear stress in its solid coil, independent of the finite-element model."""
 
 from __future__ import annotations
 
@@ -6,35 +6,49 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
+
+
+def needs_solid_coil() -> InputError:
+    """Error for a case whose coil model has no interlayer shear stress."""
+    return InputError(
+        "the interlayer shear stress is computed for a solid coil only", key="coil.model",
+        remedy="use coil.model: solid",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class ShearModes:
-    """Modes of a mandrel with a solid coil, and the shear stress that each makes in the coil.
+    """Modes of a mandrel with a solid coil and their shear stress in the coil.
 
-    The modes are normalised to unit modal mass; the modal coordinate has the unit m sqrt(kg).
+    The modes are normalised to unit modal mass; modal coordinates have the unit m sqrt(kg).
 
     Attributes
     ----------
     frequencies_hz
-        (n_modes,) natural frequencies, ascending, Hz.
+        (n_modes,) natural frequencies, Hz, ascending.
     participation
-        (n_modes,) phi^T M i along the excitation, sqrt(kg); its square is the effective mass.
+        (n_modes,) participation phi^T M i along the excitation, sqrt(kg); its square is the effective mass.
     tip
         (n_modes,) displacement of the tip along the excitation per modal coordinate, 1/sqrt(kg).
     points
-        (n_points, 3) theta in (-pi, pi] (rad, from the direction x), z (m, above the base), r (m): quadrature points
-        of the coil around the whole circumference.
+        (n_points, 3) quadrature points of the whole coil: theta in (-pi, pi] from the x direction (rad), z above the
+        base (m), r (m).
     volumes
-        (n_points,) volume that each point stands for, m^3; the sum is the volume of the coil.
+        (n_points,) volume of each point, m^3; the sum is the volume of the coil.
     srz, srt
-        (n_modes, n_points) shear stress on the cylinder through the point, along the axis and along the hoop,
-        Pa per modal coordinate.
+        (n_modes, n_points) axial and hoop component of the shear traction on cylindrical surfaces, Pa per modal
+        coordinate.
     mass_total
-        Mass of roll and tip, kg.
+        Mass of the roll, tip mass included, kg.
     kinds
-        Name of each mode ("bending", "torsion", ...) as in `wroll_fem.structure.mode_shapes`; empty when unknown.
+        Kind of each mode ("bending", "torsion", ...) as in `wroll_fem.structure.mode_shapes`; empty if unknown.
+
+    Raises
+    ------
+    ValueError
+        If the shapes of the arrays are inconsistent.
     """
 
     frequencies_hz: FloatArray
@@ -55,6 +69,6 @@ class ShearModes:
         }  # fmt: skip
         for name, shape in wanted.items():
             if np.shape(getattr(self, name)) != shape:
-                raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, not {shape}")
+                raise ValueError(f"{name} must have the shape {shape}, got {np.shape(getattr(self, name))}")
         if self.kinds and len(self.kinds) != modes:
-            raise ValueError(f"{len(self.kinds)} kinds for {modes} modes")
+            raise ValueError(f"kinds must have one entry for each of the {modes} modes, got {len(self.kinds)}")

@@ -1,4 +1,4 @@
-"""Bodies of a roll: mandrel and coil layers, assembled by dolfinx and reduced to plain sparse matrices."""
+"""Bodies of a roll: mandrel and coil layers, assembled with dolfinx into scipy sparse matrices."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mpi4py import MPI
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
-from wroll_fem.fem.shell import Section, ShellModel, radial_director
+from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh.generate import build_mesh, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices, ring_edges
@@ -25,33 +25,36 @@ if TYPE_CHECKING:
 def assemble_bodies(
     case: Case, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
 ) -> list[Body]:
-    """Assemble the shells of a case, inner first: mandrel, layer_01, ...
+    """Assemble the shells of a case, innermost first: mandrel, layer_01, ...
 
     Parameters
     ----------
     case
-        The case (geometry, mandrel, coil, mesh sections).
+        The sections geometry, mandrel, coil and mesh are used.
     meshes
-        Mesh with the groups of every shell; None builds or reads the one the case asks for.
+        Mesh with the groups of every shell; None generates or reads the mesh of the case.
     symmetric
-        Keep only motions symmetric about the x-z plane (excitation along x). Matrices, forces and areas stay
-        those of the whole roll; points with theta in [0, pi] are kept.
+        Keep only motions symmetric about the x-z plane (excitation along x) and contact points with theta in [0, pi].
+        Matrices, forces and areas remain those of the whole roll.
     comm
-        Must hold one process: a body is assembled whole by whoever asks for it.
+        Communicator of one process; bodies are not distributed.
 
     Returns
     -------
     list of Body
-        With the coil model "none" or "nonstructural_mass" the mandrel only; the latter spreads the coil's mass
-        over the mandrel's mid-surface. With "solid" the mandrel with the coil bonded to it, as one body.
+        For the coil models "none" and "nonstructural_mass" only the mandrel; the latter distributes the mass of the
+        coil over the mid-surface of the mandrel. For "solid" the mandrel with the coil bonded to it, as one body.
 
     Raises
     ------
     InputError
-        If the mesh does not fit the case, or is not symmetric although `symmetric` asks for it.
+        If the mesh does not match the case, is not symmetric although `symmetric` is set, or if the base of a solid
+        coil is clamped and that of the mandrel free.
+    ValueError
+        If `comm` has more than one process.
     """
     if comm.size != 1:
-        raise ValueError(f"bodies are assembled on one process, got a communicator of {comm.size}")
+        raise ValueError(f"bodies are assembled on one process, got a communicator of {comm.size}; use MPI.COMM_SELF")
     mesh = build_mesh(case) if meshes is None else meshes
     missing = [name for name, _, _ in shell_layout(case) if name not in mesh.groups]
     if missing:
@@ -66,18 +69,18 @@ def assemble_bodies(
     ]
 
 
-def section_of(case: Case, index: int, thickness: float) -> Section:
-    """Shell section of the mandrel (index 0) or of a layer."""
+def shell_section(case: Case, index: int, thickness: float) -> ShellSection:
+    """Shell section of the mandrel (index 0) or of a layer (index > 0) of the given thickness, m."""
     if index > 0:
         m = case.coil.layer_material
-        return Section(m.E, m.nu, m.rho, thickness, bending=1.0 if case.coil.bending else 0.0)
+        return ShellSection(m.E, m.nu, m.rho, thickness, bending=1.0 if case.coil.bending else 0.0)
     m = case.mandrel.material
     extra = 0.0
     if case.coil.model == "nonstructural_mass":
         outer = 0.5 * case.geometry.mandrel_outer_diameter
         radius, t = outer - 0.5 * thickness, case.coil.total_thickness
         extra = case.coil.material.rho * t * (outer + 0.5 * t) / radius
-    return Section(m.E, m.nu, m.rho, thickness, extra_mass=extra)
+    return ShellSection(m.E, m.nu, m.rho, thickness, extra_mass=extra)
 
 
 def _base_is_clamped(case: Case, index: int) -> bool:
@@ -89,7 +92,7 @@ def _base_is_clamped(case: Case, index: int) -> bool:
 def _assemble_shell(
     case: Case, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
 ) -> Body:
-    section = section_of(case, index, thickness)
+    section = shell_section(case, index, thickness)
     model = ShellModel(part.nodes, part.cells, radial_director)
     rigid_tip = index == 0 and case.mandrel.tip == "rigid"
     centre = np.array([0.0, 0.0, case.geometry.length])
@@ -133,10 +136,21 @@ def _assemble_shell(
 
 
 def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
-    """(n, 3) displacement of the unknowns under unit translations of the base.
+    """Displacement of the unknowns under unit translations of the base along x, y and z.
 
-    `component` (n,) tells which of [ux, uy, uz, rx, ry, rz] each unknown is. Clamped nodes move with the base and have
-    no unknowns. In a symmetric model a translation along y has no symmetric part: its column is zero.
+    Clamped nodes move with the base and have no unknowns. A translation along y has no part that is symmetric about the
+    x-z plane, so its column is zero in a symmetric model.
+
+    Parameters
+    ----------
+    component
+        (n,) component of each unknown: 0 to 5 for [ux, uy, uz, rx, ry, rz].
+    symmetric
+        Whether the model keeps only motions symmetric about the x-z plane.
+
+    Returns
+    -------
+    (n, 3) influence vectors.
     """
     influence = (component[:, None] == np.arange(3)).astype(float)
     if symmetric:
@@ -145,7 +159,7 @@ def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
 
 
 def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
-    """(n_nodes,) share of each node in the mean over a ring of quadratic edges (Simpson's rule); sums to 1."""
+    """(n_nodes,) weight of each node in the mean over a ring of quadratic edges (Simpson's rule); sums to 1."""
     edges = ring_edges(part.cells, ring)
     length = np.linalg.norm(part.nodes[edges[:, 2]] - part.nodes[edges[:, 0]], axis=1)
     length += np.linalg.norm(part.nodes[edges[:, 1]] - part.nodes[edges[:, 2]], axis=1)
@@ -156,7 +170,7 @@ def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
 
 
 def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
-    """(3, n) Cartesian displacement of a rigid tip's centre, or the mean displacement of a deformable end ring."""
+    """(3, n) operator for the displacement of the tip: centre of a rigid tip, or mean over a deformable end ring."""
     n = constraints.expand.shape[1]
     if constraints.master is not None:
         alive = np.flatnonzero(constraints.master[:3] >= 0)
@@ -169,13 +183,13 @@ def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
 
 
 def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
-    """(6 n_nodes, 6 n_nodes) a mass in kg spread over the tip ring, lumped on its nodes."""
+    """(6 n_nodes, 6 n_nodes) mass matrix of a mass (kg) distributed over the tip ring, lumped at its nodes."""
     weights = ring_weights(part, part.groups["tip"])
     return sp.diags(np.outer(mass * weights, [1, 1, 1, 0, 0, 0]).ravel()).tocsr()
 
 
 def point_mass(constraints: Constraints, mass: float) -> sp.csr_matrix:
-    """(n, n) a mass in kg at the centre of the rigid tip."""
+    """(n, n) mass matrix of a point mass (kg) at the centre of the rigid tip."""
     diagonal = np.zeros(constraints.expand.shape[1])
     if constraints.master is not None:
         translations = constraints.master[:3]

@@ -1,17 +1,18 @@
-r"""The homogenised coil: a solid bonded to the outer surface of the mandrel's shell, without penalty.
+r"""Homogenised coil: a solid bonded to the outer surface of the mandrel's shell by elimination, without a penalty.
 
-The hexes are the mandrel's quads thickened outwards, so that the k-th node of their inner surface faces the k-th node
-of the shell. It has no unknowns of its own but follows the wall, half a wall t/2 away from the mid-surface:
+The hexahedra are the quads of the mandrel extruded outwards, so node k of their inner surface matches node k of the
+shell. The inner surface has no unknowns of its own. It moves with the outer surface of the wall, at half the wall
+thickness t/2 from the mid-surface:
 
     u_inner = u + (t/2) theta x d.
 
-All constraints are one map from the unknowns y = [shell, coil] to the coil's nodal values, u = T y, and
+One map from the unknowns y = [shell, coil] to the nodal displacements of the coil, u = T y, contains all constraints:
 
     K = K_shell + T^T K_coil T,     M = M_shell + T^T M_coil T.
 
 Notes
 -----
-The shell is rigid through its wall; the coil's first element sees the wall's curvature change through theta alone.
+The shell is rigid through its thickness; a change of its curvature acts on the coil through theta alone.
 """
 
 from __future__ import annotations
@@ -41,16 +42,16 @@ _MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
 
 @dataclass(frozen=True)
 class CoilMatrices:
-    """What the coil adds to the shell's matrices, over the unknowns [shell, coil].
+    """Contribution of the coil to the matrices, over the unknowns [shell, coil].
 
     Attributes
     ----------
     stiffness, mass
         (n, n) sparse symmetric, N/m and kg.
     component
-        (n_coil,) which of x, y, z each of the coil's own unknowns is.
+        (n_coil,) component (0, 1, 2 for x, y, z) of each unknown of the coil.
     part
-        Mesh of the coil and its map from the unknowns.
+        Mesh of the coil and the map from the unknowns to its nodal displacements.
     """
 
     stiffness: sp.csr_matrix
@@ -60,7 +61,7 @@ class CoilMatrices:
 
 
 def coil_heights(case: Case) -> FloatArray:
-    """(2 mesh.radial + 1,) offsets in m of the coil's node layers from the mandrel's mid-surface."""
+    """(2 mesh.radial + 1,) distances of the node layers of the coil from the mid-surface of the mandrel, m."""
     wall = 0.5 * case.geometry.mandrel_thickness
     borders = axial_stations(case.coil.total_thickness, case.mesh.radial, case.mesh.radial_grading)
     levels = np.zeros(2 * len(borders) - 1)
@@ -69,12 +70,15 @@ def coil_heights(case: Case) -> FloatArray:
 
 
 def mesh_coil(case: Case, part: CylinderMesh) -> tuple[FloatArray, IntArray]:
-    """Nodes (layer after layer, inner first) and 27-node cells (basix's order) of the coil around the mandrel."""
+    """Nodes (layer after layer, innermost first) and 27-node cells (basix's order) of the coil around the mandrel.
+
+    `part` is the mesh of the mandrel's mid-surface.
+    """
     return thicken(part.nodes, part.cells, list(coil_heights(case)))
 
 
 def coil_hexes(case: Case, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | None:
-    """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of the solid coil for files, or None without one."""
+    """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of a solid coil for mesh files, None for other coils."""
     if case.coil.model != "solid":
         return None
     nodes, cells = mesh_coil(case, mesh.part("mandrel"))
@@ -82,10 +86,12 @@ def coil_hexes(case: Case, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | 
 
 
 def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetric: bool) -> CoilMatrices:
-    """Stiffness and mass of the coil bonded to the mandrel.
+    """Assemble stiffness and mass of the coil bonded to the mandrel.
 
     Parameters
     ----------
+    case
+        The sections geometry, mandrel, coil and mesh are used.
     part
         Mesh of the mandrel's mid-surface.
     shell
@@ -96,11 +102,11 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
     Raises
     ------
     InputError
-        If the coil's base is held while the mandrel's is not.
+        If the base of the coil is clamped and that of the mandrel free.
     """
     if case.mandrel.base == "free" and case.coil.base != "free":
         raise InputError(
-            f"the coil's base is held, the mandrel's is free (coil.base: {case.coil.base})",
+            f"the base of the coil is clamped ({case.coil.base}) but that of the mandrel is free",
             key="coil.base",
             remedy="use coil.base: free, or mandrel.base: clamped",
         )
@@ -121,7 +127,7 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
 
 
 def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
-    """(n_cells, 27) cells from basix's local order to that of VTK_TRIQUADRATIC_HEXAHEDRON, which is right-handed."""
+    """Reorder cells (n_cells, 27) from basix's local order to the right-handed VTK_TRIQUADRATIC_HEXAHEDRON order."""
     grid = [tuple(point) for point in np.rint(2 * compat.hexahedron_points()).astype(int).tolist()]
     corner, *ends = (nodes[cells[0, grid.index(point)]] for point in ((0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)))
     right_handed = np.linalg.det(np.array(ends) - corner) > 0
@@ -130,7 +136,7 @@ def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
 
 
 def wall_offset(nodes: FloatArray, height: float) -> sp.csr_matrix:
-    """(3 n, 6 n) displacement u + height theta x d of the points at `height` (m) above a shell's nodes."""
+    """(3 n, 6 n) operator u + height theta x d for points at a height (m) above the nodes (n, 3) of a shell."""
     d, n = radial_director(nodes), len(nodes)
     cross = np.zeros((n, 3, 6))
     cross[:, :, :3] = np.eye(3)
@@ -153,18 +159,18 @@ def wall_offset(nodes: FloatArray, height: float) -> sp.csr_matrix:
 def bonded_map(
     nodes: FloatArray, layers: int, bond: sp.csr_matrix, clamped: IntArray, *, symmetric: bool
 ) -> tuple[sp.csr_matrix, IntArray]:
-    """Map from the unknowns [shell, coil] to the coil's nodal values, and the component of each coil unknown.
+    """Map from the unknowns [shell, coil] to the nodal displacements of the coil.
 
     Parameters
     ----------
     nodes
-        (n, 3) of the mandrel's mid-surface; node layer k of the coil holds its nodes k n to (k + 1) n - 1.
+        (n, 3) nodes of the mandrel's mid-surface, m; layer k of the coil consists of its nodes k n to (k + 1) n - 1.
     layers
-        Node layers of the coil; the innermost follows the mandrel.
+        Number of node layers of the coil; the innermost moves with the mandrel.
     bond
-        (3 n, n_shell) displacement of the mandrel's outer surface.
+        (3 n, n_shell) operator for the displacement of the mandrel's outer surface.
     clamped
-        Nodes of the mandrel whose radial line of coil nodes is clamped.
+        Nodes of the mandrel above which all coil nodes are clamped.
     symmetric
         Keep only motions symmetric about the x-z plane.
     """
@@ -190,7 +196,7 @@ def bonded_map(
 
 
 def bond_coil(body: Body, coil: CoilMatrices) -> Body:
-    """The mandrel with the coil in its matrices; the coil's own unknowns come behind the mandrel's."""
+    """Add the matrices of the coil to those of the mandrel; the unknowns of the coil follow those of the mandrel."""
     more = len(coil.component)
     influence = (coil.component[:, None] == np.arange(3)).astype(float)
     if body.symmetric:
@@ -212,26 +218,30 @@ def bond_coil(body: Body, coil: CoilMatrices) -> Body:
 
 
 def pad(matrix: sp.spmatrix, columns: int, *, rows: bool = False) -> sp.csr_matrix:
-    """Matrix with zero columns (and rows) for the coil's unknowns behind those of the shell."""
+    """Append zero columns (with `rows`, also zero rows) for the unknowns of the coil."""
     padded = sp.csr_matrix(matrix, copy=True)
     padded.resize(padded.shape[0] + (columns if rows else 0), padded.shape[1] + columns)
     return padded
 
 
 def tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
-    """Symmetric CSR with sorted indices and without rounding-error entries."""
+    """Symmetrised CSR matrix with sorted indices and without entries at rounding level."""
     result = drop_small(((matrix + matrix.T) * 0.5).tocsr())
     result.sort_indices()
     return result
 
 
 def skin_quads(cells: IntArray) -> IntArray:
-    """(n, 9) outer faces in VTK_BIQUADRATIC_QUAD order: what is seen of the coil; the face on the mandrel is left out.
+    """Free faces of the coil, without the face on the mandrel.
 
     Parameters
     ----------
     cells
-        (n_cells, 27) in VTK_TRIQUADRATIC_HEXAHEDRON order, the third local axis outwards.
+        (n_cells, 27) node numbers in VTK_TRIQUADRATIC_HEXAHEDRON order; the third local axis points outwards.
+
+    Returns
+    -------
+    (n, 9) node numbers in VTK_BIQUADRATIC_QUAD order.
     """
     at = {point: k for k, point in enumerate(VTK_GRID)}
     corners = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]

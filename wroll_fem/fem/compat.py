@@ -1,6 +1,6 @@
-"""Every difference between the supported dolfinx versions (0.5, 0.9 and later) lives in this file.
+"""Compatibility layer: all differences between the supported dolfinx versions (0.5, 0.9 and later).
 
-Nothing else in the package may ask for a version of dolfinx, UFL or basix.
+No other module may depend on the version of dolfinx, UFL or basix.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from wroll_fem.errors import WrollError
 
 _major, _minor = version("fenics-dolfinx").split(".")[:2]
 VERSION = (int(_major), int(_minor))
-"""(major, minor) of the dolfinx in use."""
+"""(major, minor) version of the installed dolfinx."""
 
 _BASIX_UFL = VERSION >= (0, 7)  # elements come from basix.ufl instead of ufl
 
 
 def require_real_scalars() -> None:
-    """Refuse a PETSc built for complex numbers.
+    """Raise an error if PETSc is built with complex scalars.
 
     Raises
     ------
@@ -39,16 +39,16 @@ def require_real_scalars() -> None:
     """
     if np.issubdtype(PETSc.ScalarType, np.complexfloating):
         raise WrollError(
-            "dolfinx runs here with complex PETSc scalars, which wroll_fem does not support; use the real build "
+            "PETSc is built with complex scalars, which wroll_fem does not support; use the real build "
             "(Debian: python3-dolfinx-real python3-petsc4py-real python3-slepc4py-real, and unset PETSC_DIR)"
         )
 
 
 @contextlib.contextmanager
 def quiet_compiler() -> Iterator[None]:
-    """Keep the C compiler's command lines, which setuptools writes to the root logger, off the terminal.
+    """Suppress the command lines of the C compiler, which setuptools writes to the root logger.
 
-    setuptools also gives the root logger a handler and a level of its own; both are put back.
+    setuptools also changes the handlers and the level of the root logger; both are restored.
     """
     root, manager = logging.getLogger(), logging.root.manager
     level, handlers, disabled = root.level, list(root.handlers), manager.disable
@@ -62,18 +62,30 @@ def quiet_compiler() -> Iterator[None]:
 
 
 JIT_SECONDS = 120
-"""How long to wait for a form that another process is compiling; ffcx's own 10 s are short on a busy machine."""
+"""Time to wait for a form that another process is compiling, s; the 10 s of ffcx are too short on a busy machine."""
 
 
 def compile_form(form: Any) -> Any:
-    """Compile a UFL form (or take it from the cache of earlier runs)."""
+    """Compile a UFL form, or load it from the cache of earlier runs."""
     options: dict[str, Any] = {"jit_options" if _BASIX_UFL else "jit_params": {"timeout": JIT_SECONDS}}
     with quiet_compiler():
         return fem.form(form, **options)
 
 
 def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) -> Any:
-    """Lagrange element on `cell` in a space of `dimension`: scalar, or a vector of `components`."""
+    """Lagrange element, scalar or vector-valued.
+
+    Parameters
+    ----------
+    cell
+        Name of the cell, for example "quadrilateral".
+    degree
+        Polynomial degree.
+    components
+        Number of components; 1 for a scalar element.
+    dimension
+        Geometric dimension of the space.
+    """
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
 
@@ -85,7 +97,7 @@ def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) ->
 
 
 def piecewise_constant(cell: str) -> Any:
-    """Scalar element, one value per cell."""
+    """Scalar element with one value per cell."""
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
 
@@ -94,7 +106,7 @@ def piecewise_constant(cell: str) -> Any:
 
 
 def function_space(domain: mesh.Mesh, element: Any) -> fem.FunctionSpace:
-    """Make the function space of `element` on `domain`."""
+    """Create the function space of `element` on the mesh `domain`."""
     make = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
     with quiet_compiler():
         return make(domain, element)
@@ -103,7 +115,21 @@ def function_space(domain: mesh.Mesh, element: Any) -> fem.FunctionSpace:
 def create_mesh(
     comm: Any, nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int = 2
 ) -> mesh.Mesh:
-    """Mesh of order `degree` from nodes (n, dimension of the space) and cells in dolfinx's local numbering."""
+    """Create a dolfinx mesh from nodes and cells.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator.
+    nodes
+        (n, geometric dimension) coordinates, m.
+    cells
+        (n_cells, nodes per cell) node numbers in the local order of basix.
+    cell
+        Name of the cell, for example "hexahedron".
+    degree
+        Degree of the geometry.
+    """
     nodes, cells = np.ascontiguousarray(nodes, float), np.ascontiguousarray(cells, np.int64)
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
@@ -118,7 +144,7 @@ def create_mesh(
 
 
 def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
-    """(n_cells, nodes per cell) local geometry nodes of each cell."""
+    """(n_cells, nodes per cell) numbers of the local geometry nodes of each cell."""
     table = domain.geometry.dofmaps[0] if VERSION >= (0, 11) else domain.geometry.dofmap
     if hasattr(table, "array"):
         n_cells = domain.topology.index_map(domain.topology.dim).size_local
@@ -127,7 +153,7 @@ def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
 
 
 def cell_dofs(space: fem.FunctionSpace) -> npt.NDArray[np.int64]:
-    """(n_cells, nodes per cell) blocks of degrees of freedom of each cell."""
+    """(n_cells, nodes per cell) numbers of the blocks of degrees of freedom of each cell."""
     table = space.dofmap.list
     if hasattr(table, "array"):
         n_cells = space.mesh.topology.index_map(space.mesh.topology.dim).size_local
@@ -145,9 +171,18 @@ def hexahedron_points() -> npt.NDArray[np.float64]:
 
 
 def tabulate_quadrilateral(degree: int, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """(3, n_points, n_functions) values and both derivatives of the `lagrange` element's basis on the unit square.
+    """Values and derivatives of the scalar `lagrange` basis on the unit square.
 
-    Functions are in basix's local order, that of `cell_dofs`.
+    Parameters
+    ----------
+    degree
+        Polynomial degree.
+    points
+        (n_points, 2) reference coordinates.
+
+    Returns
+    -------
+    (3, n_points, n_functions) values and both derivatives; functions in the local order of basix, as in `cell_dofs`.
     """
     element: Any = basix
     made = element.create_element(
@@ -157,7 +192,7 @@ def tabulate_quadrilateral(degree: int, points: npt.NDArray[np.float64]) -> npt.
 
 
 def assemble_csr(form: Any) -> sp.csr_matrix:
-    """Assemble a compiled bilinear form (square or rectangular) without boundary conditions, as scipy CSR."""
+    """Assemble a compiled bilinear form (square or rectangular) without boundary conditions into a CSR matrix."""
     matrix = fem_petsc.assemble_matrix(form)
     matrix.assemble()
     indptr, indices, values = matrix.getValuesCSR()
@@ -167,13 +202,13 @@ def assemble_csr(form: Any) -> sp.csr_matrix:
 
 
 def assemble_array(form: Any) -> npt.NDArray[np.float64]:
-    """Assemble a compiled linear form to a plain array (one process)."""
+    """Assemble a compiled linear form into a numpy array (one process)."""
     vector = fem.assemble_vector(form)
     return np.array(vector.array, float)
 
 
 def versions() -> dict[str, str]:
-    """Versions of the finite-element stack, for provenance."""
+    """Versions of dolfinx, basix and PETSc."""
     return {
         "dolfinx": version("fenics-dolfinx"),
         "basix": version("fenics-basix"),

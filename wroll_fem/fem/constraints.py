@@ -1,10 +1,10 @@
-"""Exact linear constraints of a shell: clamped nodes, a rigid tip, a symmetry plane.
+"""Linear constraints of a shell, imposed by elimination: clamped nodes, a rigid tip, a symmetry plane.
 
-All constraints are one sparse map from the remaining unknowns y to the nodal values,
+One sparse map from the remaining unknowns y to the nodal values contains all constraints,
 
     q = E y,     K_y = E^T K E,     M_y = E^T M E,
 
-so no penalty number and no Dirichlet row enters the matrices. Nodal values are node-major
+so the matrices contain neither penalty numbers nor Dirichlet rows. Nodal values are node-major
 [ux, uy, uz, rx, ry, rz]; the unknowns of a rigid tip, [U, Omega], come last.
 """
 
@@ -20,7 +20,7 @@ from wroll_fem.mesh.shells import mirror_nodes
 from wroll_fem.typing import FloatArray, IntArray
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-"""Parity of [u, theta] under y -> -y: displacement is a polar vector, rotation an axial one."""
+"""Signs of [u, theta] under reflection y -> -y: displacement is a polar vector, rotation an axial vector."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,14 @@ class Constraints:
     Attributes
     ----------
     expand
-        (6 n_nodes, n) sparse.
+        (6 n_nodes, n) sparse map E.
     master
-        Column of each of [Ux, Uy, Uz, Omega_x, Omega_y, Omega_z] of the rigid tip, -1 where it is eliminated,
-        or None without a rigid tip.
+        (6,) unknowns [Ux, Uy, Uz, Omega_x, Omega_y, Omega_z] of the rigid tip, -1 if eliminated; None without a rigid
+        tip.
     component
-        (n,) which of the six components each unknown is.
+        (n,) component of each unknown, 0 to 5.
     node
-        (n,) node that each unknown belongs to, -1 for those of the rigid tip.
+        (n,) node of each unknown, -1 for the rigid tip.
     """
 
     expand: sp.csr_matrix
@@ -54,7 +54,7 @@ def build_constraints(
     centre: FloatArray | None = None,
     symmetric: bool = False,
 ) -> Constraints:
-    """Eliminate clamped nodes, tie a ring rigidly to its centre, keep motions symmetric about the x-z plane.
+    """Eliminate clamped nodes, tie a ring rigidly to its centre and impose symmetry about the x-z plane.
 
     Parameters
     ----------
@@ -63,16 +63,16 @@ def build_constraints(
     clamped
         Nodes whose six values are zero relative to the base.
     rigid
-        Nodes with u = U + Omega x (x - centre), theta = Omega; None for a deformable end.
+        Nodes with u = U + Omega x (x - centre) and theta = Omega; None for a deformable end.
     centre
-        (3,) reference point of the rigid nodes; on the x-z plane if `symmetric`.
+        (3,) reference point of the rigid nodes, m; it must lie on the x-z plane if `symmetric`.
     symmetric
         Keep only motions symmetric about the x-z plane.
 
     Raises
     ------
     InputError
-        If a symmetric model is asked of nodes that do not mirror about the x-z plane.
+        If `symmetric` is set but the nodes do not mirror about the x-z plane.
     """
     n = len(nodes)
     source, sign = np.arange(n), np.ones((n, 6))
@@ -116,7 +116,7 @@ def build_constraints(
 
 
 def rigid_motions(nodes: FloatArray, centre: FloatArray) -> FloatArray:
-    """(6 n_nodes, 6) nodal values of unit translations and rotations about `centre`."""
+    """(6 n_nodes, 6) nodal values of unit translations and of unit rotations about `centre` (3,), m."""
     n = len(nodes)
     modes = np.zeros((n, 6, 6))
     modes[:, :3, :3] = np.eye(3)

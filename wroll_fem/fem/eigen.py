@@ -1,4 +1,4 @@
-"""Free vibration K x = (2 pi f)^2 M x by SLEPc's shift-invert Lanczos, with a count that proves none is missing."""
+"""Free vibration K x = (2 pi f)^2 M x by shift-invert Krylov-Schur (SLEPc), with an inertia count for missed modes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wroll_fem.fem import compat
 from wroll_fem.typing import FloatArray
 
 DEFAULT_SHIFT = -((2 * np.pi * 10.0) ** 2)
-"""Shift in (rad/s)^2. Negative: K - sigma M is then positive definite even for a free body (six zero frequencies)."""
+"""Spectral shift, (rad/s)^2. It is negative so that K - sigma M is positive definite even for a free body."""
 
 _TOLERANCE = 1e-10
 _RESIDUAL_LIMIT = 1e-6
@@ -26,16 +26,16 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class EigenPairs:
-    """Eigenvalues nearest to a shift.
+    """Eigenpairs nearest to a spectral shift.
 
     Attributes
     ----------
     values
-        (n_modes,) (2 pi f)^2 in (rad/s)^2, ascending.
+        (n_modes,) eigenvalues (2 pi f)^2, (rad/s)^2, ascending.
     vectors
-        (n_dofs, n_modes), M-normalised: x^T M x = 1; the entry of largest size is positive.
+        (n_dofs, n_modes) eigenvectors, M-normalised (x^T M x = 1), with a positive entry of largest magnitude.
     residuals
-        (n_modes,) |K x - lambda M x| / (|K x| + |sigma| |M x|).
+        (n_modes,) relative residuals |K x - lambda M x| / (|K x| + |sigma| |M x|).
     """
 
     values: FloatArray
@@ -51,52 +51,71 @@ def solve_modes(
     Parameters
     ----------
     stiffness, mass
-        (n, n) sparse symmetric, N/m and kg; constraints eliminated (equal Dirichlet diagonals in both would
-        appear as modes at lambda = 1), stiffness semi-definite, mass definite.
+        (n, n) sparse symmetric, N/m and kg; stiffness positive semi-definite, mass positive definite. Constraints must
+        be eliminated: equal Dirichlet diagonals in both matrices would appear as modes at lambda = 1.
     count
         Number of modes.
     sigma
-        Shift, (rad/s)^2; keep it negative if rigid-body modes can occur.
+        Spectral shift, (rad/s)^2; negative if rigid-body modes can occur.
 
     Returns
     -------
-    frequencies_hz : (count,) Hz, ascending; rigid-body modes first, as (numerical) zeros.
-    vectors : (n, count), M-normalised.
+    frequencies_hz : (count,) natural frequencies, Hz, ascending; those of rigid-body modes are zero to rounding errors.
+    vectors : (n, count) modes, M-normalised.
 
     Raises
     ------
     WrollError
-        If an eigenvalue is negative (the stiffness is not semi-definite: the model has buckled or is
-        wrong), if residuals stay above 1e-6, or if a mode was missed.
+        If an eigenvalue is negative (the structure is unstable, or the model is wrong), if a residual exceeds 1e-6, or
+        if a mode is missed.
+    ValueError
+        If `count` is not between 1 and n.
     """
     pairs = solve_pairs(stiffness, mass, count, sigma)
     zero = 1e-3 * abs(sigma)
     negative = pairs.values[pairs.values < -zero]
     if negative.size:
         raise WrollError(
-            f"the stiffness is not positive: {negative.size} negative eigenvalue(s), the lowest {negative.min():.3e} "
-            "(rad/s)^2; check the supports and the preload (a pressure above the linear buckling pressure does this)"
+            f"the stiffness is not positive definite: {negative.size} negative eigenvalue(s), "
+            f"lowest {negative.min():.3e} (rad/s)^2; check the supports; keep the preload below buckling"
         )
     log.debug("%d modes, largest relative residual %.1e", count, pairs.residuals.max())
     return np.sqrt(np.maximum(pairs.values, 0.0)) / (2 * np.pi), pairs.vectors
 
 
 def solve_pairs(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int, sigma: float) -> EigenPairs:
-    """Eigenpairs nearest to `sigma`; see `solve_modes` for arguments and errors."""
+    """Eigenpairs nearest to a spectral shift.
+
+    Parameters
+    ----------
+    stiffness, mass
+        (n, n) sparse symmetric, N/m and kg, as for `solve_modes`.
+    count
+        Number of eigenpairs.
+    sigma
+        Spectral shift, (rad/s)^2.
+
+    Raises
+    ------
+    WrollError
+        If a residual exceeds 1e-6, or if an eigenpair is missed.
+    ValueError
+        If `count` is not between 1 and n.
+    """
     compat.require_real_scalars()
     n = stiffness.shape[0]
     if not 0 < count <= n:
-        raise ValueError(f"asked for {count} modes of a system with {n} unknowns")
+        raise ValueError(f"the number of modes must be 1 to {n} (the number of unknowns), got {count}")
     wanted = min(n, count + _SPARE)
     K, M = _petsc(stiffness), _petsc(mass)
     values, vectors = _krylov_schur(K, M, wanted, sigma)
     if missed := _missed(K, M, values, count, sigma):
         values, vectors = _krylov_schur(K, M, min(n, wanted + missed + 2 * _SPARE), sigma, subspace=6)
         if missed := _missed(K, M, values, count, sigma):
-            raise WrollError(f"the eigensolver missed {missed} of the lowest {count} modes; ask for a few more modes")
+            raise WrollError(f"the eigensolver missed {missed} of the lowest {count} modes; request more modes")
     K.destroy()
     M.destroy()
-    # petsc4py only marks what Python lets go of; the factors (100 MB and more) would stay until the process ends
+    # petsc4py frees objects lazily: without this, the factors (100 MB and more) stay in memory until the process ends
     PETSc.garbage_cleanup(PETSc.COMM_SELF)
     values, vectors = values[:count], vectors[:, :count]
     Kx, Mx = stiffness @ vectors, mass @ vectors
@@ -105,7 +124,7 @@ def solve_pairs(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int, sigma: fl
     if residuals.max() > _RESIDUAL_LIMIT:
         raise WrollError(
             f"modes did not converge: largest relative residual {residuals.max():.1e} (limit {_RESIDUAL_LIMIT:.0e}); "
-            "ask for fewer modes or another shift"
+            "reduce the number of modes or change the shift"
         )
     vectors = vectors / np.sqrt(np.einsum("ij,ij->j", vectors, Mx))
     largest = np.abs(vectors).argmax(axis=0)
@@ -117,7 +136,7 @@ def _petsc(matrix: sp.spmatrix) -> PETSc.Mat:
     csr = sp.csr_matrix(matrix)
     csr.sort_indices()
     index = PETSc.IntType
-    # the factorisation wants every diagonal entry to exist
+    # the factorisation requires every diagonal entry to be stored
     csr = (csr + sp.csr_matrix((np.zeros(csr.shape[0]), (range(csr.shape[0]),) * 2), shape=csr.shape)).tocsr()
     built = PETSc.Mat().createAIJ(
         csr.shape, csr=(csr.indptr.astype(index), csr.indices.astype(index), csr.data), comm=PETSc.COMM_SELF
@@ -129,7 +148,7 @@ def _petsc(matrix: sp.spmatrix) -> PETSc.Mat:
 def _krylov_schur(
     K: PETSc.Mat, M: PETSc.Mat, wanted: int, sigma: float, subspace: int = 3
 ) -> tuple[FloatArray, FloatArray]:
-    """At least `wanted` eigenpairs nearest to sigma, ascending."""
+    """At least `wanted` eigenpairs nearest to sigma, in ascending order."""
     n = K.getSize()[0]
     solver = SLEPc.EPS().create(PETSc.COMM_SELF)
     solver.setOperators(K, M)
@@ -160,7 +179,7 @@ def _krylov_schur(
 
 
 def _direct(ksp: PETSc.KSP) -> None:
-    """Sparse direct solution: MUMPS (LDL^T) where PETSc has it, else PETSc's own LU."""
+    """Select a sparse direct solver: MUMPS (LDL^T) if PETSc provides it, otherwise PETSc's LU."""
     ksp.setType(PETSc.KSP.Type.PREONLY)
     pc = ksp.getPC()
     if _has_mumps():
@@ -175,10 +194,10 @@ def _has_mumps() -> bool:
 
 
 def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: float) -> int:
-    """Count the eigenvalues missing among the lowest found, by Sylvester's law of inertia.
+    """Number of eigenvalues missing among the lowest ones, by Sylvester's law of inertia.
 
-    Counts the negative pivots of K - s M with s in the widest relative gap behind mode `count`. Only for shifts
-    below the spectrum, and where MUMPS tells the inertia.
+    The number of negative pivots of K - s M is the number of eigenvalues below s, which is placed in the widest
+    relative gap above mode `count`. The check needs a shift below the spectrum and MUMPS; otherwise the result is 0.
     """
     if sigma >= 0.0 or not _has_mumps() or len(values) <= count:
         return 0
@@ -193,7 +212,7 @@ def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: f
     _direct(ksp)
     pc = ksp.getPC()
     pc.setFactorSetUpSolverType()
-    pc.getFactorMatrix().setMumpsIcntl(24, 1)  # null pivots are told apart, without which MUMPS gives no inertia
+    pc.getFactorMatrix().setMumpsIcntl(24, 1)  # detect null pivots; MUMPS needs it for the inertia
     ksp.setUp()
     below = int(pc.getFactorMatrix().getInertia()[0])
     ksp.destroy()

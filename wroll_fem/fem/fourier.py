@@ -1,6 +1,6 @@
-r"""Solid of revolution in harmonics around its axis: two-dimensional cells in the r-z half plane, theta in closed form.
+r"""Semi-analytical (Fourier) axisymmetric finite elements: cells in the r-z half plane, theta in closed form.
 
-With displacements of harmonic m
+With displacements of circumferential wave number m
 
     u_r = U(r, z) cos m theta,    u_theta = V(r, z) sin m theta,    u_z = W(r, z) cos m theta
 
@@ -9,19 +9,19 @@ the strains (Voigt, engineering shear) are
     cos m theta:  rr = U,r        tt = (U + m V) / r    zz = W,z    rz = U,z + W,r
     sin m theta:  tz = V,z - m W / r                    rt = V,r - (V + m U) / r
 
-A material whose axes are r, theta, z does not couple the two groups, so each harmonic stands alone and the integral
-over theta is c = pi (m >= 1) for both groups:
+A material whose axes are r, theta, z does not couple the two groups. Wave numbers are therefore independent of each
+other, and the integral over theta is c = pi (m >= 1) for both groups:
 
     energy = c / 2 int (e_c . C_c e_c + e_s . C_s e_s) r dr dz,    kinetic = c / 2 int rho (U'^2 + V'^2 + W'^2) r dr dz
 
-For m = 0 the same form with c = 2 pi falls apart into [U, W] (axial and breathing motions) and V, which is then the
-torsion u_theta = V. The motion turned by pi / (2 m) about the axis is the other one of each pair.
+For m = 0 the same form, with c = 2 pi, separates into [U, W] (axial and breathing motions) and torsion, u_theta = V.
+For m >= 1 every mode belongs to a degenerate pair: the other one is the same mode rotated by pi / (2 m) about the axis.
 
 Notes
 -----
 Linear kinematics, r > 0. Degree-3 Lagrange cells by default, fully integrated: thin walls do not lock
-(tests/fem/test_fourier.py). m and the materials are constants of the forms and the geometry is moved, so everything
-compiles once. One process.
+(tests/fem/test_fourier.py). The wave number and the materials are constants of the forms, and another geometry moves
+the mesh, so the forms are compiled only once. One process.
 
 References
 ----------
@@ -40,23 +40,40 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from wroll_fem.fem import compat
-from wroll_fem.mesh.axisymmetric import RollSection
+from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
 from wroll_fem.typing import FloatArray, IntArray
 
 COSINE, SINE = [0, 1, 2, 4], [3, 5]
 """Strains (rr, tt, zz, rz) and (tz, rt) in the Voigt order (rr, tt, zz, tz, rz, rt)."""
 WALL, COIL = 1, 2
+"""Cell tags of the mandrel's wall and of the coil."""
 DEGREE = 3
+"""Default degree of the Lagrange cells."""
 _CELL = "quadrilateral"
 
 
-def angular_weight(harmonic: int) -> float:
-    """Integral of cos^2 m theta over the circumference; the torsion set counts with m = 0 too."""
-    return np.pi if harmonic else 2 * np.pi
+def angular_weight(wave_number: int) -> float:
+    """Integral of cos^2 m theta over the circumference, rad: pi for m >= 1, 2 pi for m = 0 (torsion included)."""
+    return np.pi if wave_number else 2 * np.pi
 
 
 def strains(u: Any, r: Any, m: Any) -> tuple[Any, Any]:
-    """UFL strains (rr, tt, zz, rz) of cos m theta and (tz, rt) of sin m theta; u = (U, V, W) over (r, z)."""
+    """UFL strain amplitudes of a displacement with circumferential wave number m.
+
+    Parameters
+    ----------
+    u
+        Displacement amplitudes (U, V, W) over (r, z), m.
+    r
+        Radial coordinate, m.
+    m
+        Circumferential wave number.
+
+    Returns
+    -------
+    cosine : (rr, tt, zz, rz), amplitudes of cos m theta
+    sine : (tz, rt), amplitudes of sin m theta
+    """
     U, V, W = u
     rr = U.dx(0)
     tt = (U + m * V) / r
@@ -68,32 +85,39 @@ def strains(u: Any, r: Any, m: Any) -> tuple[Any, Any]:
 
 
 class FourierModel:
-    """Section of a roll with the forms of all harmonics; degrees of freedom are node-major [U, V, W].
+    """Finite elements of the half plane of a roll; assembles stiffness and mass for any circumferential wave number.
+
+    The degrees of freedom are node-major [U, V, W].
 
     Parameters
     ----------
-    section
+    half_plane
         Rectangles in the r-z half plane.
     degree
-        Of the Lagrange cells.
+        Degree of the Lagrange cells.
+
+    Raises
+    ------
+    WrollError
+        If PETSc is built with complex scalars.
     """
 
-    def __init__(self, section: RollSection, degree: int = DEGREE):
+    def __init__(self, half_plane: AxisymmetricMesh, degree: int = DEGREE):
         compat.require_real_scalars()
-        self.section, self.degree = section, degree
-        self.mesh = compat.create_mesh(MPI.COMM_SELF, section.nodes, section.cells, _CELL, degree=1)
+        self.half_plane, self.degree = half_plane, degree
+        self.mesh = compat.create_mesh(MPI.COMM_SELF, half_plane.nodes, half_plane.cells, _CELL, degree=1)
         self.space = compat.function_space(self.mesh, compat.lagrange(_CELL, degree, components=3, dimension=2))
         self._node = np.asarray(self.mesh.geometry.input_global_indices, np.int64)
-        corners = section.nodes[self._node[compat.geometry_dofs(self.mesh)]]
+        corners = half_plane.nodes[self._node[compat.geometry_dofs(self.mesh)]]
         centre = corners.mean(axis=1)
-        along_r = np.searchsorted(section.radii, centre[:, 0]) - 1
-        along_z = np.searchsorted(section.heights, centre[:, 1]) - 1
+        along_r = np.searchsorted(half_plane.radii, centre[:, 0]) - 1
+        along_z = np.searchsorted(half_plane.heights, centre[:, 1]) - 1
         self._cell_order = np.lexsort((along_z, along_r))
-        region = np.where(along_r < section.wall_cells, WALL, COIL).astype(np.int32)
+        region = np.where(along_r < half_plane.wall_cells, WALL, COIL).astype(np.int32)
         tags = mesh.meshtags(self.mesh, 2, np.arange(len(region), dtype=np.int32), region)
         metadata = {"quadrature_degree": 2 * degree + 1}
         self._dx = ufl.Measure("dx", domain=self.mesh, subdomain_data=tags, metadata=metadata)
-        self._harmonic = fem.Constant(self.mesh, 0.0)
+        self._wave_number = fem.Constant(self.mesh, 0.0)
         self._cosine = {k: fem.Constant(self.mesh, np.zeros((4, 4))) for k in (WALL, COIL)}
         self._sine = {k: fem.Constant(self.mesh, np.zeros((2, 2))) for k in (WALL, COIL)}
         self._density = {k: fem.Constant(self.mesh, 0.0) for k in (WALL, COIL)}
@@ -101,7 +125,7 @@ class FourierModel:
         self._forms()
 
     def _forms(self) -> None:
-        r, m = ufl.SpatialCoordinate(self.mesh)[0], self._harmonic
+        r, m = ufl.SpatialCoordinate(self.mesh)[0], self._wave_number
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         cos_u, sin_u = strains(u, r, m)
         cos_v, sin_v = strains(v, r, m)
@@ -114,37 +138,41 @@ class FourierModel:
         self._energy = compat.compile_form(sum(energy[1:], energy[0]))
         self._inertia = compat.compile_form(sum(inertia[1:], inertia[0]))
 
-    def move(self, section: RollSection) -> None:
-        """Take another geometry with the same numbers of cells.
+    def move(self, half_plane: AxisymmetricMesh) -> None:
+        """Move the mesh to another geometry with the same numbers of cells.
 
         Raises
         ------
         ValueError
             If the numbers of cells differ.
         """
-        if section.shape != self.section.shape or section.wall_cells != self.section.wall_cells:
-            raise ValueError(f"a section of {section.shape} cells does not fit a model of {self.section.shape}")
-        self.section, self._mass = section, None
-        self.mesh.geometry.x[:, :2] = section.nodes[self._node]
+        if half_plane.shape != self.half_plane.shape or half_plane.wall_cells != self.half_plane.wall_cells:
+            raise ValueError(
+                f"a mesh of {half_plane.shape} cells does not fit a model of {self.half_plane.shape}; build a new model"
+            )
+        self.half_plane, self._mass = half_plane, None
+        self.mesh.geometry.x[:, :2] = half_plane.nodes[self._node]
 
     def set_material(self, region: int, stiffness: FloatArray, density: float) -> None:
-        """Give the wall (`WALL`) or the coil (`COIL`) its material.
+        """Set the material of the wall or of the coil.
 
         Parameters
         ----------
+        region
+            `WALL` or `COIL`.
         stiffness
-            (6, 6) Pa in the order (rr, tt, zz, tz, rz, rt).
+            (6, 6) elastic stiffness in the order (rr, tt, zz, tz, rz, rt), Pa.
         density
-            kg/m^3.
+            Mass density, kg/m^3.
 
         Raises
         ------
         ValueError
-            If the material couples (rr, tt, zz, rz) with (tz, rt): harmonics would not stand alone.
+            If the material couples (rr, tt, zz, rz) with (tz, rt), which would couple the two groups of strains.
         """
         C = np.asarray(stiffness, float)
         if np.abs(C[np.ix_(COSINE, SINE)]).max() > 1e-12 * np.abs(C).max():
-            raise ValueError("the material's axes are not r, theta, z")
+            raise ValueError("the principal axes of the material are not r, theta, z")
         self._cosine[region].value[...] = C[np.ix_(COSINE, COSINE)]
         self._sine[region].value[...] = C[np.ix_(SINE, SINE)]
         if float(density) != float(self._density[region].value):
@@ -157,39 +185,40 @@ class FourierModel:
 
     @cached_property
     def cell_nodes(self) -> IntArray:
-        """(n_r, n_z, nodes per cell) nodes of each cell of the section, in basix's local order."""
-        return compat.cell_dofs(self.space)[self._cell_order].reshape(*self.section.shape, -1)
+        """(n_r, n_z, nodes per cell) node numbers of each cell, in basix's local order."""
+        return compat.cell_dofs(self.space)[self._cell_order].reshape(*self.half_plane.shape, -1)
 
-    def stiffness(self, harmonic: int) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) stiffness of a harmonic, N/m, whole circumference."""
-        self._harmonic.value = float(harmonic)
-        return angular_weight(harmonic) * compat.assemble_csr(self._energy)
+    def stiffness(self, wave_number: int) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) stiffness for a circumferential wave number, N/m, whole circumference."""
+        self._wave_number.value = float(wave_number)
+        return angular_weight(wave_number) * compat.assemble_csr(self._energy)
 
-    def mass(self, harmonic: int) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) consistent mass of a harmonic, kg, whole circumference."""
+    def mass(self, wave_number: int) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) consistent mass for a circumferential wave number, kg, whole circumference."""
         if self._mass is None:
             self._mass = compat.assemble_csr(self._inertia)
-        return angular_weight(harmonic) * self._mass
+        return angular_weight(wave_number) * self._mass
 
     def tip_weights(self) -> FloatArray:
-        """(n_nodes,) share of each node in the mean over the end face of the wall; sums to 1."""
+        """(n_nodes,) weight of each node in the mean displacement of the wall's end face; sums to 1."""
         r, z = ufl.SpatialCoordinate(self.mesh)
-        wall = fem.Constant(self.mesh, self.section.wall_radius + 1e-6 * self.section.length)
-        tip = fem.Constant(self.mesh, float(self.section.heights[-1]) - 1e-6 * self.section.length)
+        wall = fem.Constant(self.mesh, self.half_plane.wall_radius + 1e-6 * self.half_plane.length)
+        tip = fem.Constant(self.mesh, float(self.half_plane.heights[-1]) - 1e-6 * self.half_plane.length)
         there = ufl.conditional(ufl.And(ufl.gt(z, tip), ufl.lt(r, wall)), 1.0, 0.0)
         ds = ufl.Measure("ds", domain=self.mesh, metadata={"quadrature_degree": 2 * self.degree})
         share = compat.assemble_array(compat.compile_form(there * r * ufl.TestFunction(self.space)[0] * ds))[0::3]
         return np.asarray(share / share.sum())
 
     def evaluate(self, values: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Values and gradients of nodal fields at points of the section.
+        """Values and gradients of nodal fields at points of the half plane.
 
         Parameters
         ----------
         values
-            (n_nodes, k).
+            (n_nodes, k) nodal values of k fields.
         points
-            (p, 2) [r, z], m. On a border between cells the gradient is that of the cell inside, or below.
+            (p, 2) coordinates [r, z], m. On the border between two cells the gradient is taken from the inner or lower
+            cell.
 
         Returns
         -------
@@ -197,7 +226,7 @@ class FourierModel:
         gradients : (p, k, 2) derivatives by r and z, per m.
         """
         cell, size, local = [], [], []
-        for borders, x in zip((self.section.radii, self.section.heights), np.asarray(points).T, strict=True):
+        for borders, x in zip((self.half_plane.radii, self.half_plane.heights), np.asarray(points).T, strict=True):
             at = np.clip(np.searchsorted(borders, x) - 1, 0, len(borders) - 2)
             cell.append(at)
             size.append(np.diff(borders)[at])

@@ -1,4 +1,4 @@
-"""Modes of a roll from all harmonics, merged, named and weighed."""
+"""Modes of a roll over all circumferential wave numbers: sorted, classified, with their participation."""
 
 from __future__ import annotations
 
@@ -8,26 +8,34 @@ import numpy as np
 
 from wroll_fem.errors import WrollError
 from wroll_fem.fem.eigen import solve_pairs
-from wroll_fem.fem.fourier_roll import AXIAL, TORSION, Family, FamilyMatrices, FourierRoll, families
+from wroll_fem.fem.fourier_roll import (
+    AXIAL,
+    TORSION,
+    FourierRoll,
+    SymmetryClass,
+    SymmetryClassMatrices,
+    symmetry_classes,
+)
 from wroll_fem.typing import FloatArray
 
 SHIFT = -((2 * np.pi * 100.0) ** 2)
-"""Shift in (rad/s)^2: below the spectrum, and large enough that rounding in cells of half a millimetre stays small."""
+"""Spectral shift in (rad/s)^2: below the spectrum, and large enough to keep rounding errors of 0.5 mm cells small."""
 
-HIGHEST_HARMONIC = 80
+HIGHEST_WAVE_NUMBER = 80
+"""Circumferential wave number at which the search for modes stops with an error."""
 _BEYOND = 4
-"""Harmonics in a row whose lowest frequency must lie above all wanted ones, and rise, before the search stops."""
-_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: a motion below this is a rigid one
+"""Number of consecutive wave numbers whose lowest frequency must rise above all wanted ones before the search ends."""
+_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
 
 
 @dataclass(frozen=True)
 class FourierMode:
-    """One mode of a family, normalised to unit modal mass; every m >= 1 has a twin turned by pi / (2 m).
+    """One mode, normalised to unit modal mass; for m >= 1 it is one of a degenerate pair, rotated by pi / (2 m).
 
     Attributes
     ----------
     family
-        What it belongs to.
+        Symmetry class of the mode.
     frequency_hz, residual
         Natural frequency (Hz), relative residual of the eigenpair.
     values
@@ -35,12 +43,12 @@ class FourierMode:
     kind
         "bending", "torsion", "axial", "breathing", "ovalling-n" or "rigid", as in `wroll_fem.structure.mode_shapes`.
     participation
-        phi^T M i along the family's direction, sqrt(kg); its square is the effective mass.
+        phi^T M i along the direction of the symmetry class, sqrt(kg); its square is the effective mass.
     tip
-        Displacement of the tip's centre along that direction per modal coordinate, 1/sqrt(kg).
+        Displacement of the centre of the tip along that direction per modal coordinate, 1/sqrt(kg).
     """
 
-    family: Family
+    symmetry: SymmetryClass
     frequency_hz: float
     residual: float
     values: FloatArray
@@ -49,9 +57,28 @@ class FourierMode:
     tip: float
 
 
-def family_modes(roll: FourierRoll, family: Family, count: int, shift: float = SHIFT) -> list[FourierMode]:
-    """Lowest `count` modes of a family (all of them, if it has fewer), ascending."""
-    system = roll.matrices(family)
+def symmetry_class_modes(
+    roll: FourierRoll, symmetry: SymmetryClass, count: int, shift: float = SHIFT
+) -> list[FourierMode]:
+    """Lowest modes of a symmetry class, in order of frequency.
+
+    Parameters
+    ----------
+    roll
+        Roll with its materials.
+    symmetry
+        Symmetry class.
+    count
+        Number of modes; all of them if the class has fewer.
+    shift
+        Spectral shift, (rad/s)^2.
+
+    Raises
+    ------
+    WrollError
+        If the eigensolver misses modes or does not converge.
+    """
+    system = roll.matrices(symmetry)
     pairs = solve_pairs(system.stiffness, system.mass, min(count, system.stiffness.shape[0]), shift)
     modes = []
     for value, residual, vector in zip(pairs.values, pairs.residuals, pairs.vectors.T, strict=True):
@@ -60,11 +87,11 @@ def family_modes(roll: FourierRoll, family: Family, count: int, shift: float = S
             vector, participation = -vector, -participation
         modes.append(
             FourierMode(
-                family=family,
+                symmetry=symmetry,
                 frequency_hz=float(np.sqrt(max(value, 0.0)) / (2 * np.pi)),
                 residual=float(residual),
                 values=(system.expand @ vector).reshape(-1, 3),
-                kind=_kind(family, float(value), vector, system),
+                kind=_kind(symmetry, float(value), vector, system),
                 participation=participation,
                 tip=float(system.tip @ vector),
             )
@@ -72,36 +99,36 @@ def family_modes(roll: FourierRoll, family: Family, count: int, shift: float = S
     return modes
 
 
-def _kind(family: Family, value: float, vector: FloatArray, system: FamilyMatrices) -> str:
+def _kind(symmetry: SymmetryClass, value: float, vector: FloatArray, system: SymmetryClassMatrices) -> str:
     if value < _NO_STRAIN:
         return "rigid"
-    if family == TORSION:
+    if symmetry == TORSION:
         return "torsion"
-    if family == AXIAL:
+    if symmetry == AXIAL:
         inertia = vector * (system.mass @ vector)
         axial = (system.expand.T @ np.tile([0.0, 0.0, 1.0], system.expand.shape[0] // 3)) != 0.0
         return "axial" if inertia[axial].sum() > inertia[~axial].sum() else "breathing"
-    return "bending" if family.harmonic == 1 else f"ovalling-{family.harmonic}"
+    return "bending" if symmetry.wave_number == 1 else f"ovalling-{symmetry.wave_number}"
 
 
 def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
-    """Modes of the whole roll below or at its mode number `count`, twins counted and listed once.
+    """Lowest `count` modes of the whole roll, each degenerate pair listed once.
 
     Returns
     -------
     list of FourierMode
-        Ascending; with every m >= 1 taken twice there are `count` or `count` + 1 of them.
+        In order of frequency. Counting every mode with m >= 1 twice gives `count` or `count` + 1 modes.
 
     Raises
     ------
     WrollError
-        If the frequencies have not risen above the wanted ones at harmonic `HIGHEST_HARMONIC`.
+        If wave number `HIGHEST_WAVE_NUMBER` still has modes among the lowest, or if the eigensolver fails.
     """
     found: list[FourierMode] = []
     above, last = 0, 0.0
-    for harmonic in range(HIGHEST_HARMONIC + 1):
+    for wave_number in range(HIGHEST_WAVE_NUMBER + 1):
         limit = _frequency_of(found, count)
-        here = [mode for f in families(harmonic) for mode in _up_to(roll, f, count, limit)]
+        here = [mode for f in symmetry_classes(wave_number) for mode in _up_to(roll, f, count, limit)]
         found += here
         lowest = min(mode.frequency_hz for mode in here)
         above = above + 1 if lowest > max(limit, last) else 0
@@ -110,24 +137,24 @@ def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
             break
     else:
         raise WrollError(
-            f"harmonic {HIGHEST_HARMONIC} still has modes among the lowest {count}: ask for fewer modes (modal.count)"
+            f"wave number {HIGHEST_WAVE_NUMBER} still has modes among the lowest {count}; reduce modal.count"
         )
     found.sort(key=lambda mode: mode.frequency_hz)
     return [mode for mode in found if mode.frequency_hz <= _frequency_of(found, count)]
 
 
-def _up_to(roll: FourierRoll, family: Family, count: int, limit: float) -> list[FourierMode]:
-    """Modes of a family up to a frequency, at least one, at most what `count` modes of the roll can take from it."""
-    most = count if family.harmonic == 0 else (count + 1) // 2
+def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float) -> list[FourierMode]:
+    """Modes of a symmetry class up to the frequency `limit` (Hz): at least one, at most those that `count` can hold."""
+    most = count if symmetry.wave_number == 0 else (count + 1) // 2
     some = min(3, most)
     while True:
-        modes = family_modes(roll, family, some)
+        modes = symmetry_class_modes(roll, symmetry, some)
         if len(modes) < some or some == most or modes[-1].frequency_hz > limit:
             return modes
         some = min(2 * some, most)
 
 
 def _frequency_of(modes: list[FourierMode], count: int) -> float:
-    """Frequency of mode number `count`, twins counted; infinite while there are fewer."""
-    counted = sorted(f for mode in modes for f in [mode.frequency_hz] * (2 if mode.family.harmonic else 1))
+    """Frequency of mode number `count`, both modes of a pair counted; infinite if there are fewer modes."""
+    counted = sorted(f for mode in modes for f in [mode.frequency_hz] * (2 if mode.symmetry.wave_number else 1))
     return counted[count - 1] if len(counted) >= count else np.inf

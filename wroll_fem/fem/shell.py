@@ -1,8 +1,8 @@
 r"""Shear-deformable shell on a curved quad mesh: Q2 displacement u and Q2 rotation vector theta.
 
-A point at height xi above the mid-surface x_0 moves by u + xi theta x d, with d the director, a
-continuous quadratic field. Linearised at the mid-surface, with P = [e1 e2] the tangent basis and
-`grad` the tangential gradient (of the physical coordinates):
+A point at height xi above the mid-surface x_0 moves by u + xi theta x d, where the director d is a continuous quadratic
+field. Linearised at the mid-surface, with the tangent basis P = [e1 e2] and the tangential gradient `grad`
+(docs/theory.md, eq-shell-strains and eq-shell-energy):
 
     eps   = sym(P^T grad u P)                                                   membrane strain
     kappa = sym(P^T grad(theta x d) P + (grad d P)^T grad u P)                  change of curvature
@@ -11,12 +11,12 @@ continuous quadratic field. Linearised at the mid-surface, with P = [e1 e2] the 
 
     energy = 1/2 int N : eps + M : kappa + Q . gamma + k_d omega^2 dA
 
-All four vanish for every rigid motion, exactly and pointwise. Membrane and shear terms are integrated
-as alpha x (3 x 3 points) + (1 - alpha) x (2 x 2 points) with alpha = t^2 / h^2 <= 1 in each cell (h^2 the
-cell's area): 2 x 2 points alone leave zero-energy modes, 3 x 3 alone lock. Bending, drilling and mass are
+All four vanish pointwise for every rigid motion. Membrane and shear terms are integrated as
+alpha x (3 x 3 points) + (1 - alpha) x (2 x 2 points) with alpha = t^2 / h^2 <= 1 in each cell (h^2 is the area of the
+cell): 2 x 2 points alone leave zero-energy modes, and 3 x 3 points alone lock. Bending, drilling and mass are
 integrated with 3 x 3 points.
 
-Displacement over the reference value, n x n cells (tests/fem/test_shell.py):
+Ratio of the displacement to its reference value on n x n cells (tests/fem/test_shell.py):
 
     n                                        4        8        16
     Scordelis-Lo roof (0.3024)               0.999    0.997    0.997
@@ -53,16 +53,17 @@ Director = Callable[[FloatArray], FloatArray]
 
 SHEAR_FACTOR = 5.0 / 6.0
 DRILLING_FACTOR = 0.01
-"""Drilling modulus over G t. The constraint is consistent, so results converge to the same values for any factor; a
-small one stiffens coarse meshes less (lab mandrel, 12 x 4 cells: bending frequency 0.12 % high with 1, 0.04 % with
-0.01), a tiny one lets drilling-only modes down into the spectrum (about sqrt(12 factor G / rho) / t)."""
+"""Ratio of the drilling stiffness to G t. The drilling term is consistent, so results converge to the same values for
+any factor. A small factor stiffens coarse meshes less (lab mandrel, 12 x 4 cells: the bending frequency is 0.12 % too
+high with 1, 0.04 % with 0.01). A very small factor lowers the spurious drilling modes, near
+sqrt(12 factor G / rho) / t, into the spectrum."""
 _CELL = "quadrilateral"
 _FROM_GMSH = [0, 1, 3, 2, 4, 7, 5, 6, 8]  # basix's quad9 in gmsh's (and VTK's) local numbers
 _FULL, _REDUCED = 4, 2  # quadrature degrees: 3 x 3 and 2 x 2 Gauss points
 
 
 @dataclass(frozen=True)
-class Section:
+class ShellSection:
     """Material and thickness of a homogeneous isotropic shell.
 
     Attributes
@@ -72,8 +73,8 @@ class Section:
     thickness
         m.
     bending
-        Factor on the bending stiffness; 0 leaves a membrane whose rotations follow the mid-surface through
-        shear and drilling.
+        Factor on the bending stiffness; with 0 the shell is a membrane whose rotations are determined by the transverse
+        shear and drilling terms.
     extra_mass
         Non-structural mass per area, kg/m^2.
     """
@@ -87,19 +88,19 @@ class Section:
 
     @property
     def mass_per_area(self) -> float:
-        """kg/m^2."""
+        """Mass per area of the mid-surface, kg/m^2."""
         return self.rho * self.thickness + self.extra_mass
 
 
 def radial_director(points: FloatArray) -> FloatArray:
-    """Outward unit normal (n, 3) of cylinders about z at `points` (n, 3)."""
+    """Outward unit normals (n, 3) of cylinders about the z axis at given points (n, 3), m."""
     director = np.zeros_like(points)
     director[:, :2] = points[:, :2] / np.hypot(points[:, 0], points[:, 1])[:, None]
     return director
 
 
 class ShellModel:
-    """A meshed shell: assembles stiffness, mass and loads for any `Section`.
+    """Meshed shell that assembles stiffness, mass and loads for any `ShellSection`.
 
     Degrees of freedom are node-major [ux, uy, uz, rx, ry, rz] in the order of `nodes`.
 
@@ -110,14 +111,21 @@ class ShellModel:
     cells
         (n_cells, 9) node numbers in gmsh's quad9 order.
     director
-        Unit normal at given points, (n, 3) -> (n, 3).
+        Function from points (n, 3) to unit normals (n, 3).
 
     Attributes
     ----------
     cell_nodes
-        (n_cells, 9) input nodes of dolfinx's cells in basix's local order (corners first).
+        (n_cells, 9) input node numbers of the dolfinx cells in the local order of basix (corners first).
     dof_order
-        (6 n_nodes,) dolfinx's number of each node-major degree of freedom.
+        (6 n_nodes,) dolfinx number of each node-major degree of freedom.
+
+    Raises
+    ------
+    ValueError
+        If a node belongs to no cell.
+    WrollError
+        If PETSc is built with complex scalars.
     """
 
     def __init__(self, nodes: FloatArray, cells: IntArray, director: Director = radial_director):
@@ -146,11 +154,11 @@ class ShellModel:
         self.dof_order = (6 * block_of_node[:, None] + np.arange(6)).ravel()
 
     def _numbering(self, dofs: IntArray, nodes_of_cell: IntArray) -> IntArray:
-        """Block of degrees of freedom that sits at each input node (quadratic space on a quadratic mesh)."""
+        """Number of the block of degrees of freedom at each input node (quadratic space on a quadratic mesh)."""
         block = np.full(len(self.nodes), -1, np.int64)
         block[nodes_of_cell.ravel()] = dofs.ravel()
         if (block < 0).any():
-            raise ValueError(f"{int((block < 0).sum())} nodes belong to no cell of the shell")
+            raise ValueError(f"{int((block < 0).sum())} nodes belong to no cell of the shell; remove them")
         return block
 
     def _set(self, function: fem.Function, nodal: FloatArray) -> None:
@@ -162,7 +170,7 @@ class ShellModel:
     # ---- kinematics ----------------------------------------------------------------------------------------------
 
     def _tangents(self) -> tuple[Any, Any]:
-        """P (3 x 2 tangent basis) and the unit normal of the curved cell."""
+        """Tangent basis P (3 x 2) and unit normal of the curved cell."""
         J = ufl.Jacobian(self.mesh)
         t1, t2 = J[:, 0], J[:, 1]
         e1 = t1 / ufl.sqrt(ufl.dot(t1, t1))
@@ -171,7 +179,7 @@ class ShellModel:
         return ufl.transpose(ufl.as_matrix([[e1[i] for i in range(3)], [e2[i] for i in range(3)]])), n
 
     def _strains(self, q: Any) -> tuple[Any, Any, Any, Any]:
-        """eps, kappa, gamma, omega of the module's docstring for q = [u, theta]."""
+        """Strains eps, kappa, gamma and omega of the module's docstring for q = [u, theta]."""
         u, theta = _split(q)
         d = self.director
         P, n = self._tangents()
@@ -218,8 +226,8 @@ class ShellModel:
 
     # ---- assembly --------------------------------------------------------------------------------------------------
 
-    def stiffness(self, section: Section) -> sp.csr_matrix:
-        """(6 n_nodes, 6 n_nodes) stiffness, N/m, without constraints."""
+    def stiffness(self, section: ShellSection) -> sp.csr_matrix:
+        """(6 n_nodes, 6 n_nodes) unconstrained stiffness, N/m."""
         t, G = section.thickness, section.E / (2 * (1 + section.nu))
         plane = section.E / (1 - section.nu**2)
         values = {
@@ -234,14 +242,14 @@ class ShellModel:
         self._alpha.x.array[:] = np.minimum(1.0, t**2 / self._area_of_cell)
         return self._reorder(compat.assemble_csr(self._stiffness_form))
 
-    def mass(self, section: Section) -> sp.csr_matrix:
-        """(6 n_nodes, 6 n_nodes) consistent mass, kg, with rotary inertia rho t^3 / 12 about all three axes."""
+    def mass(self, section: ShellSection) -> sp.csr_matrix:
+        """(6 n_nodes, 6 n_nodes) consistent mass, kg, with a rotary inertia of rho t^3 / 12 about all three axes."""
         self._constants["mass"].value = section.mass_per_area
         self._constants["rotary"].value = section.rho * section.thickness**3 / 12
         return self._reorder(compat.assemble_csr(self._mass_form))
 
     def area_load(self, density: FloatArray) -> FloatArray:
-        """(6 n_nodes,) consistent nodal forces, N, of a force per area (Pa) given at the nodes, (n_nodes, 3)."""
+        """(6 n_nodes,) consistent nodal forces, N, of a traction with nodal values `density` (n_nodes, 3), Pa."""
         self._set(self._load, np.broadcast_to(density, self.nodes.shape))
         return compat.assemble_array(self._load_form)[self.dof_order]
 
@@ -261,12 +269,12 @@ def _split(q: Any) -> tuple[Any, Any]:
 
 
 def _plane_stress(strain: Any, nu: Any) -> Any:
-    """(1 - nu) strain + nu tr(strain) I, to be scaled by E t / (1 - nu^2) or E t^3 / 12 (1 - nu^2)."""
+    """(1 - nu) strain + nu tr(strain) I, to be multiplied by E t / (1 - nu^2) or E t^3 / 12 (1 - nu^2)."""
     return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
 
 
 def drop_small(matrix: sp.csr_matrix, tolerance: float = 1e-15) -> sp.csr_matrix:
-    """Remove entries below `tolerance` x the geometric mean of their two diagonal entries (rounding errors)."""
+    """Remove entries at rounding level: below `tolerance` times the geometric mean of their two diagonal entries."""
     entries = matrix.tocoo()
     scale = np.sqrt(np.abs(matrix.diagonal()))
     keep = np.abs(entries.data) > tolerance * scale[entries.row] * scale[entries.col]

@@ -1,16 +1,16 @@
-r"""27-node solids: the homogenised coil, and an independent check of the shells on exactly the mandrel's quads.
+r"""27-node hexahedra for the homogenised coil, and for a check of the shells on the extruded quads of the mandrel.
 
-The material's axes r, theta, z are taken from the roll's axis at every quadrature point. Strains in Voigt order
-(rr, tt, zz, tz, rz, rt) with engineering shear strains, e_a the unit vectors of these axes:
+The material axes r, theta, z follow from the axis of the roll at every quadrature point. Strains are in Voigt order
+(rr, tt, zz, tz, rz, rt) with engineering shear strains; e_a are the unit vectors of these axes:
 
-    eps_ab = e_a . sym(grad u) e_b,        energy = 1/2 int eps^T C eps dV,       C of `materials`.
+    eps_ab = e_a . sym(grad u) e_b,        energy = 1/2 int eps^T C eps dV,       C from `structure.materials`.
 
 Stiffness is integrated as alpha x (3 x 3 x 3 points) + (1 - alpha) x (2 x 2 x 2 points) with alpha = t^2 / h^2 <= 1 in
-each cell as in the shells (t the wall of all cells together, h^2 the area of the cell's face): the reduced rule alone
-leaves zero-energy modes, the full one locks in thin walls. In a thick coil the full rule alone remains. A small alpha
-would give frequencies that converge faster, but false modes (618 Hz at G_r = 10 kPa with alpha = 1e-3) and shear
-stresses that swing from cell to cell near the root (tip-loaded thick tube, 12 cells along: 17 % with alpha = 0.03,
-0.2 % with the full rule).
+each cell, as in the shells (t is the total wall thickness, h^2 the area of the cell's face): the reduced rule alone
+leaves zero-energy modes, and the full rule locks in thin walls. In a thick coil only the full rule remains. A smaller
+alpha makes the frequencies converge faster, but causes spurious modes (618 Hz at G_r = 10 kPa with alpha = 1e-3) and
+shear stresses that oscillate from cell to cell near the root (tip-loaded thick tube, 12 cells along the axis: 17 % with
+alpha = 0.03, 0.2 % with the full rule).
 
 Notes
 -----
@@ -37,29 +37,36 @@ from wroll_fem.typing import FloatArray, IntArray
 _CELL = "hexahedron"
 _FULL, _REDUCED = 4, 2
 _INDEPENDENT = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (5, 5))
-# position of quad9 node (gmsh order) on the 3 x 3 grid of its cell
+# grid position (0, 1 or 2 along each axis) -> number of the quad9 node in gmsh order
 _GRID = {(0, 0): 0, (2, 0): 1, (2, 2): 2, (0, 2): 3, (1, 0): 4, (2, 1): 5, (1, 2): 6, (0, 1): 7, (1, 1): 8}
 
 
 def thicken(
     nodes: FloatArray, cells: IntArray, heights: Sequence[float], director: Director = radial_director
 ) -> tuple[FloatArray, IntArray]:
-    """27-node hexes between a quad9 surface's offsets.
+    """Extrude a quad9 surface into 27-node hexahedra.
 
     Parameters
     ----------
     nodes, cells
-        (n, 3) and (n_cells, 9) of the surface, gmsh order.
+        (n, 3) nodes of the surface, m, and (n_cells, 9) node numbers in gmsh order.
     heights
-        Offsets along the director, m, ascending, 2 k + 1 of them for k hexes through the thickness.
+        (2 k + 1,) heights of the node layers above the surface, m, ascending, for k hexahedra through the thickness.
+    director
+        Function from points (n, 3) to unit normals (n, 3).
 
     Returns
     -------
-    nodes : (len(heights) * n, 3), one copy of the surface after the other.
-    cells : (k * n_cells, 27) in basix's local order.
+    nodes : (len(heights) * n, 3) coordinates, m, one copy of the surface after the other.
+    cells : (k * n_cells, 27) node numbers in the local order of basix.
+
+    Raises
+    ------
+    ValueError
+        If the number of heights is even or below 3.
     """
     if len(heights) < 3 or len(heights) % 2 == 0:
-        raise ValueError(f"{len(heights)} offsets; k quadratic cells through the thickness need 2 k + 1")
+        raise ValueError(f"{len(heights)} heights; give 2 k + 1 for k quadratic cells through the thickness")
     d, n = director(nodes), len(nodes)
     stacked = np.concatenate([nodes + h * d for h in heights])
     grid = np.rint(2 * compat.hexahedron_points()).astype(int)
@@ -71,16 +78,24 @@ def thicken(
 
 
 class SolidModel:
-    """Quadratic hexes: assembles stiffness and mass; degrees of freedom are node-major [ux, uy, uz].
+    """Meshed solid of quadratic hexahedra that assembles stiffness and mass.
+
+    The degrees of freedom are node-major [ux, uy, uz].
 
     Parameters
     ----------
     nodes
-        (n_nodes, 3), m.
+        (n_nodes, 3) coordinates, m.
     cells
-        (n_cells, 27) in basix's local order, as `thicken` returns them: the third local axis through the wall.
+        (n_cells, 27) node numbers in the local order of basix, as returned by `thicken`; the third local axis points
+        through the wall.
     thickness
         Thickness of the wall, m; None for the radial extent of the nodes.
+
+    Raises
+    ------
+    WrollError
+        If PETSc is built with complex scalars.
     """
 
     def __init__(self, nodes: FloatArray, cells: IntArray, thickness: float | None = None):
@@ -96,7 +111,7 @@ class SolidModel:
         self._set_weights(cell_nodes, np.ptp(np.hypot(*self.nodes[:, :2].T)) if thickness is None else thickness)
 
     def _set_weights(self, cell_nodes: IntArray, wall: float) -> None:
-        """Weight alpha of the full rule in each cell, for cells (n_cells, 27) in dolfinx's order."""
+        """Compute the weight alpha of the full rule in each cell, for cells (n_cells, 27) in the order of dolfinx."""
         scalars = compat.function_space(self.mesh, compat.piecewise_constant(_CELL))
         volumes = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * self._dx(_FULL)))
         self.volume = float(volumes.sum())
@@ -129,7 +144,7 @@ class SolidModel:
         return compat.compile_form(self._alpha * work * self._dx(_FULL) + (1 - self._alpha) * work * self._dx(_REDUCED))
 
     def orthotropic_stiffness(self, material: CylindricalOrthotropic) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) stiffness, N/m, with the material's axes along r, theta, z of the roll."""
+        """(3 n_nodes, 3 n_nodes) stiffness, N/m; the material axes are the directions r, theta, z of the roll."""
         C = material.stiffness()
         for (i, j), constant in self._constants.items():
             constant.value = C[i, j]
@@ -138,7 +153,7 @@ class SolidModel:
     # ---- isotropy --------------------------------------------------------------------------------------------------
 
     def stiffness(self, E: float, nu: float) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) stiffness of an isotropic solid, N/m."""
+        """(3 n_nodes, 3 n_nodes) stiffness, N/m, of an isotropic solid: Young's modulus E (Pa), Poisson's ratio nu."""
         lame = fem.Constant(self.mesh, E * nu / ((1 + nu) * (1 - 2 * nu)))
         shear = fem.Constant(self.mesh, E / (2 * (1 + nu)))
         eps = ufl.sym(ufl.grad(ufl.TrialFunction(self.space)))
@@ -149,7 +164,7 @@ class SolidModel:
         return self._ordered(compat.compile_form(full + reduced))
 
     def mass(self, rho: float) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) consistent mass, kg."""
+        """(3 n_nodes, 3 n_nodes) consistent mass for the density rho (kg/m^3), kg."""
         density = fem.Constant(self.mesh, float(rho))
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         return self._ordered(compat.compile_form(density * ufl.inner(u, v) * self._dx(_FULL)))

@@ -1,12 +1,12 @@
-"""Area-averaged motion of a shell's surfaces at its contact points.
+"""Area-averaged displacement of the surfaces of a shell at its contact points (docs/theory.md, eq-jump).
 
-The contact points are the quads' corner vertices. With N_k the bilinear hat function of vertex k on the
-mid-surface, xi the height of the surface above it and e_c the roll's cylindrical frame,
+The contact points are the corner vertices of the quads. With the bilinear hat function N_k of vertex k on the
+mid-surface, the height xi of the surface above it and the cylindrical unit vectors e_c of the roll,
 
     motion[k, c] = 1 / A_k  int N_k (u + xi theta x d) . e_c dA,     A_k = int N_k dA,
 
-so a uniform traction in the frame does the same work on the points as on the surface. Surfaces that face
-each other have the same points, in the same order, and the same areas.
+so a traction that is uniform in the cylindrical frame does the same work at the points as on the surface. The two
+surfaces of an interface have the same points, in the same order, and the same areas.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ _DEGREE = 4
 
 
 def cylinder_frame(x: Any) -> list[Any]:
-    """Build the roll's unit vectors (normal, hoop, axial) at a UFL position, from the axis z.
+    """Cylindrical unit vectors (normal, hoop, axial) at a UFL position, about the z axis.
 
-    The frame follows from the axis alone: one chosen from the normal's components changes sign around the roll.
+    The vectors are defined by the axis. A frame derived from the components of the normal would change sign around the
+    roll.
     """
     radius = ufl.sqrt(x[0] ** 2 + x[1] ** 2)
     normal = ufl.as_vector([x[0] / radius, x[1] / radius, 0.0 * x[2]])
@@ -38,14 +39,14 @@ def cylinder_frame(x: Any) -> list[Any]:
 
 
 class SurfaceTrace:
-    """Averages of a shell's motion over the hat functions of its vertices.
+    """Averages of the displacement of a shell, weighted with the hat functions of its vertices.
 
     Parameters
     ----------
     model
         The shell.
     vertices
-        (n_points,) corner nodes in the order in which the points are counted.
+        (n_points,) corner nodes in the order of the contact points.
     """
 
     def __init__(self, model: ShellModel, vertices: IntArray):
@@ -71,11 +72,11 @@ class SurfaceTrace:
         self._rows = (3 * block_of_node[vertices][:, None] + np.arange(3)).ravel()
 
     def areas(self, scale: float) -> FloatArray:
-        """(n_points,) area of each point in m^2, with the mid-surface's area scaled by r_surface / r_mid."""
+        """(n_points,) tributary area of each point, m^2; `scale` is r_surface / r_mid-surface."""
         return self._mid_areas * scale
 
     def operator(self, height: float) -> sp.csr_matrix:
-        """(3 n_points, 6 n_nodes) average (normal, hoop, axial) motion `height` m above the mid-surface."""
+        """(3 n_points, 6 n_nodes) mean (normal, hoop, axial) displacement at a height (m) above the mid-surface."""
         self._height.value = height
         moments = compat.assemble_csr(self._form)[self._rows][:, self.model.dof_order]
         averages = (sp.diags(np.repeat(1.0 / self._mid_areas, 3)) @ moments).tocsr()

@@ -1,1 +1,1 @@
-"""Meshes: cylinders for shells, hexahedra of the coil, the r-z half plane, and their files."""
+"""Meshes: cylindrical shells, grids of coil points, axisymmetric half planes, and mesh files."""

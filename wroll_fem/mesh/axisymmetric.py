@@ -1,4 +1,4 @@
-"""The r-z half plane of a roll as a grid of rectangles: wall of the mandrel inside, coil outside. FEM-free."""
+"""Axisymmetric mesh: rectangles in the r-z half plane of a roll, the wall of the mandrel inside, the coil outside."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ if TYPE_CHECKING:
 
 
 WALL_CELLS = 1
-"""Cells through the mandrel's wall: cubic ones need no more (docs/design-map.md)."""
+"""Cells through the wall of the mandrel; one cubic cell suffices (docs/design-map.md)."""
 
 END_CELLS = 3
-"""Cells by which the lowest and the topmost one are split towards clamp and tip, where stresses have an edge."""
+"""Cells added at each end of the roll by splitting the last one, where clamp and tip cause stress concentrations."""
 
 BOND_CELLS = 2
-"""Cells by which the innermost one of the coil is split towards the wall: its lower edge is where the clamp ends."""
+"""Cells added at the inner surface of the coil by splitting the innermost one; the clamp ends at its lower edge."""
 
 BOND_RATIO = 0.3
-"""Size of a cell over that of its outer neighbour there."""
+"""Ratio of the radial sizes of adjacent cells in that refinement."""
 
-IN_SECTION = ("solid", "bonded")
-"""Coil models that are meshed; the others are a mass on the wall, or nothing."""
+MESHED_COILS = ("solid", "bonded")
+"""Coil models that are meshed; the other models add a mass to the wall, or nothing."""
 
 
 @dataclass(frozen=True)
-class RollSection:
-    """Rectangles between radii and heights.
+class AxisymmetricMesh:
+    """Rectangular cells between given radii and heights.
 
     Attributes
     ----------
     radii
-        (n_r + 1,) ascending, m: borders of the cells from the mandrel's bore outwards.
+        (n_r + 1,) cell borders from the bore of the mandrel outwards, m, ascending.
     heights
-        (n_z + 1,) ascending, m: borders of the cells from the base upwards.
+        (n_z + 1,) cell borders from the base upwards, m, ascending.
     wall_cells
-        Number of cells, counted from the inside, that are the mandrel's wall; the rest is coil.
+        Number of cells through the wall of the mandrel, counted from the inside; all others belong to the coil.
     """
 
     radii: FloatArray
@@ -49,7 +49,7 @@ class RollSection:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Cells along r and z."""
+        """Numbers of cells along r and z."""
         return len(self.radii) - 1, len(self.heights) - 1
 
     @property
@@ -64,13 +64,13 @@ class RollSection:
 
     @property
     def nodes(self) -> FloatArray:
-        """((n_r + 1) (n_z + 1), 2) corners of the cells [r, z], z running fastest."""
+        """((n_r + 1) (n_z + 1), 2) coordinates [r, z] of the cell corners, m, z running fastest."""
         r, z = np.meshgrid(self.radii, self.heights, indexing="ij")
         return np.column_stack([r.ravel(), z.ravel()])
 
     @property
     def cells(self) -> IntArray:
-        """(n_r n_z, 4) corners of each cell in dolfinx's order, (inner, lower) first, z running fastest."""
+        """(n_r n_z, 4) corner numbers of each cell in dolfinx's order, inner lower corner first, z running fastest."""
         n_r, n_z = self.shape
         i, j = np.meshgrid(np.arange(n_r), np.arange(n_z), indexing="ij")
         first = (i * (n_z + 1) + j).ravel()
@@ -78,7 +78,7 @@ class RollSection:
 
     @property
     def outline(self) -> FloatArray:
-        """(2 e, 2) corners and middles [r, z] of the border's edges, once around from the inner lower corner."""
+        """(2 e, 2) ends and midpoints [r, z] of the boundary edges, m, once around from the inner lower corner."""
         r, z = (_with_middles(borders) for borders in (self.radii, self.heights))
         lower = np.column_stack([r, np.full_like(r, z[0])])
         outer = np.column_stack([np.full_like(z, r[-1]), z])
@@ -87,7 +87,7 @@ class RollSection:
         return np.concatenate([side[:-1] for side in (lower, outer, upper, inner)])
 
     def volume(self, *, coil: bool) -> float:
-        """Volume of revolution of the coil, or of the wall, m^3."""
+        """Volume of revolution of the coil (or, with coil=False, of the wall), m^3."""
         inner, outer = (self.wall_radius, self.radii[-1]) if coil else (self.radii[0], self.wall_radius)
         return float(np.pi * (outer**2 - inner**2) * self.length)
 
@@ -99,7 +99,21 @@ def _with_middles(borders: FloatArray) -> FloatArray:
 
 
 def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> FloatArray:
-    """Heights with the first and the last cell split in geometric progression down to about `smallest`, m."""
+    """Split the first and the last cell in geometric progression.
+
+    Parameters
+    ----------
+    heights
+        (n,) cell borders, m, ascending.
+    smallest
+        Approximate height of the smallest cell, m.
+    count
+        Number of cells added at each end.
+
+    Returns
+    -------
+    (n + 2 count,) cell borders, m.
+    """
 
     def steps(cell: float) -> FloatArray:
         ratio = float(np.clip((smallest / cell) ** (1.0 / count), 0.1, 0.5)) if count else 1.0
@@ -109,26 +123,26 @@ def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> 
     return np.concatenate([heights[:1], heights[0] + first[::-1], heights[1:-1], heights[-1] - last, heights[-1:]])
 
 
-def make_section(case: Case) -> RollSection:
-    """Section on which a case is solved: `plain_section`, refined towards clamp, tip and bond.
+def refined_mesh(case: Case) -> AxisymmetricMesh:
+    """Mesh on which a case is solved: `unrefined_mesh`, refined towards the clamp, the tip and the wall.
 
-    Cells at both ends are split down to half the wall's thickness. The harmonics cost so little that accuracy need not
-    hang on the numbers of cells in the case.
+    The cells at both ends are split down to half the wall thickness. Fourier elements are cheap enough to make the
+    result almost independent of the numbers of cells in the case.
     """
-    plain = plain_section(case)
-    heights = split_ends(plain.heights, 0.5 * case.geometry.mandrel_thickness)
-    w = plain.wall_cells
-    if len(plain.radii) == w + 1:
-        return RollSection(plain.radii, heights, w)
-    bond = (plain.radii[w + 1] - plain.radii[w]) * BOND_RATIO ** np.arange(BOND_CELLS, 0, -1)
-    radii = np.concatenate([plain.radii[: w + 1], plain.radii[w] + bond, plain.radii[w + 1 :]])
-    return RollSection(radii, heights, w)
+    unrefined = unrefined_mesh(case)
+    heights = split_ends(unrefined.heights, 0.5 * case.geometry.mandrel_thickness)
+    w = unrefined.wall_cells
+    if len(unrefined.radii) == w + 1:
+        return AxisymmetricMesh(unrefined.radii, heights, w)
+    bond = (unrefined.radii[w + 1] - unrefined.radii[w]) * BOND_RATIO ** np.arange(BOND_CELLS, 0, -1)
+    radii = np.concatenate([unrefined.radii[: w + 1], unrefined.radii[w] + bond, unrefined.radii[w + 1 :]])
+    return AxisymmetricMesh(radii, heights, w)
 
 
-def plain_section(case: Case) -> RollSection:
-    """Cells that a case asks for: `mesh.axial`, `mesh.grading` along the axis, `mesh.radial` through a solid coil.
+def unrefined_mesh(case: Case) -> AxisymmetricMesh:
+    """Mesh with the numbers of cells of the case: `mesh.axial` along the axis, `mesh.radial` through a solid coil.
 
-    A bonded coil gets a cell per layer.
+    A bonded coil has one cell per layer.
     """
     from wroll_fem.mesh.generate import axial_stations
 
@@ -139,4 +153,4 @@ def plain_section(case: Case) -> RollSection:
         radii.append(outer + axial_stations(coil.total_thickness, mesh.radial, mesh.radial_grading)[1:])
     elif coil.model == "bonded":
         radii.append(outer + coil.layer_thickness * np.arange(1, coil.layers + 1))
-    return RollSection(np.concatenate(radii), axial_stations(g.length, mesh.axial, mesh.grading), WALL_CELLS)
+    return AxisymmetricMesh(np.concatenate(radii), axial_stations(g.length, mesh.axial, mesh.grading), WALL_CELLS)

@@ -1,4 +1,4 @@
-"""Meshes in files: reading and writing .msh by gmsh (named groups), writing .vtu."""
+"""Mesh files: reading and writing .msh with named groups (gmsh), writing .vtu (meshio)."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from wroll_fem.typing import FloatArray, IntArray
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
 
 Hexes = tuple[FloatArray, IntArray]
-"""Nodes (n, 3) and cells (m, 27), VTK_TRIQUADRATIC_HEXAHEDRON order, of a solid coil."""
+"""Nodes (n, 3) in m and cells (m, 27) in VTK_TRIQUADRATIC_HEXAHEDRON order of a solid coil."""
 
 
 def start_gmsh() -> None:
-    """Initialize gmsh; what it writes to stderr is passed on without one false alarm.
+    """Initialise gmsh and remove one false alarm from its messages on stderr.
 
-    The PETSc inside gmsh's wheel takes Open MPI 5, whose ROMIO holds a few of MPICH's names, for a second MPI and
-    says that nothing will run correctly. Meshing does not use it.
+    The PETSc library in the gmsh wheel mistakes Open MPI 5, whose ROMIO defines a few symbols of MPICH, for a second
+    MPI library and warns that the program will not run correctly. Meshing does not use MPI.
     """
     terminal = os.dup(2)
-    with tempfile.TemporaryFile() as said:
-        os.dup2(said.fileno(), 2)
+    with tempfile.TemporaryFile() as messages:
+        os.dup2(messages.fileno(), 2)
         try:
             gmsh.initialize([], readConfigFiles=False, interruptible=False)
-            if threading.current_thread() is threading.main_thread():  # gmsh lets SIGTERM end the process unsaved
+            if threading.current_thread() is threading.main_thread():  # gmsh replaces the handler
                 signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGTERM))
         finally:
             os.dup2(terminal, 2)
             os.close(terminal)
-            said.seek(0)
-            os.write(2, b"".join(line for line in said if b"against both OpenMPI and MPICH" not in line))
+            messages.seek(0)
+            os.write(2, b"".join(line for line in messages if b"against both OpenMPI and MPICH" not in line))
 
 
 @contextlib.contextmanager
 def gmsh_model(name: str) -> Iterator[None]:
-    """Open a fresh gmsh model without terminal output; leave gmsh as it was found."""
+    """Open a new gmsh model without terminal output and restore the state of gmsh afterwards."""
     started = not gmsh.isInitialized()
     if started:
         start_gmsh()
@@ -65,23 +65,25 @@ def gmsh_model(name: str) -> Iterator[None]:
 
 
 def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> CylinderMesh:
-    """Read a .msh file whose physical groups follow the names of `CylinderMesh`.
+    """Read a .msh file whose physical groups have the names of `CylinderMesh`.
 
     Parameters
     ----------
     path
         File in a format that gmsh reads (.msh 2.2 or 4.1).
     required
-        Shells that must be there, each with its "_base" and "_tip" ring.
+        Shells that the file must contain, each with its "_base" and "_tip" ring.
 
     Raises
     ------
     InputError
-        If the file is missing or unreadable, lacks groups, or holds cells other than 9-node quads.
+        If the file is missing or unreadable, lacks groups, or contains cells other than 9-node quads.
+    RuntimeError
+        If reading the file changes the list of gmsh models.
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError("mesh file does not exist", key="mesh.file", file=str(path), remedy="give an existing .msh")
+        raise InputError("mesh file does not exist", key="mesh.file", file=str(path), remedy="give an existing file")
     with gmsh_model("read"):
         before = set(gmsh.model.list())
         try:
@@ -96,7 +98,20 @@ def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> Cylin
 
 
 def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
-    """Cells and groups of the current gmsh model; nodes that no quad uses (arc centres) are left out."""
+    """Cells and groups of the current gmsh model, without nodes that belong to no quad (arc centres).
+
+    Parameters
+    ----------
+    source
+        Name of the mesh file, for the messages.
+    required
+        Shells that the model must contain; empty for all groups.
+
+    Raises
+    ------
+    InputError
+        If a group is missing, has the wrong dimension, or contains other cells than 9-node quads and 3-node lines.
+    """
     found = {gmsh.model.getPhysicalName(dim, tag): (dim, tag) for dim, tag in gmsh.model.getPhysicalGroups()}
     wanted = [name for part in required for name in (part, f"{part}_base", f"{part}_tip")] or list(found)
     missing = [name for name in wanted if name not in found]
@@ -106,7 +121,7 @@ def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
             f"mesh lacks the {lacks} (it has: {', '.join(found) or 'none'})",
             key="mesh.file",
             file=source,
-            remedy="name the surfaces (physical surfaces) and their end rings (physical curves) like that",
+            remedy="give the physical surfaces and the physical curves of their end rings these names",
         )
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     cells: list[IntArray] = []
@@ -120,7 +135,7 @@ def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
                 f"group {name} has dimension {dim} instead of {expected}",
                 key="mesh.file",
                 file=source,
-                remedy="shells are physical surfaces, their ends physical curves",
+                remedy="define shells as physical surfaces and their end rings as physical curves",
             )
         own = _group_elements(dim, group, name, source)
         if dim == 2:
@@ -149,21 +164,36 @@ def _group_elements(dim: int, group: int, name: str, source: str) -> IntArray:
             kind_name, _, _, per_element, _, _ = gmsh.model.mesh.getElementProperties(kind)
             if kind != wanted:
                 raise InputError(
-                    f"group {name} holds cells of type {kind_name}",
+                    f"group {name} contains cells of type {kind_name}",
                     key="mesh.file",
                     file=source,
-                    remedy="shells need 9-node quads (gmsh: recombine, Mesh.ElementOrder = 2, no incomplete elements)",
+                    remedy="use 9-node quads (gmsh: recombine, Mesh.ElementOrder = 2, no incomplete elements)",
                 )
             blocks.append(np.asarray(own, np.int64).reshape(-1, per_element))
     if not blocks:
-        raise InputError(f"group {name} holds no elements", key="mesh.file", file=source, remedy="mesh it and save it")
+        raise InputError(f"group {name} contains no elements", key="mesh.file", file=source, remedy="mesh and save it")
     return np.concatenate(blocks)
 
 
 def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh", coil: Hexes | None = None) -> list[Path]:
-    """Write `name`.msh (gmsh 4.1, named groups) and `name`.vtu (for ParaView) to a folder; returns the paths.
+    """Write a mesh as .msh (gmsh 4.1, named groups) and as .vtu (for ParaView).
 
-    A solid coil is the volume "coil", with nodes of its own: those of the mandrel lie on its mid-surface.
+    Parameters
+    ----------
+    mesh
+        Shell mesh.
+    folder
+        Folder of the files; created if needed.
+    name
+        Name of both files without suffix.
+    coil
+        Nodes and cells of a solid coil, written as the volume "coil". It has its own nodes, because those of the
+        mandrel lie on its mid-surface.
+
+    Returns
+    -------
+    list of Path
+        The .msh and the .vtu file.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Quadrature points of a coil as a grid of angles, heights and radii; the cells they stand for. FEM-free."""
+"""Quadrature points of a coil arranged as a grid of angles, heights and radii, with one hexahedron around each."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import numpy as np
 
 from wroll_fem.typing import FloatArray, IntArray
 
-# Points of one element row agree in height and radius to rounding on straight edges, and to the error of
-# quadratic arcs around the circumference; the finest of these shares of the span that finds a full grid is taken.
+# Points of one element row agree in height and radius within rounding errors on straight edges, and within the error of
+# the quadratic arcs around the circumference. The smallest of these relative tolerances that gives a full grid is used.
 _TOLERANCES = (1e-7, 1e-5, 1e-4, 1e-3)
 
 
 class CoilGrid(NamedTuple):
-    """Points on every combination of some angles, heights and radii.
+    """Points at all combinations of given angles, heights and radii.
 
     Attributes
     ----------
     theta, z, r
-        (n_theta,) rad, (n_z,) m, (n_r,) m, ascending.
+        (n_theta,) angles in rad, (n_z,) heights and (n_r,) radii in m, ascending.
     numbers
-        (n_r, n_z, n_theta) number of the point at each.
+        (n_r, n_z, n_theta) number of the point at each combination.
     """
 
     theta: FloatArray
@@ -31,7 +31,20 @@ class CoilGrid(NamedTuple):
 
 
 def stations(values: FloatArray, tolerance: float) -> tuple[FloatArray, IntArray]:
-    """Values that lie closer than `tolerance` to the next taken as one: their means (m,), and which each is (n,)."""
+    """Group values that differ by less than a tolerance from the next one.
+
+    Parameters
+    ----------
+    values
+        (n,) values.
+    tolerance
+        Largest difference between neighbours of one group, in the unit of the values.
+
+    Returns
+    -------
+    means : (m,) mean of each group, ascending.
+    group : (n,) group of each value.
+    """
     order = np.argsort(values, kind="stable")
     number = np.concatenate([[0], np.cumsum(np.diff(values[order]) > tolerance)])
     which = np.empty(values.size, dtype=np.int64)
@@ -40,7 +53,7 @@ def stations(values: FloatArray, tolerance: float) -> tuple[FloatArray, IntArray
 
 
 def coil_grid(points: FloatArray) -> CoilGrid | None:
-    """Grid of the points (n_points, 3) of theta, z, r; None when they form none."""
+    """Grid formed by points (n_points, 3) with coordinates theta (rad), z and r (m); None if they form no grid."""
     for tolerance in _TOLERANCES:
         found = [stations(column, tolerance * max(float(np.ptp(column)), 1e-12)) for column in points.T]
         (theta, column), (z, row), (r, layer) = found
@@ -54,9 +67,21 @@ def coil_grid(points: FloatArray) -> CoilGrid | None:
 
 
 def largest_along(positions: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positions (m,) of the rows of points along one coordinate, and the largest value (m,) in each row.
+    """Largest value in each row of points along one coordinate.
 
-    Rows closer than a thousandth of the span count as one.
+    Rows closer than a thousandth of the span are merged.
+
+    Parameters
+    ----------
+    positions
+        (n,) coordinate of each point.
+    values
+        (n,) value at each point.
+
+    Returns
+    -------
+    positions : (m,) mean coordinate of each row, ascending.
+    largest : (m,) largest value in each row.
     """
     place, which = stations(positions, 1e-3 * max(float(np.ptp(positions)), 1e-12))
     largest = np.full(place.size, -np.inf)
@@ -65,19 +90,19 @@ def largest_along(positions: FloatArray, values: FloatArray) -> tuple[FloatArray
 
 
 def coil_cells(grid: CoilGrid, r: tuple[float, float], z: tuple[float, float]) -> tuple[FloatArray, IntArray]:
-    """Hexahedra that fill the coil, one around each point, with faces half way between neighbours.
+    """Hexahedra that fill the coil, one around each point, with faces halfway between neighbouring points.
 
     Parameters
     ----------
     grid
-        Points around the whole circumference.
+        Grid of points around the whole circumference.
     r, z
-        Inner and outer radius, lower and upper end of the coil, m.
+        Inner and outer radius, and lower and upper end of the coil, m.
 
     Returns
     -------
     nodes, cells
-        (m, 3) Cartesian, m; (n_points, 8) in VTK's order, in the order of the points.
+        (m, 3) Cartesian coordinates, m; (n_points, 8) node numbers in VTK order, one cell per point.
     """
     step = np.diff(grid.theta, append=grid.theta[0] + 2.0 * np.pi)
     faces = [

@@ -1,4 +1,4 @@
-"""Skin of a body of revolution as biquadratic quads, with the displacements of a harmonic on it. FEM-free."""
+"""Surface of a body of revolution as biquadratic quads, and Fourier displacements on it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from wroll_fem.typing import FloatArray, IntArray
 
 
 def revolve(outline: FloatArray, around: int) -> tuple[FloatArray, IntArray]:
-    """Revolve a closed outline of quadratic edges.
+    """Revolve a closed outline of quadratic edges about the z axis.
 
     Parameters
     ----------
     outline
-        (2 e, 2) nodes [r, z] once around: corner, middle, corner, ...
+        (2 e, 2) nodes [r, z] once around the outline, m: end, midpoint, end, ...
     around
-        Cells around the axis.
+        Number of cells around the axis.
 
     Returns
     -------
-    nodes : (2 e * 2 around, 3) Cartesian, station after station from theta = 0.
+    nodes : (2 e * 2 around, 3) Cartesian coordinates, m, one outline after the other from theta = 0.
     cells : (e * around, 9) in VTK_BIQUADRATIC_QUAD order.
     """
     per, stations = len(outline), 2 * around
@@ -37,32 +37,32 @@ def revolve(outline: FloatArray, around: int) -> tuple[FloatArray, IntArray]:
 
 
 def station_angles(around: int) -> FloatArray:
-    """(2 around,) angles of the stations of `revolve`, rad."""
+    """(2 around,) angles theta of the copies of the outline in `revolve`, rad."""
     return np.asarray(np.pi * np.arange(2 * around) / around)
 
 
-def cartesian(values: FloatArray, harmonic: int, around: int, turned: bool = False) -> FloatArray:
-    """Displacement of a harmonic on the revolved nodes.
+def cartesian(values: FloatArray, wave_number: int, around: int, rotated: bool = False) -> FloatArray:
+    """Cartesian displacement of a Fourier mode on the revolved nodes.
 
     Parameters
     ----------
     values
-        (n, 3) amplitudes [U, V, W] on the outline.
-    harmonic
-        m: u_r = U cos m theta, u_theta = V sin m theta (V itself for m = 0), u_z = W cos m theta.
+        (n, 3) displacement amplitudes [U, V, W] on the outline.
+    wave_number
+        Wave number m: u_r = U cos m theta, u_theta = V sin m theta (V itself for m = 0), u_z = W cos m theta.
     around
-        As in `revolve`.
-    turned
-        The twin, turned about the axis by pi / (2 m).
+        Number of cells around the axis, as in `revolve`.
+    rotated
+        Take the other mode of the degenerate pair, rotated about the axis by pi / (2 m).
 
     Returns
     -------
-    (n * 2 around, 3) [ux, uy, uz].
+    (n * 2 around, 3) displacements [ux, uy, uz] in the unit of `values`.
     """
     theta = station_angles(around)[:, None]
-    phase = harmonic * theta - (0.5 * np.pi if turned else 0.0)
+    phase = wave_number * theta - (0.5 * np.pi if rotated else 0.0)
     cos_m = np.cos(phase)
-    sin_m = np.sin(phase) if harmonic else np.ones_like(theta)
+    sin_m = np.sin(phase) if wave_number else np.ones_like(theta)
     radial, hoop, axial = values[:, 0] * cos_m, values[:, 1] * sin_m, values[:, 2] * cos_m
     x = radial * np.cos(theta) - hoop * np.sin(theta)
     y = radial * np.sin(theta) + hoop * np.cos(theta)

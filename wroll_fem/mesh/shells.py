@@ -1,4 +1,4 @@
-"""The mesh of a roll: concentric shells of order-2 quads, and how their nodes are counted and mirrored."""
+"""Shell mesh of a roll: concentric shells of order-2 quads, numbering of contact points, mirrored nodes."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ VTK_GRID: list[tuple[int, int, int]] = [
     (0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1),
     (0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1),
 ]  # fmt: skip
-"""Positions of the nodes of VTK_TRIQUADRATIC_HEXAHEDRON on the 3 x 3 x 3 grid of a cell."""
+"""Grid positions (0, 1 or 2 along each axis) of the 27 nodes of VTK_TRIQUADRATIC_HEXAHEDRON."""
 
 
 @dataclass(frozen=True)
 class CylinderMesh:
-    """Concentric shells as order-2 quads.
+    """Concentric shells meshed with order-2 quads.
 
     Attributes
     ----------
     nodes
         (n_nodes, 3) Cartesian coordinates, m.
     cells
-        (n_cells, 9) node numbers in gmsh's quad9 order (the same as VTK_BIQUADRATIC_QUAD).
+        (n_cells, 9) node numbers in the quad9 order of gmsh (the same as VTK_BIQUADRATIC_QUAD).
     groups
-        Cell numbers of the shells "mandrel", "layer_01", ...; node numbers of their end rings
-        "mandrel_base", "mandrel_tip", "layer_01_base", "layer_01_tip", ...
+        Cell numbers of each shell ("mandrel", "layer_01", ...) and node numbers of each end ring ("mandrel_base",
+        "mandrel_tip", "layer_01_base", "layer_01_tip", ...).
     """
 
     nodes: FloatArray
@@ -39,11 +39,11 @@ class CylinderMesh:
 
     @property
     def parts(self) -> list[str]:
-        """Names of the shells, inner first."""
+        """Names of the shells, innermost first."""
         return sorted((n for n in self.groups if not n.endswith(("_base", "_tip"))), key=lambda n: (n != "mandrel", n))
 
     def part(self, name: str) -> CylinderMesh:
-        """Mesh of one shell with its own compact node numbering; groups "base" and "tip" hold ring nodes."""
+        """Mesh of one shell with its own node numbering; the groups "base" and "tip" are the nodes of its end rings."""
         cells = self.cells[self.groups[name]]
         used = np.unique(cells)
         renumber = np.full(len(self.nodes), -1, np.int64)
@@ -54,26 +54,26 @@ class CylinderMesh:
 
 
 def canonical_vertices(part: CylinderMesh) -> tuple[IntArray, FloatArray]:
-    """Corner vertices of a shell in the order in which contact points are counted.
+    """Corner vertices of a shell in the order of the contact points.
 
     Returns
     -------
     vertices : (n,) node numbers, sorted by z, then theta.
-    points : (n, 3) theta in (-pi, pi] rad, z in m, r in m.
+    points : (n, 3) coordinates theta in (-pi, pi] (rad), z (m), r (m).
     """
     vertices = np.unique(part.cells[:, :4])
     x, y, z = part.nodes[vertices].T
     theta = np.arctan2(y, x)
     theta[theta < -np.pi + 1e-6] = np.pi
     by_height = np.argsort(z, kind="stable")
-    level = np.empty(len(z), np.int64)  # heights that differ by rounding errors only are one level
+    level = np.empty(len(z), np.int64)  # heights that differ by rounding errors belong to one level
     level[by_height] = np.cumsum(np.diff(z[by_height], prepend=z.min()) > 1e-7 * np.ptp(z))
     order = np.lexsort((theta, level))
     return vertices[order], np.column_stack([theta, z, np.hypot(x, y)])[order]
 
 
 def mirror_nodes(nodes: FloatArray) -> IntArray | None:
-    """For each node the node mirrored about the x-z plane, or None if the mesh is not symmetric."""
+    """Number of each node's mirror image about the x-z plane, or None if the mesh is not symmetric."""
     distance, partner = cKDTree(nodes).query(nodes * np.array([1.0, -1.0, 1.0]))
     if distance.max() > 1e-7 * np.abs(nodes).max():
         return None
@@ -81,6 +81,6 @@ def mirror_nodes(nodes: FloatArray) -> IntArray | None:
 
 
 def ring_edges(cells: IntArray, ring: IntArray) -> IntArray:
-    """(n, 3) edges [end, end, middle] of the quads whose three nodes all lie on a ring."""
+    """(n, 3) edges [end, end, midpoint] of the quads whose three nodes lie on a ring."""
     edges = np.concatenate([cells[:, [i, (i + 1) % 4, 4 + i]] for i in range(4)])
     return edges[np.isin(edges, ring).all(axis=1)]

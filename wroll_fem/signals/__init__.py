@@ -1,1 +1,1 @@
-"""Signals: base motions, transmissibility and damping estimates (numpy and scipy only)."""
+"""Signals: base motions, transmissibility and damping estimates."""

@@ -1,14 +1,13 @@
-r"""Base motions: what the shaker is asked to do.
+r"""Base motions: prescribed accelerations of the base (chirp and dwell).
 
-Both motions are accelerations of the base
+Both motions have the form
 
 .. math:: a_g(t) = A\, w(t) \sin\varphi(t), \qquad \varphi(t) = 2\pi \int_0^t f\, dt,
 
-with the 0-peak amplitude A (m/s^2), the phase from its closed form (never from a sum over
-time steps) and a start ramp w(t) = (1 - cos(pi t / t_r)) / 2 over the first t_r = ramp_cycles / f(0)
-seconds (w = 1 afterwards, and from the start when ramp_cycles = 0). They are zero for t < 0;
-past `duration` the formula simply goes on, so that a time grid whose last point lies a rounding
-error behind the end sees no jump.
+with the amplitude A (0-peak, m/s^2), the phase in closed form and a start ramp w(t) = (1 - cos(pi t / t_r)) / 2 over
+the first t_r = ramp_cycles / f(0) seconds (w = 1 afterwards, and from the start if ramp_cycles = 0). They are zero for
+t < 0. The formula is continued beyond `duration`, so that there is no jump on a time grid that ends a rounding error
+later.
 
 References
 ----------
@@ -31,33 +30,33 @@ TWO_PI = 2.0 * pi
 
 
 class BaseMotion(Protocol):
-    """What a time loop and a demodulator need to know of a base motion."""
+    """Interface of a base motion for time integration and demodulation."""
 
     @property
     def amplitude(self) -> float:
-        """Base acceleration, 0-peak, m/s^2."""
+        """Amplitude of the base acceleration, 0-peak, m/s^2."""
         ...
 
     @property
     def ramp_cycles(self) -> float:
-        """Length of the start ramp, cycles."""
+        """Duration of the start ramp, cycles."""
         ...
 
     @property
     def duration(self) -> float:
-        """Length of the motion, s."""
+        """Duration of the motion, s."""
         ...
 
     def frequency(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the instantaneous frequency at `time` (s), Hz."""
+        """Instantaneous frequency at `time` (s), Hz."""
         ...
 
     def phase(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the phase at `time` (s), rad."""
+        """Phase at `time` (s), rad."""
         ...
 
     def acceleration(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the base acceleration at `time` (s), m/s^2."""
+        """Base acceleration at `time` (s), m/s^2."""
         ...
 
 
@@ -71,7 +70,7 @@ def _require_ramp(ramp_cycles: float, start_frequency: float, duration: float) -
         raise InputError(
             f"ramp_cycles = {ramp_cycles:g} is negative or not finite",
             key="excitation.ramp_cycles",
-            remedy="give the ramp's length in cycles of the start frequency, 0 for none",
+            remedy="give the duration of the ramp in cycles of the start frequency, 0 for none",
         )
     if ramp_cycles / start_frequency > duration:
         raise InputError(
@@ -90,7 +89,7 @@ def _ramp(time: FloatArray, ramp_time: float) -> FloatArray:
 
 def _samples(motion: BaseMotion, dt: float) -> tuple[FloatArray, FloatArray]:
     if not (isfinite(dt) and dt > 0.0):
-        raise InputError(f"time step dt = {dt:g} s is not a positive number", remedy="use for example 1/(40 f_end)")
+        raise InputError(f"time step dt = {dt:g} s is not a positive number", remedy="use for example 1 / (40 f_end)")
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     time = dt * np.arange(steps + 1, dtype=np.float64)
     return time, motion.acceleration(time)
@@ -98,31 +97,31 @@ def _samples(motion: BaseMotion, dt: float) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class Chirp:
-    """Geometric (constant octaves per minute) upward sine sweep.
+    """Upward sine sweep with a constant rate in octaves per minute.
 
-    f(t) = f_start 2^(R t / 60), so phi(t) = 2 pi (f(t) - f_start) 60 / (R ln 2): frequency is a
-    linear function of phase, f = f_start + (R ln 2 / 60) phi / (2 pi).
+    f(t) = f_start 2^(R t / 60) and phi(t) = 2 pi (f(t) - f_start) 60 / (R ln 2), so the frequency is a linear function
+    of the phase: f = f_start + (R ln 2 / 60) phi / (2 pi).
 
     Attributes
     ----------
     amplitude
         Base acceleration, 0-peak, m/s^2.
     f_start, f_end
-        First and last frequency, Hz; f_end > f_start.
+        Start and end frequency, Hz; f_end > f_start.
     rate_oct_per_min
         Sweep rate R, octaves per minute.
     ramp_cycles
-        Length of the start ramp in cycles of f_start.
+        Duration of the start ramp in cycles of f_start.
 
     Raises
     ------
     InputError
-        For values out of range.
+        If a value is out of range.
 
     Notes
     -----
-    Downward sweeps are not offered: a softening roll answers them differently, and the
-    source sweeps upward only.
+    Downward sweeps are not supported: the response of a softening roll differs, and all sweeps of the thesis are
+    upward.
     """
 
     amplitude: float
@@ -145,7 +144,7 @@ class Chirp:
 
     @property
     def growth(self) -> float:
-        """Relative growth of frequency, (df/dt) / f, 1/s; also the frequency gained per cycle in Hz."""
+        """Relative growth rate of the frequency, (df/dt) / f, 1/s; equal to the frequency increase per cycle, Hz."""
         return self.rate_oct_per_min * log(2.0) / 60.0
 
     @property
@@ -168,44 +167,49 @@ class Chirp:
         return np.asarray(TWO_PI * self.f_start / self.growth * np.expm1(self.growth * t))
 
     def time_of_phase(self, phase: npt.ArrayLike) -> FloatArray:
-        """Time (s) at which `phase` (rad) is reached: the inverse of `phase`."""
+        """Time at which a phase (rad) is reached, s."""
         p = np.asarray(phase, dtype=np.float64)
         return np.asarray(np.log1p(p * self.growth / (TWO_PI * self.f_start)) / self.growth)
 
     def time_of_frequency(self, frequency: npt.ArrayLike) -> FloatArray:
-        """Time (s) at which the sweep passes `frequency` (Hz): the inverse of `frequency`."""
+        """Time at which the sweep passes a frequency (Hz), s."""
         return np.asarray(np.log(np.asarray(frequency, dtype=np.float64) / self.f_start) / self.growth)
 
     def acceleration(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the base acceleration at `time` (s), m/s^2."""
+        """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64)
         return self.amplitude * _ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Return times 0, dt, ... up to the first one not before `duration`, and accelerations there, (n,) each."""
+        """Times 0, dt, ... (s), up to the first one at or after `duration`, and accelerations (m/s^2), (n,) each.
+
+        Raises
+        ------
+        InputError
+            If `dt` is not positive.
+        """
         return _samples(self, dt)
 
 
 @dataclass(frozen=True, init=False)
 class Dwell:
-    """Sine of constant frequency, `Dwell(amplitude, frequency, cycles, ramp_cycles=5.0)`.
+    """Sine of constant frequency, made by `Dwell(amplitude, frequency, cycles, ramp_cycles=5.0)`.
 
     Attributes
     ----------
     amplitude
         Base acceleration, 0-peak, m/s^2.
     frequency_hz
-        Frequency, Hz: the argument `frequency`, stored under another name because `frequency(t)`
-        is the method that every base motion has.
+        Frequency, Hz (the argument `frequency`; `frequency(t)` is a method of every base motion).
     cycles
-        Length of the motion in cycles, ramp included.
+        Duration of the motion in cycles, ramp included.
     ramp_cycles
-        Length of the start ramp in cycles.
+        Duration of the start ramp in cycles.
 
     Raises
     ------
     InputError
-        For values out of range.
+        If a value is out of range.
     """
 
     amplitude: float
@@ -228,7 +232,7 @@ class Dwell:
         return self.cycles / self.frequency_hz
 
     def frequency(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the frequency, Hz, in the shape of `time`."""
+        """Frequency, Hz, in the shape of `time`."""
         return np.full(np.shape(time), self.frequency_hz, dtype=np.float64)
 
     def phase(self, time: npt.ArrayLike) -> FloatArray:
@@ -236,28 +240,34 @@ class Dwell:
         return np.asarray(TWO_PI * self.frequency_hz * np.asarray(time, dtype=np.float64))
 
     def acceleration(self, time: npt.ArrayLike) -> FloatArray:
-        """Return the base acceleration at `time` (s), m/s^2."""
+        """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64)
         return self.amplitude * _ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Return times 0, dt, ... up to the first one not before `duration`, and accelerations there, (n,) each."""
+        """Times 0, dt, ... (s), up to the first one at or after `duration`, and accelerations (m/s^2), (n,) each.
+
+        Raises
+        ------
+        InputError
+            If `dt` is not positive.
+        """
         return _samples(self, dt)
 
 
 def base_motion(excitation: Any) -> Chirp | Dwell:
-    """Return the base motion of a case's `excitation` section (any object with its attribute names).
+    """Base motion of a case section `excitation` (or any object with the same attributes).
 
     Parameters
     ----------
     excitation
-        Has `kind` ("chirp" or "dwell"), `amplitude` and the attributes of that kind;
-        `ramp_cycles` None or absent means the kind's default (0 for a chirp, 5 for a dwell).
+        Object with `kind` ("chirp" or "dwell"), `amplitude` and the attributes of that kind. If `ramp_cycles` is None
+        or missing, the default of the kind is used (0 for a chirp, 5 for a dwell).
 
     Raises
     ------
     InputError
-        For an unknown kind or values out of range.
+        If the kind is unknown, or a value is out of range.
     """
     ramp = getattr(excitation, "ramp_cycles", None)
     extra = {} if ramp is None else {"ramp_cycles": float(ramp)}
@@ -267,17 +277,23 @@ def base_motion(excitation: Any) -> Chirp | Dwell:
     if excitation.kind == "dwell":
         return Dwell(float(excitation.amplitude), float(excitation.frequency), float(excitation.cycles), **extra)
     raise InputError(
-        f"no base motion of kind {excitation.kind!r}", key="excitation.kind", remedy="use 'chirp' or 'dwell'"
+        f"unknown kind {excitation.kind!r} of base motion", key="excitation.kind", remedy="use 'chirp' or 'dwell'"
     )
 
 
 def sweep_rate_limit(f_n: float, zeta: float) -> float:
-    r"""Highest sweep rate (oct/min) that ISO 7626-2 allows for a resonance, 78 f_n / Q^2 with Q = 1 / (2 zeta).
+    r"""Highest sweep rate allowed by ISO 7626-2 for a resonance, oct/min: 78 f_n / Q^2 with Q = 1 / (2 zeta).
+
+    Parameters
+    ----------
+    f_n
+        Natural frequency, Hz.
+    zeta
+        Damping ratio.
 
     Notes
     -----
-    Grows as zeta^2 f_n. Slower than this, the envelope of a swept single-degree-of-freedom
-    response attains about 95 % of the steady peak or more; see the table in
-    `wroll_fem.signals.transmissibility`.
+    At a lower rate the envelope of the response of a single degree of freedom reaches at least about 95 % of the steady
+    peak; see the table in `wroll_fem.signals.transmissibility`.
     """
     return 78.0 * f_n * (2.0 * zeta) ** 2

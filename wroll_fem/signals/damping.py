@@ -1,4 +1,4 @@
-"""Damping from the shape of a transmissibility curve: half-power width and skewness."""
+"""Half-power damping and skewness of a transmissibility curve (docs/theory.md, eq-readings)."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from wroll_fem.typing import FloatArray
 
 @dataclass(frozen=True)
 class HalfPower:
-    """What half power reads from one resonance.
+    """Half-power damping of one resonance.
 
     Attributes
     ----------
     f_n, peak
-        Frequency (Hz) and height of the highest point; nan for f_n never, but see `complete`.
+        Frequency (Hz) and height of the highest point; both are given even if the result is not `complete`.
     f_low, f_high
-        Half-power frequencies f1 < f_n < f2 at peak / sqrt 2, Hz; nan for a side that the band does not hold.
+        Half-power frequencies f1 < f_n < f2 at peak / sqrt 2, Hz; nan if outside the band.
     zeta
-        (f2 - f1) / (2 f_n); nan when not `complete`.
+        Damping ratio (f2 - f1) / (2 f_n); nan if not `complete`.
     skewness
-        (f2 - f_n) / (f_n - f1) - 1, positive for a long tail to the right; nan when not `complete`.
+        (f2 - f_n) / (f_n - f1) - 1, positive for a long tail to the right; nan if not `complete`.
     complete
-        True when peak and both half-power points lie inside the band.
+        Whether the peak and both half-power points lie inside the band.
     reason
-        Why not, in words; empty when complete.
+        Why the result is not complete; empty otherwise.
     note
-        A remark on a complete reading: the curve rises above half power again further out, so
-        the number describes the highest peak alone.
+        Remark on a complete result: the curve rises above half power again elsewhere, so the result describes only the
+        highest peak.
     """
 
     f_n: float
@@ -48,7 +48,7 @@ class HalfPower:
     note: str = ""
 
     def as_attrs(self) -> dict[str, float | str | bool]:
-        """Attributes under the names of summary.json."""
+        """Attributes with the names of summary.json."""
         return {
             "f_n_hz": self.f_n,
             "peak_transmissibility": self.peak,
@@ -63,7 +63,7 @@ class HalfPower:
 
 
 def _peak(frequency: FloatArray, magnitude: FloatArray) -> tuple[float, float, int]:
-    """Vertex of the parabola through the highest point and its neighbours, and the point's index."""
+    """Vertex of the parabola through the highest point and its neighbours, and the index of the highest point."""
     k = int(np.argmax(magnitude))
     if k == 0 or k == magnitude.size - 1:
         return float(frequency[k]), float(magnitude[k]), k
@@ -78,7 +78,7 @@ def _peak(frequency: FloatArray, magnitude: FloatArray) -> tuple[float, float, i
 
 
 def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start: int, step: int) -> float:
-    """First frequency at which the curve falls below `level`, going from `start` in direction `step`; nan if none."""
+    """First frequency from index `start` in direction `step` at which the curve falls below `level`; nan if none."""
     side = np.arange(start, magnitude.size if step > 0 else -1, step)
     below = np.flatnonzero(magnitude[side] < level)
     if below.size == 0:
@@ -91,7 +91,9 @@ def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start:
     x, y = (frequency[stencil] - origin) / scale, magnitude[stencil]
     cubic = np.polynomial.Polynomial.fit(x, y, 3, domain=[x[0], x[-1]])
     ends = sorted((0.0, float(step)))
-    if (cubic(ends[0]) - level) * (cubic(ends[1]) - level) > 0.0:  # level hit at a grid point to rounding
+    if (cubic(ends[0]) - level) * (
+        cubic(ends[1]) - level
+    ) > 0.0:  # the level is reached at a grid point, within rounding errors
         return float(frequency[inner])
     return float(origin + scale * brentq(lambda s: float(cubic(s)) - level, *ends, xtol=1e-12))
 
@@ -102,47 +104,52 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
     Parameters
     ----------
     frequency
-        (n,) rising frequencies, Hz, n >= 5; need not be uniform.
+        (n,) frequencies, Hz, ascending, n >= 5; the step may vary.
     magnitude
         (n,) |T|, not a level in dB.
 
     Returns
     -------
     HalfPower
-        Never a silent number: when a half-power point (or the peak) lies outside the band, `complete`
-        is False, `zeta` and `skewness` are nan and `reason` says why.
+        If the peak or a half-power point lies outside the band, `complete` is False, `zeta` and `skewness` are nan, and
+        `reason` gives the cause.
 
     Raises
     ------
     InputError
-        For arrays that are no curve (shapes, order, values not finite or negative).
+        If the arrays do not form a curve: unequal shapes, frequencies not ascending, values not finite or negative.
 
     Notes
     -----
-    The peak is the vertex of the parabola through three points; the crossings are those nearest to the peak on
-    either side, from the cubic through four points. With 20 points across the half-power width, zeta is within 2e-4
-    and f_n within 1e-3 of the half width of those of the continuous curve; the errors fall with the square of the step.
+    The peak is the vertex of the parabola through three points. The crossings nearest to the peak on either side are
+    interpolated by the cubic through four points. With 20 points across the half-power width, zeta is accurate to 2e-4
+    and f_n to 1e-3 of half the width; the errors decrease with the square of the step.
 
-    Half power is itself an estimate. On the absolute transmissibility of a single degree of freedom
-    it reads (exactly, no sweep)
+    Half power is itself an estimate. For the exact absolute transmissibility of a single degree of freedom it gives
 
     =========  ======  ======  ======  ======  ======  ======
     true zeta  0.005   0.01    0.02    0.05    0.1     0.2
     =========  ======  ======  ======  ======  ======  ======
-    reading    0.0050  0.0100  0.0200  0.0502  0.1019  0.2144
+    estimate   0.0050  0.0100  0.0200  0.0502  0.1019  0.2144
     skewness   -0.005  -0.010  -0.020  -0.048  -0.090  -0.150
     =========  ======  ======  ======  ======  ======  ======
 
-    and for a nonlinear roll it is an equivalent number that depends on the level.
+    and for a nonlinear roll it is an equivalent damping ratio that depends on the amplitude.
     """
     f, m = np.asarray(frequency, dtype=np.float64), np.asarray(magnitude, dtype=np.float64)
     if f.ndim != 1 or f.shape != m.shape or f.size < 5:
-        raise InputError(f"a curve of shapes {f.shape} and {m.shape}", remedy="give two equal series of 5 or more")
+        raise InputError(
+            f"frequency and magnitude have the shapes {f.shape} and {m.shape}",
+            remedy="give two series of the same length, 5 or more",
+        )
     if not (np.isfinite(f).all() and np.isfinite(m).all()) or np.any(np.diff(f) <= 0.0) or np.any(m < 0.0):
-        raise InputError("a curve with frequencies that do not rise or magnitudes that are negative or not finite")
+        raise InputError(
+            "the frequencies of a curve must increase and its magnitudes must be finite and not negative",
+            remedy="sort the points and remove gaps",
+        )
     f_n, peak, k = _peak(f, m)
     if not peak > 0.0:
-        raise InputError("a curve that is zero everywhere", remedy="check that the base moves in this direction")
+        raise InputError("the curve is zero everywhere", remedy="check that the base moves in this direction")
     level = peak / sqrt(2.0)
     f_low, f_high = _crossing(f, m, level, k, -1), _crossing(f, m, level, k, +1)
     reasons = []
@@ -163,25 +170,25 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
 
 
 def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
-    """Say when a sweep was too fast for the resonance it crossed.
+    """Warning if a sweep is too fast for the resonance that it passes.
 
     Parameters
     ----------
     motion
-        The sweep.
+        Sweep.
     read
-        Half-power reading of its demodulated envelope.
+        Half-power damping of the demodulated envelope.
 
     Returns
     -------
     str or None
-        A sentence with the rate that would do; None below a quarter of the ISO 7626-2 limit, where the lag makes
-        zeta at most 2 % too high (table in `wroll_fem.signals.transmissibility`), or without a zeta.
+        Warning with an admissible rate; None below a quarter of the ISO 7626-2 limit, where zeta is at most 2 % too
+        high (table in `wroll_fem.signals.transmissibility`), or without a zeta.
 
     Notes
     -----
-    A too fast sweep reads a zeta that is too high, so the limit computed from it is too generous: repeat the question
-    after slowing down.
+    A sweep that is too fast gives a zeta that is too high, so the limit computed from it is too high as well. Repeat
+    the check with the slower sweep.
     """
     if not read.complete:
         return None

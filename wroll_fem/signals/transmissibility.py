@@ -1,33 +1,33 @@
-r"""Transmissibility T(f) = (absolute tip acceleration) / (base acceleration), complex, from time histories.
+r"""Complex transmissibility T(f) from time histories: absolute tip acceleration over base acceleration.
 
-Sign convention: base sin(2 pi f t) gives tip |T| sin(2 pi f t + arg T); a lagging tip has a
-negative imaginary part (the e^{+i omega t} convention, as in numpy's FFT). Real and imaginary
-part are stored apart, because NetCDF has no complex numbers.
+Sign convention: a base acceleration sin(2 pi f t) gives the tip acceleration |T| sin(2 pi f t + arg T); a lagging tip
+has a negative imaginary part (the e^{+i omega t} convention, as in the FFT of numpy). Real and imaginary part are
+stored separately, because NetCDF has no complex numbers.
 
-Two estimates of a swept response are offered:
+There are two estimates for a swept response:
 
-`demodulated` (the one to read f_n and damping from)
-    The tip is resampled on a uniform grid of the *phase* phi of the base, multiplied by
-    exp(-i phi) and smoothed by a symmetric kernel, hence without group delay; the base is treated
-    the same and divides. For a geometric chirp, frequency is linear in phase, so a kernel of fixed
-    length in cycles has a bandwidth that is a fixed fraction of the instantaneous frequency and the
-    curve comes out on a uniform frequency grid.
+`demodulated` (used for f_n and damping)
+    The tip acceleration is resampled on a uniform grid of the *phase* phi of the base, multiplied by exp(-i phi) and
+    smoothed by a symmetric kernel, so there is no group delay. The base acceleration is treated in the same way, and
+    the ratio is taken. For a geometric chirp the frequency is linear in phase. A kernel of fixed length in cycles
+    therefore has a bandwidth that is a fixed fraction of the instantaneous frequency, and the curve is obtained on a
+    uniform frequency grid.
 `spectrum_ratio`
-    Ratio of the Fourier transforms over the whole run. Free of the sweep's lag on a linear system
-    whose response has died out by the end of the record, but for a nonlinear roll it mixes the response
-    at one frequency with the ringing and the harmonics that the sweep excites at all other times.
+    Ratio of the Fourier transforms over the whole run. It is free of the lag of the sweep for a linear system whose
+    response has decayed at the end of the record. For a nonlinear roll it mixes the response at one frequency with the
+    ringing and the harmonics excited by the sweep at all other times.
 
-The kernel is K' = 2 K - K*K, K being three moving averages over `window_cycles` cycles in a row.
-K has a threefold zero at every multiple of 1/window_cycles of the instantaneous frequency, so the
-double-frequency term and all harmonics of the response vanish; K' keeps them and reproduces
-polynomials up to the third degree in frequency exactly. With window_cycles = 3: -3 dB at an offset of
+The kernel is K' = 2 K - K*K, where K is three successive moving averages over `window_cycles` cycles. K has a triple
+zero at every multiple of 1/window_cycles of the instantaneous frequency, so it removes the double-frequency term and
+all harmonics of the response. K' has the same zeros and reproduces polynomials in frequency up to the third degree
+exactly. With window_cycles = 3: -3 dB at an offset of
 0.13 f, support +-9 cycles (trimmed at both ends of the sweep).
 
 Notes
 -----
-Limits of a chirp. Not the kernel but physics: the response of a resonance needs time to build up. The envelope
-of a swept single-degree-of-freedom system (upward chirp, 150 Hz, zeta 1 %, rate R against the ISO 7626-2 limit
-312 zeta^2 f_n oct/min of `sweep_rate_limit`) against its steady state, and what half power then reads from it
+Limits of a chirp. The limit is physical, not one of the kernel: a resonance needs time to build up. The envelope of a
+swept single-degree-of-freedom system (upward chirp, 150 Hz, zeta 1 %, rate R against the ISO 7626-2 limit
+312 zeta^2 f_n oct/min of `sweep_rate_limit`) against its steady state, and the resulting half-power damping
 (exact responses; `tests/signals/test_signals.py` reproduces rows of the table; steady state has skewness -0.01):
 
 =========  ==========  ====================  ==============  ========
@@ -41,11 +41,11 @@ R / limit  peak lost   peak shift/(zeta f)   error of zeta   skewness
 2          11.5 %      1.40                  48 %            -0.35
 =========  ==========  ====================  ==============  ========
 
-So stay below a tenth of the limit for the shape of the curve and below a quarter of it for zeta to 2 %; at
-2 oct/min and 150 Hz that is zeta > 2.1 % and > 1.3 %. `spectrum_ratio` has no such lag on a linear system: where the
-two curves differ, the sweep is too fast or the roll nonlinear, and a slower sweep tells which.
-A lightly damped structure passed faster than that rings on afterwards: the ringing at f_n beats with the sweep
-and shows as ripples above the peak. It is physics and is not filtered away; slow the sweep down.
+Use less than a tenth of the limit for an accurate shape of the curve, and less than a quarter for an error of zeta
+below 2 %; at 2 oct/min and 150 Hz this requires zeta > 2.1 % and > 1.3 %. `spectrum_ratio` has no such lag for a linear
+system. If the two curves differ, the sweep is too fast or the roll is nonlinear; a slower sweep distinguishes the two.
+After a faster sweep a lightly damped structure rings: the ringing at f_n beats with the sweep and causes ripples above
+the peak. It is part of the response and is not filtered; use a slower sweep.
 """
 
 from __future__ import annotations
@@ -61,22 +61,26 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
 from wroll_fem.typing import ComplexArray, FloatArray
 
-SAMPLES_PER_CYCLE = 32  # of the phase grid; even
+SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
 
 def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:
-    """Arrays of one length with rising, finite time; (n,) each."""
+    """Check that time is finite and ascending and all signals have its length; (n,) arrays."""
     arrays = [np.asarray(a, dtype=np.float64) for a in (time, *signals)]
     if any(a.ndim != 1 or a.shape != arrays[0].shape for a in arrays) or arrays[0].size < 8:
         shapes = ", ".join(str(a.shape) for a in arrays)
-        raise InputError(f"time history of shapes {shapes}", remedy="give one-dimensional series of equal length >= 8")
+        raise InputError(
+            f"time and signals have the shapes {shapes}", remedy="give series of the same length, 8 or more"
+        )
     if not all(np.isfinite(a).all() for a in arrays) or np.any(np.diff(arrays[0]) <= 0.0):
-        raise InputError("time history with values that are not finite, or time that does not rise")
+        raise InputError(
+            "the values of a time history must be finite and its times must increase", remedy="remove other points"
+        )
     return arrays
 
 
 def _uniform(time: FloatArray, *signals: FloatArray) -> tuple[float, list[FloatArray]]:
-    """Step and signals on a uniform grid; cubic splines where the steps differ (cut steps)."""
+    """Time step and signals on a uniform grid, interpolated by cubic splines if the steps differ."""
     steps = np.diff(time)
     dt = float(np.median(steps))
     if np.ptp(steps) < 1e-6 * dt:
@@ -105,16 +109,16 @@ def spectrum_ratio(
     Parameters
     ----------
     time
-        (n,) s. Uneven steps are resampled by cubic splines.
+        (n,) times, s; non-uniform steps are resampled with cubic splines.
     absolute_tip, base
         (n,) absolute tip and base acceleration in the same unit; their means are removed.
     band
-        Lowest and highest frequency wanted, Hz: the result holds the bins k / T inside it.
+        Lowest and highest frequency, Hz; the result has the frequencies k / T inside the band.
     frequency
-        Uniform grid (Hz) to evaluate the transforms on instead (chirp-z transform of the same record:
-        interpolates between the bins without changing the resolution).
+        Uniform frequency grid (Hz) instead of the band. The chirp-z transform interpolates between the frequencies
+        k / T; the resolution does not change.
     taper
-        Last part of the record, as a fraction, that fades out by a half cosine in tip and base alike.
+        Fraction of the record at its end that is faded out by a half cosine, in tip and base acceleration alike.
 
     Returns
     -------
@@ -125,13 +129,13 @@ def spectrum_ratio(
     Raises
     ------
     InputError
-        For unusable series, an empty band, or a base without content somewhere in the band.
+        If the series are not a time history, the band is empty, or the base does not move at a frequency in the band.
 
     Notes
     -----
-    The resolution is 1 / T, T the length of the record: peaks narrower than a few 1/T come out too low.
-    A response still ringing at the end of the record is cut off there and would leak into the whole band; the taper
-    keeps the leak near the frequencies swept last. A record that holds the decay of the ringing is not changed by it.
+    The resolution is 1 / T, where T is the duration of the record; peaks narrower than a few 1/T are too low. A
+    response that is still ringing at the end of the record is truncated, which causes leakage. The taper limits the
+    leakage to the frequencies swept last. It does not affect a record in which the ringing has decayed.
     """
     t, tip, ground = _checked(time, absolute_tip, base)
     dt, (tip, ground) = _uniform(t, tip, ground)
@@ -141,11 +145,11 @@ def spectrum_ratio(
     elif band is not None:
         grid = np.arange(np.ceil(band[0] * length - 1e-9), np.floor(band[1] * length + 1e-9) + 1.0) / length
     else:
-        raise InputError("neither band nor frequency given", remedy="name the frequencies wanted")
+        raise InputError("neither band nor frequency is given", remedy="give one of them")
     if grid.size < 2 or grid[0] < 0.0 or grid[-1] > 0.5 / dt or np.ptp(np.diff(grid)) > 1e-6 * (grid[1] - grid[0]):
         raise InputError(
-            f"no uniform grid of at least 2 frequencies below half the sampling rate ({0.5 / dt:g} Hz)",
-            remedy=f"choose a band wider than 2/T = {2.0 / length:.3g} Hz inside it",
+            f"the frequencies are not a uniform grid of at least 2 below half the sampling rate ({0.5 / dt:g} Hz)",
+            remedy=f"use a band wider than 2/T = {2.0 / length:.3g} Hz below half the sampling rate",
         )
     step = (grid[-1] - grid[0]) / (grid.size - 1)
     fade = max(1, round(taper * tip.size))
@@ -155,13 +159,13 @@ def spectrum_ratio(
     above, below = transform(window * (tip - tip.mean())), transform(window * (ground - ground.mean()))
     if np.abs(below).min() < 1e-3 * np.linalg.norm(ground):  # white noise would have |X| = norm(x) everywhere
         raise InputError(
-            f"the base does not move at {grid[np.abs(below).argmin()]:.4g} Hz", remedy="keep the band inside the sweep"
+            f"the base does not move at {grid[np.abs(below).argmin()]:.4g} Hz", remedy="use a band inside the sweep"
         )
     return _as_dataset(grid, above / below, "transmissibility_spectrum", spectrum_resolution_hz=1.0 / length)
 
 
 def _kernel(window: int) -> FloatArray:
-    """Smoothing kernel 2 K - K*K of the module text, (6 window + 1,); `window` samples per moving average, even."""
+    """Smoothing kernel 2 K - K*K of the module's docstring, (6 window + 1,); `window` (even): samples per average."""
     box = np.full(window + 1, 1.0 / window)
     box[[0, -1]] *= 0.5
     single = np.convolve(np.convolve(box, box), box)
@@ -178,24 +182,24 @@ def demodulated(
     points: int = 1001,
     window_cycles: int = 3,
 ) -> xr.Dataset:
-    """Complex envelope of a swept response against its base motion, over instantaneous frequency.
+    """Transmissibility of a swept response by demodulation, over instantaneous frequency.
 
     Parameters
     ----------
     time
-        (n,) s from the start of the sweep, at least 8 steps per cycle; steps need not be equal.
-        A history that stops before the sweep's end gives the band it covers.
+        (n,) times from the start of the sweep, s, with at least 8 steps per cycle; the steps may vary. If the history
+        ends before the sweep, the result covers the band up to its end.
     absolute_tip
         (n,) absolute tip acceleration (relative + base), m/s^2.
     motion
-        The chirp that moved the base.
+        Base motion.
     points
-        Number of frequencies, uniform over the band that remains after trimming the kernel's half
-        support (3 window_cycles cycles) at both ends.
+        Number of frequencies, uniform over the band that remains after removing half the support of the kernel
+        (3 window_cycles cycles) at both ends.
     window_cycles
-        Length of each of the three moving averages, cycles. More smooths ripples, fewer resolve
-        sharper peaks: the kernel's own relative error at a peak is about 6 (window_cycles df / (2 zeta f_n))^4
-        with df = `motion.growth`, the frequency gained per cycle in Hz (3e-5 at 4 oct/min, 150 Hz, zeta 1 %).
+        Length of each of the three moving averages, cycles. A longer window smooths ripples, a shorter one resolves
+        sharper peaks. The relative error of the kernel at a peak is about 6 (window_cycles df / (2 zeta f_n))^4, where
+        df = `motion.growth` is the frequency increase per cycle, Hz (3e-5 at 4 oct/min, 150 Hz, zeta 1 %).
 
     Returns
     -------
@@ -205,21 +209,26 @@ def demodulated(
     Raises
     ------
     InputError
-        For unusable series, too few samples per cycle, or a sweep too short for the kernel.
+        If the series are not a time history, the samples per cycle are too few, or the sweep is shorter than the
+        kernel.
 
     Notes
     -----
-    On a steady harmonic the error is that of the cubic spline through the samples: below 1e-6 at 40 samples per
-    cycle, 1e-4 at 12, 1e-3 at 8 (`tests/signals/test_signals.py`). The removed mean of the tip does not matter: a
-    constant falls on a zero of the kernel. See the module text for the sweep's own limits.
+    For a steady sine the error is that of the cubic spline through the samples: below 1e-6 at 40 samples per cycle,
+    1e-4 at 12, 1e-3 at 8 (`tests/signals/test_signals.py`). The mean of the tip acceleration has no effect, because a
+    constant lies at a zero of the kernel. The limits of the sweep rate are given in the docstring of the module.
     """
     t, tip = _checked(time, absolute_tip)
     phase = motion.phase(t)
     coarsest = float(np.diff(phase).max()) / TWO_PI
     if coarsest > 0.125 + 1e-9:
-        raise InputError(f"{1.0 / coarsest:.3g} samples per cycle at the sweep's end", remedy="record 8 or more")
+        raise InputError(
+            f"{1.0 / coarsest:.3g} samples per cycle at the end of the sweep are too few", remedy="use 8 or more"
+        )
     if phase[0] < -1e-9:
-        raise InputError("time history starts before the sweep", remedy="shift time so that the sweep starts at 0")
+        raise InputError(
+            "the time history starts before the sweep", remedy="shift the time so that the sweep starts at 0"
+        )
     first = np.ceil(phase[0] / TWO_PI * SAMPLES_PER_CYCLE - 1e-9)
     last = np.floor(phase[-1] / TWO_PI * SAMPLES_PER_CYCLE + 1e-9)
     grid = TWO_PI / SAMPLES_PER_CYCLE * np.arange(first, last + 1.0)
@@ -228,7 +237,7 @@ def demodulated(
         need = kernel.size / SAMPLES_PER_CYCLE
         raise InputError(
             f"{grid.size / SAMPLES_PER_CYCLE:.4g} cycles of sweep are too few for a kernel of {need:.3g}",
-            remedy="sweep longer or slower, or use fewer window_cycles",
+            remedy="use a longer or slower sweep, or fewer window_cycles",
         )
     resampled_time = motion.time_of_phase(grid)
     carrier = np.exp(-1j * grid)
@@ -243,14 +252,14 @@ def demodulated(
 
 
 def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) -> xr.Dataset:
-    """Both estimates of a simulated sweep on one frequency grid.
+    """Both transmissibility estimates of a simulated sweep on one frequency grid.
 
     Parameters
     ----------
     history
-        Has `tip_acceleration` (relative to the base) and `base_acceleration` over `time`.
+        Dataset with `tip_acceleration` (relative to the base) and `base_acceleration` over `time`.
     motion
-        The chirp that moved the base.
+        Base motion.
     points
         Number of frequencies.
 
@@ -258,6 +267,11 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
     -------
     xr.Dataset
         `transmissibility_real/_imag` and `transmissibility_spectrum_real/_imag` over `frequency`.
+
+    Raises
+    ------
+    InputError
+        If the history cannot be demodulated; see `demodulated` and `spectrum_ratio`.
     """
     time, base = history["time"].values, history["base_acceleration"].values
     tip = history["tip_acceleration"].values + base
@@ -267,7 +281,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """|T| over `frequency` from the real and imaginary variables of `stem`."""
+    """Magnitude |T| over `frequency`, from the variables `stem`_real and `stem`_imag of a dataset."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]
@@ -276,37 +290,37 @@ def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArr
 def dwell_response(
     time: npt.ArrayLike, absolute_tip: npt.ArrayLike, motion: Dwell, *, cycles: int = 5
 ) -> dict[str, float]:
-    """Steady-state transmissibility of a dwell: least squares on the fundamental over the last whole cycles.
+    """Steady-state transmissibility of a dwell, by a least-squares fit of the fundamental over the last cycles.
 
     Parameters
     ----------
     time, absolute_tip
-        (n,) s and m/s^2; the last `cycles` periods of the record are used.
+        (n,) times, s, and absolute tip acceleration, m/s^2; the last `cycles` periods are used.
     motion
-        The dwell that moved the base.
+        Base motion.
     cycles
-        Number of periods to fit; fitted are a constant and sine and cosine of the drive.
+        Number of periods. The fit consists of a constant and of sine and cosine at the frequency of the base.
 
     Returns
     -------
     dict
-        `magnitude` and `phase_rad` of T; `amplitude_m_s2` of the tip's fundamental (0-peak); `residual`: rms of what
-        the fit leaves over the rms of the fundamental (harmonics and transients); `drift`: relative change of the
-        fundamental between the first and second half of the window (0 when steady).
+        `magnitude` and `phase_rad` of T; `amplitude_m_s2`: amplitude of the fundamental of the tip (0-peak);
+        `residual`: rms of the residual (harmonics and transients) over that of the fundamental; `drift`: relative
+        change of the fundamental between the first and second half of the window (0 in the steady state).
 
     Raises
     ------
     InputError
-        When the record is shorter than the window or its ramp reaches into it.
+        If the record is shorter than the window, or the start ramp extends into the window.
     """
     t, tip = _checked(time, absolute_tip)
     window = cycles / motion.frequency_hz
     start = t[-1] - window
     if cycles < 2 or start < motion.ramp_cycles / motion.frequency_hz - 1e-9 / motion.frequency_hz:
         raise InputError(
-            f"no {cycles} steady cycles in a record of {t[-1] * motion.frequency_hz:.4g} cycles "
-            f"with a ramp of {motion.ramp_cycles:g}",
-            remedy="record more cycles, or fit fewer (at least 2)",
+            f"a record of {t[-1] * motion.frequency_hz:.4g} cycles with a ramp of {motion.ramp_cycles:g} has fewer "
+            f"than {cycles} steady cycles",
+            remedy="use more cycles in the record, or fewer in the fit (at least 2)",
         )
     keep = t > start + 1e-9 * window
     middle = keep & (t <= start + 0.5 * window)

@@ -1,7 +1,7 @@
-"""Stress in a cantilevered tube under a distributed load and one at the tip: estimates of section 2.3 of the source.
+"""Stress in a cantilevered tube under a distributed load and a tip load: the estimates of section 2.3 of the thesis.
 
-The mandrel alone bends; the roll counts by its inertia, in the distributed load. z is the height above the base,
-theta the angle from the direction of the load.
+Only the mandrel resists bending; the roll contributes its inertia, which is part of the distributed load. z is the
+height above the base and theta the angle from the direction of the load.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ from wroll_fem.typing import FloatArray
 
 @dataclass(frozen=True)
 class Cantilever:
-    """Tube clamped at z = 0 under transverse loads.
+    """Cantilevered tube, clamped at z = 0, under transverse loads.
 
     Parameters
     ----------
     length, outer_radius, wall
-        m; wall = outer_radius is a solid bar.
+        Dimensions, m; wall = outer_radius gives a solid bar.
     distributed
-        Load along the length, N/m; for vibration (mass per length) x (acceleration).
+        Load per length, N/m; in vibration (mass per length) x (acceleration).
     tip
         Load at z = length, N.
 
     Raises
     ------
     InputError
-        For a length or radius that is not positive, or a wall that does not fit the radius.
+        If a dimension is not positive, or the wall is thicker than the radius.
 
     Notes
     -----
-    Euler-Bernoulli: plane cross-sections, linear elastic. The shear stress is the mean through the wall on radial cuts,
-    exact for the given shear force whatever the wall (equation 2.20 with the cut width t = 2 x wall); in a thick
-    tube the largest local value is higher by up to some 10 %.
+    Euler-Bernoulli beam: plane cross-sections, linear elastic. The shear stress is the mean through the wall on radial
+    cuts. It is in equilibrium with the shear force for any wall thickness (equation 2.20 with t = 2 x wall); in a thick
+    tube the largest local value is up to about 10 % higher.
     """
 
     length: float
@@ -48,11 +48,13 @@ class Cantilever:
     def __post_init__(self) -> None:
         for key in ("length", "outer_radius", "wall"):
             if not getattr(self, key) > 0.0:
-                raise InputError(f"must be greater than 0, got {getattr(self, key)}", key=key, remedy="give it in m")
+                raise InputError(
+                    f"must be greater than 0, got {getattr(self, key)}", key=key, remedy="give a length in m"
+                )
         if self.wall > self.outer_radius:
             raise InputError(
                 f"the wall is thicker than the radius, got {self.wall:g}", key="wall",
-                remedy=f"use outer_radius = {self.outer_radius:g} m or less",
+                remedy=f"use {self.outer_radius:g} m or less",
             )  # fmt: skip
 
     @property
@@ -71,28 +73,28 @@ class Cantilever:
         return float(np.pi / 4.0 * (self.outer_radius**4 - self.inner_radius**4))
 
     def shear_force(self, z: FloatArray | float) -> FloatArray:
-        """V at height z in m, N, same shape: what hangs on above."""
+        """Shear force V at height z (m), N, in the shape of z: the resultant of the loads above z."""
         return self.distributed * (self.length - np.asarray(z, float)) + self.tip
 
     def moment(self, z: FloatArray | float) -> FloatArray:
-        """M at height z in m, N m, same shape."""
+        """Bending moment M at height z (m), N m, in the shape of z."""
         above = self.length - np.asarray(z, float)
         return 0.5 * self.distributed * above**2 + self.tip * above
 
     def bending_stress(self, theta: FloatArray | float, z: FloatArray | float) -> FloatArray:
-        """Axial stress at the outer surface, Pa: M y / I with y = -r cos(theta) (equation 2.19).
+        """Axial stress at the outer surface, Pa, positive in tension: M y / I with y = -r cos(theta) (equation 2.19).
 
-        Positive in tension; the face that looks along the load (theta = 0) is compressed.
+        The side at theta = 0, towards which the load acts, is in compression. theta in rad, z in m.
         """
         return -self.moment(z) * self.outer_radius * np.cos(theta) / self.second_moment
 
     def first_moment(self, theta: FloatArray | float) -> FloatArray:
-        """Q of the part of the cross-section within +-theta of the load's direction, m^3: integral of y dA."""
+        """First moment of area Q, m^3: integral of y dA over the cross-section within +-theta (rad) of the load."""
         return 2.0 / 3.0 * (self.outer_radius**3 - self.inner_radius**3) * np.sin(theta)
 
     def shear_stress(self, theta: FloatArray | float, z: FloatArray | float) -> FloatArray:
-        """Transverse shear stress along the wall, mean through it, Pa: V Q / (I t), t = 2 x wall (equation 2.20).
+        """Transverse shear stress, mean through the wall, Pa: V Q / (I t) with t = 2 x wall (equation 2.20).
 
-        Zero at theta = 0 and pi, largest at the neutral axis; 2 V/A sin(theta) in a thin tube, 4 V/(3 A) in a bar.
+        Zero at theta = 0 and pi and largest at the neutral axis: 2 V/A in a thin tube, 4 V/(3 A) in a solid bar.
         """
         return self.shear_force(z) * self.first_moment(theta) / (self.second_moment * 2.0 * self.wall)

@@ -1,8 +1,7 @@
-"""A linear body: what an assembler hands over, free of any finite-element library.
+"""Data classes of a linear body: matrices, surface traces and probes, independent of any finite-element library.
 
-Frame order is (theta, z, r) for cylindrical coordinates and (x, y, z) for Cartesian
-ones; the interface's local components are always (normal, hoop, axial), the normal
-pointing radially outward.
+Cylindrical coordinates are ordered (theta, z, r) and Cartesian ones (x, y, z). Local components at an interface are
+always (normal, hoop, axial); the normal points radially outward.
 """
 
 from __future__ import annotations
@@ -18,18 +17,18 @@ from wroll_fem.typing import FloatArray
 
 @dataclass(frozen=True)
 class Trace:
-    """Motion of one surface of a body at its contact points.
+    """Displacement of one surface of a body at its contact points.
 
     Attributes
     ----------
     operator
         (3 * n_points, n_dofs) sparse; row 3 k + c is component c of (normal, hoop, axial)
         of the surface's area-averaged displacement at point k, in m per unit of the body's DOFs.
-        Includes the offset of the surface from the mid-surface (rotation x half thickness).
+        Includes the offset of the surface from the mid-surface (rotation times half the thickness).
     points
         (n_points, 3) cylindrical coordinates (theta in [-pi, pi] rad, z in m, r in m).
     areas
-        (n_points,) area that each point stands for, in m^2, on this surface.
+        (n_points,) tributary area of each point on this surface, m^2.
     """
 
     operator: sp.csr_matrix
@@ -39,20 +38,20 @@ class Trace:
 
 @dataclass(frozen=True)
 class SolidPart:
-    """The homogenised coil bonded to a body: its mesh, and how it follows the body's unknowns.
+    """Homogenised coil bonded to a body: its mesh and its displacements in terms of the body's unknowns.
 
     Attributes
     ----------
     nodes
-        (n_nodes, 3) m; layers of nodes from the inside out, each with as many as the mandrel, facing its nodes.
+        (n_nodes, 3) coordinates, m, in layers from the inside outwards; each layer matches the nodes of the mandrel.
     cells
-        (n_cells, 27) in VTK_TRIQUADRATIC_HEXAHEDRON order, the third local axis outwards.
+        (n_cells, 27) node numbers in VTK_TRIQUADRATIC_HEXAHEDRON order; the third local axis points outwards.
     expand
-        (3 * n_nodes, n_dofs) sparse map to the nodal displacements, node-major [ux, uy, uz].
+        (3 * n_nodes, n_dofs) sparse map from the unknowns to the nodal displacements, node-major [ux, uy, uz].
     mass
-        kg, whole circumference.
+        Mass of the coil, whole circumference, kg.
     skin
-        (n, 9) faces that are seen, in VTK_BIQUADRATIC_QUAD order.
+        (n, 9) node numbers of the free faces, in VTK_BIQUADRATIC_QUAD order.
     """
 
     nodes: FloatArray
@@ -64,19 +63,19 @@ class SolidPart:
 
 @dataclass(frozen=True)
 class Body:
-    """One meshed part, constrained and ready for a `System`.
+    """One meshed part with its constraints eliminated, ready for a `System`.
 
     Attributes
     ----------
     name
         "mandrel", "layer_01", ... (inner layer first).
     stiffness, mass
-        (n, n) sparse symmetric, N/m and kg (constraints already eliminated: no Dirichlet rows).
+        (n, n) sparse symmetric, N/m and kg; constraints are eliminated, so there are no Dirichlet rows.
     influence
         (n, 3) displacement of the DOFs under a unit rigid translation of the base along x, y, z.
     expand
-        (6 * n_nodes, n) sparse map to all nodal values, node-major [ux, uy, uz, rx, ry, rz] (m, rad);
-        with a symmetry plane it restores the whole circumference.
+        (6 * n_nodes, n) sparse map from the unknowns to all nodal values, node-major [ux, uy, uz, rx, ry, rz] (m, rad).
+        With a symmetry plane it restores the whole circumference.
     nodes
         (n_nodes, 3) Cartesian coordinates in m.
     cells
@@ -86,15 +85,15 @@ class Body:
     pressure_force
         (n,) force vector of a unit external pressure (1 Pa, pointing radially inward) on the outer surface.
     probes
-        Name -> (3, n) sparse; "tip" gives the Cartesian displacement of the tip centre.
+        Name -> (3, n) sparse operator; "tip" gives the Cartesian displacement of the centre of the tip.
     mass_total
-        Mass of the body with its tip mass, whole circumference, kg.
+        Mass of the body, tip mass included, whole circumference, kg.
     symmetric
-        True when only motions symmetric about the x-z plane are left.
+        True if only motions symmetric about the x-z plane remain.
     solid
-        The homogenised coil that is bonded to this body, in its matrices already; None without one.
+        Homogenised coil bonded to this body (included in its matrices), or None.
     unknown_node, unknown_component
-        (n,) node of each DOF (-1: a rigid tip's) and which of [ux, uy, uz, rx, ry, rz] it is; None when unknown.
+        (n,) node of each unknown (-1 for a rigid tip) and its component in [ux, uy, uz, rx, ry, rz]; None if unknown.
     """
 
     name: str

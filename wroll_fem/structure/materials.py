@@ -1,4 +1,4 @@
-r"""Cylindrical-orthotropic elasticity of a wound web: stiffness, admissibility, mixture of its constituents. FEM-free.
+r"""Cylindrical-orthotropic elasticity of a wound web: stiffness, admissibility and homogenisation.
 
 Material axes are r, theta, z of the roll; Voigt order is everywhere (rr, tt, zz, tz, rz, rt) with engineering shear
 strains. Poisson's ratios are nu_ij = -strain_j / strain_i under stress i alone, so that nu_ij / E_i = nu_ji / E_j.
@@ -26,22 +26,18 @@ from wroll_fem.errors import InputError
 if TYPE_CHECKING:
     from wroll_fem.typing import FloatArray
 
-if TYPE_CHECKING:  # cases are checked without numpy
-    pass
-
-
 MODULI = ("E_theta", "E_z", "E_r", "G_z_theta", "G_r_theta", "G_r_z")
 IN_PLANE = ("E_theta", "E_z", "nu_theta_z", "G_z_theta", "rho")
-"""Constants of a web that the mixture of its constituents decides."""
+"""In-plane constants of a web, determined by its constituents."""
 
 RADIAL_RATIO = 0.01
-"""E_r over the largest in-plane modulus where nothing better is known (thesis, sections 2.4 and 2.5)."""
+"""Default ratio of E_r to the largest in-plane modulus (thesis, sections 2.4 and 2.5)."""
 
 _ROUNDING = 1e-12
 
 
 class Orthotropic(Protocol):
-    """Anything that carries the nine constants."""
+    """Interface of an object with the nine elastic constants of an orthotropic material."""
 
     @property
     def E_theta(self) -> float: ...  # noqa: D102
@@ -65,16 +61,16 @@ class Orthotropic(Protocol):
 
 @dataclass(frozen=True)
 class Violation:
-    """First condition of admissibility that a material breaks.
+    """First admissibility condition that a material violates.
 
     Attributes
     ----------
     key
-        Constant to blame.
+        Name of the offending constant.
     value
         Its value.
     problem, remedy
-        What is wrong and what would be right.
+        Description of the problem and of its remedy.
     """
 
     key: str
@@ -84,7 +80,7 @@ class Violation:
 
 
 def violation(m: Orthotropic) -> Violation | None:
-    """First broken condition of the module's docstring, or None for an admissible material."""
+    """First violated admissibility condition of the module's docstring, or None for an admissible material."""
     for key in MODULI:
         value = float(getattr(m, key))
         if not (math.isfinite(value) and value > 0.0):
@@ -97,18 +93,18 @@ def violation(m: Orthotropic) -> Violation | None:
         nu, bound = float(getattr(m, key)), math.sqrt(getattr(m, first) / getattr(m, second))
         if not abs(nu) < bound * (1 - _ROUNDING):
             problem = (
-                f"breaks |{key}| < sqrt({first} / {second}) = {bound:.4g}: the strain energy would not be positive"
+                f"violates |{key}| < sqrt({first} / {second}) = {bound:.4g}: the strain energy is not positive definite"
             )
-            remedy = f"use a smaller {key} (nu_ij = -strain_j / strain_i under stress i)"
+            remedy = f"reduce {key} (nu_ij = -strain_j / strain_i under stress i)"
             return Violation(key, nu, problem, remedy)
     tz, zr, rt = m.nu_theta_z, m.nu_z_r, m.nu_theta_r * m.E_r / m.E_theta
     rest = 1 - tz**2 * m.E_z / m.E_theta - m.nu_theta_r * rt - zr**2 * m.E_r / m.E_z - 2 * tz * zr * rt
     if rest <= _ROUNDING:
         problem = (
-            "breaks 1 - nu_tz nu_zt - nu_tr nu_rt - nu_zr nu_rz - 2 nu_tz nu_zr nu_rt > 0 "
-            f"(it is {rest:.3g}): the strain energy would not be positive"
+            "violates 1 - nu_tz nu_zt - nu_tr nu_rt - nu_zr nu_rz - 2 nu_tz nu_zr nu_rt > 0 "
+            f"(it is {rest:.3g}): the strain energy is not positive definite"
         )
-        remedy = "make one of nu_theta_z, nu_theta_r, nu_z_r smaller in size"
+        remedy = "reduce the magnitude of nu_theta_z, nu_theta_r or nu_z_r"
         return Violation("nu_theta_z", float(tz), problem, remedy)
     return None
 
@@ -120,18 +116,18 @@ class CylindricalOrthotropic:
     Attributes
     ----------
     E_theta, E_z, E_r
-        Young's moduli along the web, along the axis and through the stack, Pa.
+        Young's moduli along the web, along the axis and through the thickness of the coil, Pa.
     nu_theta_z, nu_theta_r, nu_z_r
         Poisson's ratios, nu_ij = -strain_j / strain_i under stress i.
     G_z_theta, G_r_theta, G_r_z
-        Shear moduli, Pa; the last two are those between the wraps.
+        Shear moduli, Pa; G_r_theta and G_r_z are the interlayer shear moduli.
     rho
         Density, kg/m^3.
 
     Raises
     ------
     InputError
-        If the constants are not admissible: which condition, which value, what would be right.
+        If the density is not positive or the elastic constants are not admissible.
     """
 
     E_theta: float
@@ -154,12 +150,23 @@ class CylindricalOrthotropic:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, rho: float) -> CylindricalOrthotropic:
-        """Isotropic limit: E (Pa), nu and rho (kg/m^3); every shear modulus is E / (2 (1 + nu))."""
+        """Isotropic material.
+
+        Parameters
+        ----------
+        E, nu, rho
+            Young's modulus (Pa), Poisson's ratio and density (kg/m^3).
+
+        Raises
+        ------
+        InputError
+            If the constants are not admissible.
+        """
         G = E / (2 * (1 + nu)) if nu > -1 else math.nan
         return cls(E, E, E, nu, nu, nu, G, G, G, rho)
 
     def compliance(self) -> FloatArray:
-        """(6, 6) strain per stress, 1/Pa, Voigt order (rr, tt, zz, tz, rz, rt)."""
+        """(6, 6) elastic compliance, 1/Pa, in Voigt order (rr, tt, zz, tz, rz, rt)."""
         import numpy as np
 
         rt, zt = -self.nu_theta_r / self.E_theta, -self.nu_theta_z / self.E_theta
@@ -170,7 +177,7 @@ class CylindricalOrthotropic:
         return S
 
     def stiffness(self) -> FloatArray:
-        """(6, 6) stress per strain, Pa, Voigt order (rr, tt, zz, tz, rz, rt)."""
+        """(6, 6) elastic stiffness, Pa, in Voigt order (rr, tt, zz, tz, rz, rt)."""
         import numpy as np
 
         S = self.compliance()
@@ -182,16 +189,16 @@ class CylindricalOrthotropic:
 
 @dataclass(frozen=True)
 class Constituent:
-    """One of the materials that a web is made of, with its in-plane constants in the web's axes.
+    """Constituent of a web with its in-plane constants in the axes of the web.
 
     Attributes
     ----------
     fraction
-        Share of the web's volume, 0 to 1.
+        Volume fraction, 0 to 1.
     E_theta, E_z, G_z_theta
-        Pa.
+        Young's moduli along the web and along the axis, and in-plane shear modulus, Pa.
     nu_theta_z, rho
-        Dimensionless; kg/m^3.
+        In-plane Poisson's ratio; density, kg/m^3.
     """
 
     fraction: float
@@ -203,14 +210,23 @@ class Constituent:
 
     @classmethod
     def isotropic(cls, fraction: float, E: float, nu: float, rho: float) -> Constituent:
-        """Isotropic constituent: share of the volume, E (Pa), nu, rho (kg/m^3)."""
+        """Isotropic constituent.
+
+        Parameters
+        ----------
+        fraction
+            Volume fraction, 0 to 1.
+        E, nu, rho
+            Young's modulus (Pa), Poisson's ratio and density (kg/m^3).
+        """
         return cls(fraction, E, E, nu, E / (2 * (1 + nu)), rho)
 
 
 def weighted_mean(constituents: Sequence[Constituent], name: str) -> float:
-    """Volume-weighted mean of one in-plane constant; what is missing to 1 is void and counts as zero.
+    """Volume-weighted mean of one in-plane constant.
 
-    Voids count in moduli and density; Poisson's ratio is the mean over the material that is there.
+    If the volume fractions sum to less than 1, the rest is void. Voids reduce the moduli and the density; Poisson's
+    ratio is the mean over the material alone.
     """
     total = sum(c.fraction for c in constituents)
     mean = sum(c.fraction * float(getattr(c, name)) for c in constituents)
@@ -226,32 +242,32 @@ def homogenise(
     nu_z_r: float = 0.3,
     G_interlayer: float | None = None,
 ) -> CylindricalOrthotropic:
-    """Homogenised coil of a web with a representative volume element of several constituents.
+    """Homogenised material of a coil whose web consists of several constituents (thesis, section 2.4).
 
-    Thesis, section 2.4: each in-plane constant is the weighted mean over all constituents, or that of the one
-    constituent that limits it (the shear modulus of a sparse frame on a membrane is the membrane's).
+    Each in-plane constant is the volume-weighted mean over all constituents, or the value of the one constituent that
+    limits it (for a sparse frame on a membrane, the membrane limits the shear modulus).
 
     Parameters
     ----------
     constituents
-        Name -> constituent; the fractions add to at most 1, the rest is void.
+        Name -> constituent; the fractions sum to at most 1, the rest is void.
     limited_by
-        In-plane constant (one of `IN_PLANE`) -> name of the constituent whose value it takes.
+        In-plane constant (one of `IN_PLANE`) -> name of the constituent that limits it.
     radial_ratio
-        E_r over the larger of E_theta and E_z.
+        Ratio of E_r to the larger of E_theta and E_z.
     nu_theta_r, nu_z_r
         Out-of-plane Poisson's ratios.
     G_interlayer
-        G_r_theta = G_r_z, Pa; None for the limit of a stack without slip, G_z_theta.
+        Interlayer shear modulus G_r_theta = G_r_z, Pa; None for G_z_theta, the limit without slip.
 
     Raises
     ------
     InputError
-        For fractions outside 0 to 1, unknown names, or a mixture that is not admissible.
+        For fractions outside 0 to 1, unknown names, or a material that is not admissible.
 
     Notes
     -----
-    The mean of moduli is an upper bound for frames with cutouts (Voigt); it holds along members that run through.
+    The mean of the moduli is an upper bound (Voigt) for frames with cutouts; it is exact along continuous members.
     """
     limited = dict(limited_by or {})
     total = sum(c.fraction for c in constituents.values())
@@ -259,18 +275,18 @@ def homogenise(
         if not 0.0 < c.fraction <= 1.0:
             raise InputError(
                 f"must be above 0 and at most 1, got {c.fraction:g}", key=f"{name}.fraction",
-                remedy="give the share of the web's volume",
+                remedy="give the volume fraction in the web",
             )  # fmt: skip
     if not 0.0 < total <= 1.0 + 1e-9:
         raise InputError(
-            f"fractions of {', '.join(constituents) or 'no constituent'} add to {total:g}", key="fraction",
-            remedy="they must add to at most 1 (the rest is void)",
+            f"the fractions of {', '.join(constituents) or 'no constituent'} sum to {total:g}", key="fraction",
+            remedy="use fractions that sum to at most 1 (the rest is void)",
         )  # fmt: skip
     for constant, name in limited.items():
         if constant not in IN_PLANE or name not in constituents:
             raise InputError(
-                f"cannot take {constant} from {name}", key="limited_by",
-                remedy=f"constants: {', '.join(IN_PLANE)}; constituents: {', '.join(constituents)}",
+                f"{constant} cannot be taken from {name}", key="limited_by",
+                remedy=f"use the constants {', '.join(IN_PLANE)} and the constituents {', '.join(constituents)}",
             )  # fmt: skip
     parts = list(constituents.values())
     mixed = {

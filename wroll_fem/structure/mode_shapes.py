@@ -1,9 +1,9 @@
-"""What a mode of the roll is: bending, torsion, axial, breathing or ovalling-n; effective masses. FEM-free.
+"""Classification of modes (bending, torsion, axial, breathing, ovalling-n) and effective masses.
 
-On each ring of nodes the displacement in the roll's frame is a Fourier series over theta. The share of wave number
-n is the sum over rings and components of |c_n|^2, weighted by the height that the ring stands for and by the
-body's mass per height; a solid coil is a stack of cylinders of nodes. Wave number 1 moves the axis sideways
-(bending); n >= 2 leaves the axis in place (ovalling).
+On each ring of nodes, the displacement in cylindrical components is expanded in a Fourier series over theta. The
+contribution of wave number n is the sum over rings and components of |c_n|^2, weighted by the tributary height of the
+ring and by the mass per height of the body. A solid coil is treated as a stack of cylinders of nodes. Wave number 1
+translates the axis (bending); for n >= 2 the axis stays in place (ovalling).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
 
 _HIGHEST = 12
-_NO_STRAIN = 1.0  # (rad/s)^2: strain energy over kinetic energy per (rad/s)^2 of a rigid-body motion, rounding included
+_NO_STRAIN = 1.0  # (rad/s)^2: modes with a smaller Rayleigh quotient are rigid-body motions
 _AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0: hoop, axial, radial
 
 
@@ -29,11 +29,11 @@ class ModeKind:
     Attributes
     ----------
     kind
-        "bending", "torsion", "axial", "breathing", "ovalling-n", or "rigid" for motions without strain.
+        "bending", "torsion", "axial", "breathing", "ovalling-n" or, for motions without strain, "rigid".
     wave_number
         Dominant circumferential wave number n.
     share
-        Part of the mean square displacement that has this wave number, 0 to 1.
+        Fraction of the mean square displacement with this wave number, 0 to 1.
     """
 
     kind: str
@@ -42,16 +42,20 @@ class ModeKind:
 
 
 def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGHEST) -> FloatArray:
-    """(highest + 1, 3) mean square displacement per wave number and component (hoop, axial, radial), times kg.
+    """Mean square displacement of a mode, split by circumferential wave number and component.
 
     Parameters
     ----------
     body
-        Any body on concentric rings of nodes, with its solid coil.
+        Body whose nodes lie on concentric rings; its solid coil is included.
     vector
-        (n_dofs,) amplitudes of the body's unknowns.
+        (n_dofs,) amplitudes of the unknowns of the body.
     highest
-        Largest wave number; rings with fewer than 2 n + 1 nodes contribute nothing to n.
+        Largest wave number; rings with fewer than 2 n + 1 nodes do not contribute to wave number n.
+
+    Returns
+    -------
+    (highest + 1, 3) mean square displacement of (hoop, axial, radial) times the mass of the body, kg m^2.
     """
     u = (body.expand @ vector).reshape(-1, 6)[:, :3]
     if body.solid is None:
@@ -61,7 +65,7 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
     nodes, shape = body.solid.nodes.reshape(-1, n, 3), (body.solid.expand @ vector).reshape(-1, n, 3)
     radius = np.hypot(nodes[:, 0, 0], nodes[:, 0, 1])
     step = np.diff(radius)
-    share = radius * (np.append(step, 0.0) + np.append(0.0, step))  # of the coil's mass, per layer of nodes
+    share = radius * (np.append(step, 0.0) + np.append(0.0, step))  # mass fraction of each layer of nodes
     for k, part in enumerate(share / share.sum()):
         content += _ring_content(nodes[k], shape[k], highest) * part * body.solid.mass
     return content
@@ -90,18 +94,25 @@ def _ring_content(nodes: FloatArray, u: FloatArray, highest: int) -> FloatArray:
 
 
 def classify_mode(bodies: Sequence[Body], vector: FloatArray, highest: int = _HIGHEST) -> ModeKind:
-    """Name a mode of one or more bodies.
+    """Classify a mode of one or more bodies.
 
     Parameters
     ----------
     bodies
-        The bodies whose unknowns, one after the other, make up `vector`.
+        Bodies whose unknowns are concatenated in `vector`.
     vector
-        (sum of n_dofs,).
+        (sum of n_dofs,) mode.
+    highest
+        Largest circumferential wave number considered.
+
+    Raises
+    ------
+    ValueError
+        If the length of `vector` is not the total number of unknowns.
     """
     ends = np.cumsum([body.n_dofs for body in bodies])
     if ends[-1] != len(vector):
-        raise ValueError(f"the mode has {len(vector)} unknowns, the bodies have {ends[-1]}")
+        raise ValueError(f"the mode has {len(vector)} unknowns but the bodies have {ends[-1]}")
     parts = np.split(vector, ends[:-1])
     content = sum(circumferential_content(body, part, highest) for body, part in zip(bodies, parts, strict=True))
     per_wave = np.asarray(content).sum(axis=1)
@@ -123,9 +134,9 @@ def main_bending(kinds: Sequence[str], fractions: FloatArray) -> int | None:
     Parameters
     ----------
     kinds
-        (n_modes,) names.
+        (n_modes,) names of the modes.
     fractions
-        (n_modes,) or (n_modes, 3) effective mass; the largest component counts.
+        (n_modes,) or (n_modes, 3) effective mass fractions; with three components the largest one is used.
     """
     share = np.asarray(fractions, float).reshape(len(kinds), -1).max(axis=1)
     bending = [k for k, kind in enumerate(kinds) if str(kind) == "bending"]
@@ -135,33 +146,64 @@ def main_bending(kinds: Sequence[str], fractions: FloatArray) -> int | None:
 def effective_mass_fractions(
     mass: sp.spmatrix, influence: FloatArray, vectors: FloatArray, mass_total: float
 ) -> FloatArray:
-    """(n_modes, 3) effective mass along x, y, z over `mass_total`; vectors (n, n_modes) must be M-normalised."""
+    """Effective mass fractions of modes along x, y and z.
+
+    Parameters
+    ----------
+    mass
+        (n, n) mass matrix, kg.
+    influence
+        (n, 3) displacement of the unknowns under unit translations of the base along x, y and z.
+    vectors
+        (n, n_modes) modes, M-normalised.
+    mass_total
+        Mass to which the effective masses are referred, kg.
+
+    Returns
+    -------
+    (n_modes, 3) effective mass over `mass_total`.
+    """
     return (vectors.T @ (mass @ influence)) ** 2 / mass_total
 
 
-_TWINS = 1e-5
-"""Frequencies closer than this share are those of a pair."""
+_DEGENERATE = 1e-5
+"""Relative difference of the frequencies of two modes below which they count as a degenerate pair."""
 
 
-def are_twins(frequencies_hz: FloatArray, k: int) -> bool:
-    """Whether modes k and k + 1 are a pair of equal frequencies."""
+def are_degenerate(frequencies_hz: FloatArray, k: int) -> bool:
+    """Whether modes k and k + 1 are a degenerate pair (equal frequencies)."""
     low, high = frequencies_hz[k : k + 2]
-    return bool(abs(high - low) <= _TWINS * max(high, 1e-6))
+    return bool(abs(high - low) <= _DEGENERATE * max(high, 1e-6))
 
 
 def align_pairs(
     frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray
 ) -> FloatArray:
-    """Turn each pair of equal frequencies so that its first mode takes all of the motion along x.
+    """Rotate each degenerate pair so that only its first mode has a participation along x.
 
-    A round roll has its bending modes in pairs whose direction is arbitrary; this makes it x, then y. Pairs without
-    effective mass stay as they are. Half a pair at the end of the list keeps its arbitrary direction: solve for one
-    mode more than is wanted.
+    The bending modes of an axisymmetric roll form pairs whose directions are arbitrary; after the rotation the first
+    bends along x and the second along y. Pairs without effective mass are not changed. A single mode of a pair at the
+    end of the list keeps its arbitrary direction, so solve for one mode more than is needed.
+
+    Parameters
+    ----------
+    frequencies_hz
+        (n_modes,) natural frequencies, Hz, ascending.
+    vectors
+        (n, n_modes) modes, M-normalised.
+    mass
+        (n, n) mass matrix, kg.
+    influence
+        (n, 3) displacement of the unknowns under unit translations of the base.
+
+    Returns
+    -------
+    (n, n_modes) rotated modes.
     """
     aligned, k = vectors.copy(), 0
     along_x = mass @ influence[:, 0]
     while k + 1 < len(frequencies_hz):
-        if not are_twins(frequencies_hz, k):
+        if not are_degenerate(frequencies_hz, k):
             k += 1
             continue
         a, b = aligned[:, k : k + 2].T @ along_x

@@ -1,4 +1,4 @@
-r"""Rate-and-state friction under prescribed slip rates (thesis, equation E.4).
+r"""Rate-and-state friction at prescribed slip rates (thesis, equation E.4).
 
 .. math:: \mu = \mu_R + a \ln\frac{V}{V_R} + b \ln\frac{V_R \theta}{D_R}
 
@@ -10,13 +10,13 @@ At a constant rate both have closed forms. With x = V t/D_R and u = V theta/D_R
 
 .. math:: u = 1 + (u_0 - 1)\, e^{-x}, \qquad \ln u = e^{-x} \ln u_0
 
-so that a history of piecewise constant rates is exact. Steady sliding is u = 1, theta = D_R/V: the third term is then
--b ln(V/V_R), not zero, and mu = mu_R + (a - b) ln(V/V_R).
+so histories of piecewise constant rates are computed exactly. In steady sliding u = 1 and theta = D_R/V; the third term
+is then -b ln(V/V_R), and mu = mu_R + (a - b) ln(V/V_R).
 
 References
 ----------
-Marone (1998), Annu. Rev. Earth Planet. Sci. 26, 643-696, doi:10.1146/annurev.earth.26.1.643. At a rate of zero the
-logarithm has no value; Rice, Lapusta, Ranjith (2001), J. Mech. Phys. Solids 49, 1865-1898, give the regularised form.
+Marone (1998), Annu. Rev. Earth Planet. Sci. 26, 643-696, doi:10.1146/annurev.earth.26.1.643. The logarithm is undefined
+at zero slip rate; Rice, Lapusta, Ranjith (2001), J. Mech. Phys. Solids 49, 1865-1898, give the regularised form.
 """
 
 from __future__ import annotations
@@ -38,25 +38,25 @@ LAWS: tuple[StateLaw, ...] = get_args(StateLaw)
 
 @dataclass(frozen=True)
 class RateAndState:
-    """Constants of the law.
+    """Parameters of the rate-and-state friction law.
 
     Attributes
     ----------
     mu
-        mu_R, coefficient of steady sliding at the reference rate.
+        Coefficient of friction mu_R in steady sliding at the reference rate.
     a, b
-        Direct effect and effect of the state; either may be 0.
+        Coefficients of the direct effect and of the state effect; either may be 0.
     rate
-        V_R, m/s.
+        Reference slip rate V_R, m/s.
     distance
-        D_R, slip over which the state is renewed, m.
+        Characteristic slip distance D_R, m.
     law
-        Evolution of the state, "ageing" or "slip".
+        Evolution law of the state, "ageing" or "slip".
 
     Raises
     ------
     InputError
-        For values without a meaning.
+        If a parameter is out of range or the law is unknown.
     """
 
     mu: float = 0.25
@@ -70,24 +70,44 @@ class RateAndState:
         require_positive(self, ("mu", "rate", "distance"))
         for name in ("a", "b"):
             if not getattr(self, name) >= 0.0:
-                raise InputError(f"{name} = {getattr(self, name)}", key=name, remedy="give 0 or more")
+                raise InputError(f"must not be negative, got {getattr(self, name)}", key=name, remedy="give 0 or more")
         if self.law not in LAWS:
-            raise InputError(f"no state law {self.law!r}", key="law", remedy=f"use {' or '.join(LAWS)}")
+            raise InputError(f"unknown state law {self.law!r}", key="law", remedy=f"use {' or '.join(LAWS)}")
 
     def coefficient(self, rate: npt.ArrayLike, state: npt.ArrayLike) -> FloatArray:
-        """Coefficient of friction at slip ``rate`` (m/s, above 0) with ``state`` (s)."""
+        """Coefficient of friction at a slip rate (m/s, above 0) and a state (s, above 0).
+
+        Raises
+        ------
+        InputError
+            If a rate or a state is not positive.
+        """
         rate, state = positive("rate", rate), positive("state", state)
         return np.asarray(
             self.mu + self.a * np.log(rate / self.rate) + self.b * np.log(self.rate * state / self.distance)
         )
 
     def regularised(self, rate: npt.ArrayLike, state: npt.ArrayLike) -> FloatArray:
-        """Coefficient that goes through zero with the ``rate`` (m/s, of either sign), by the inverse hyperbolic sine.
+        """Signed coefficient of friction, regularised at zero slip rate by the inverse hyperbolic sine.
 
-        It equals `coefficient` but for a exp(-2 mu/a), far below rounding for friction laws as measured.
+        The difference from `coefficient`, a exp(-2 mu/a), is far below rounding errors for measured parameters.
+
+        Parameters
+        ----------
+        rate
+            Slip rate of either sign, m/s.
+        state
+            State, s, above 0.
+
+        Raises
+        ------
+        InputError
+            If a is 0, or a state is not positive.
         """
         if self.a == 0.0:
-            raise InputError("a = 0 leaves nothing to regularise", key="a", remedy="give a positive direct effect")
+            raise InputError(
+                "the regularised law needs a direct effect, got a = 0", key="a", remedy="give a positive a"
+            )
         at = (self.mu + self.b * np.log(self.rate * positive("state", state) / self.distance)) / self.a
         share = np.asarray(rate, dtype=float) / (2.0 * self.rate)
         # asinh(s e^at) for large at: sign(s) (at + ln(2 |s|)) with its correction
@@ -98,23 +118,53 @@ class RateAndState:
         return np.asarray(self.a * np.sign(share) * value)
 
     def steady_state(self, rate: npt.ArrayLike) -> FloatArray:
-        """State of steady sliding, theta = D_R/V, s."""
+        """State in steady sliding at a slip rate (m/s, above 0), theta = D_R/V, s.
+
+        Raises
+        ------
+        InputError
+            If a rate is not positive.
+        """
         return self.distance / positive("rate", rate)
 
     def steady_coefficient(self, rate: npt.ArrayLike) -> FloatArray:
-        """mu_R + (a - b) ln(V/V_R)."""
+        """Coefficient of friction in steady sliding, mu_R + (a - b) ln(V/V_R), at a slip rate V (m/s, above 0).
+
+        Raises
+        ------
+        InputError
+            If a rate is not positive.
+        """
         return np.asarray(self.mu + (self.a - self.b) * np.log(positive("rate", rate) / self.rate))
 
     def state_after(self, state: npt.ArrayLike, rate: npt.ArrayLike, time: npt.ArrayLike) -> FloatArray:
-        """State (s) a ``time`` (s) later at a constant ``rate`` (m/s, 0 or more), exactly.
+        """Exact state after a time at constant slip rate.
+
+        Parameters
+        ----------
+        state
+            Initial state, s, above 0.
+        rate
+            Slip rate, m/s, 0 or more.
+        time
+            Elapsed time, s.
+
+        Returns
+        -------
+        State, s
+
+        Raises
+        ------
+        InputError
+            If a state is not positive, or a rate or a time is negative.
 
         Notes
         -----
-        At rest the ageing law's state grows with time, the slip law's stays.
+        At zero slip rate the state grows with time under the ageing law and is constant under the slip law.
         """
         state, rate, time = positive("state", state), np.asarray(rate, dtype=float), np.asarray(time, dtype=float)
         if np.any(rate < 0.0) or np.any(time < 0.0):
-            raise InputError("a slip rate or a time below 0", remedy="give the size of the slip rate")
+            raise InputError("slip rates and times must not be negative", remedy="give the magnitude of the slip rate")
         x = rate * time / self.distance
         if self.law == "ageing":
             # theta_0 e^-x + t (1 - e^-x)/x, the last factor 1 at x = 0
@@ -127,23 +177,29 @@ class RateAndState:
 
 
 def positive(name: str, values: npt.ArrayLike) -> FloatArray:
-    """Values as an array of numbers above 0; raises InputError for others."""
+    """Array of the values, which must be positive.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive.
+    """
     found = np.asarray(values, dtype=float)
     if not np.all(found > 0.0):
-        raise InputError(f"a {name} that is not above 0", key=name, remedy="give positive numbers")
+        raise InputError("must be positive", key=name, remedy="give numbers above 0")
     return found
 
 
 @dataclass(frozen=True)
 class VelocitySteps:
-    """Platen driven alternately at two rates (thesis, Fig. E.11), first at the lower.
+    """Velocity-stepping test: slip alternately at two rates, starting with the lower one (thesis, Fig. E.11).
 
     Attributes
     ----------
     low, high
-        V_1 and V_2, m/s; the source takes V_2 = 10 V_1.
+        Slip rates V_1 and V_2, m/s; V_2 = 10 V_1 in the thesis.
     every, total
-        Slip between changes and in all, m.
+        Slip distance between two changes, and total slip distance, m.
     """
 
     low: float
@@ -152,7 +208,13 @@ class VelocitySteps:
     total: float = 3.0e-3
 
     def history(self, points: int = 200) -> tuple[FloatArray, FloatArray]:
-        """Rates (n,) in m/s and durations (n,) in s of ``points`` equal parts of each stretch."""
+        """Slip rates (n,) in m/s and durations (n,) in s, with a number of points between two changes of the rate.
+
+        Raises
+        ------
+        InputError
+            If a rate or a distance is not positive.
+        """
         positive("rate", (self.low, self.high, self.every, self.total))
         stretches = round(self.total / self.every)
         rates = np.repeat(np.where(np.arange(stretches) % 2 == 0, self.low, self.high), points)
@@ -160,7 +222,27 @@ class VelocitySteps:
 
 
 def sine_history(amplitude: float, frequency: float, *, cycles: int = 3, points: int = 2000) -> tuple[FloatArray, ...]:
-    """Signed mid-step rates (n,) in m/s and durations (n,) in s of a sine displacement; ``amplitude`` m, 0-peak."""
+    """Mean slip rates and durations of the steps of a sinusoidal displacement.
+
+    Parameters
+    ----------
+    amplitude
+        Amplitude of the displacement, 0-peak, m.
+    frequency
+        Frequency, Hz.
+    cycles, points
+        Number of cycles, and of steps per cycle.
+
+    Returns
+    -------
+    rates : (n,) mean slip rate of each step, with sign, m/s
+    durations : (n,) s
+
+    Raises
+    ------
+    InputError
+        If amplitude or frequency is not positive.
+    """
     positive("amplitude", (amplitude, frequency))
     time = np.arange(cycles * points + 1) / (points * frequency)
     slip = amplitude * np.sin(2.0 * np.pi * frequency * time)
@@ -170,20 +252,27 @@ def sine_history(amplitude: float, frequency: float, *, cycles: int = 3, points:
 def shear_history(
     law: RateAndState, rates: FloatArray, durations: FloatArray, *, state: float | None = None
 ) -> xr.Dataset:
-    """Friction along a history of piecewise constant slip rates; exact for such a history.
+    """Friction along a history of piecewise constant slip rates, computed exactly.
 
     Parameters
     ----------
+    law
+        Rate-and-state friction law.
     rates, durations
-        (n,) m/s, of either sign, and s.
+        (n,) slip rates of either sign, m/s, and their durations, s.
     state
-        At the start, s; that of steady sliding at the first rate without.
+        Initial state, s; None for that of steady sliding at the first rate.
 
     Returns
     -------
     xr.Dataset
-        Over `time` (end of each part): `slip_rate`, `slip_distance`, `state_variable`, `friction_coefficient`. Where
-        the sign of the rate changes in the history the coefficient is the regularised one, with sign.
+        `slip_rate`, `slip_distance`, `state_variable` and `friction_coefficient` over `time` (end of each part). If a
+        rate is zero or negative, the coefficient is the signed, regularised one.
+
+    Raises
+    ------
+    InputError
+        If a duration is not positive.
     """
     rates, durations = np.asarray(rates, dtype=float), positive("duration", durations)
     speeds = np.abs(rates)

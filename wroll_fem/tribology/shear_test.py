@@ -1,16 +1,16 @@
 r"""Double shear test of two preloaded stacks of layers (thesis, appendix E.3).
 
-Two alike stacks lie between fixed pistons and a platen, which a machine pulls through a spring (load cell and frame);
-the pistons press with F_N. Each of the n - 1 loose layers of a stack has two faces, joined by its own shear stiffness
-G_l A/h, and between the faces of neighbours lies one contact point of the project's penalty friction: n interfaces in
-series,
+Two equal stacks lie between fixed pistons and a platen, which a machine pulls through a spring (load cell and frame).
+The pistons apply the normal force F_N. Each of the n - 1 loose layers of a stack has two faces, connected by its shear
+stiffness G_l A/h. Adjacent faces are connected by one contact point with penalty Coulomb friction. The n interfaces are
+in series,
 
 .. math:: K = 2 \Big(\frac{n}{k_t A} + \frac{n - 1}{G_l A/h}\Big)^{-1}, \qquad k_t = \frac{\mu p}{\gamma^*}, \qquad
           p = F_N/A
 
-until the weakest interface of each stack slides at F_c = 2 mu F_N. Alike interfaces would all reach their limit at once
-and leave open which of them slides; as in the experiment it is the one at the platen: the others hold a little more
-(`EDGE`).
+until the weakest interface of each stack slides at F_c = 2 mu F_N. Equal interfaces would all reach their limit at
+once, and the sliding one would be undetermined. In the experiment it is the one at the platen, so the friction limit of
+the others is slightly increased (`EDGE`).
 """
 
 from __future__ import annotations
@@ -29,38 +29,39 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
-"""Share by which the other interfaces hold more than those at the platen; their stick stiffness is the same."""
+"""Relative increase of the friction limit of all interfaces but those at the platen; the stick stiffness is equal."""
 NORMAL = 1.0e11
-"""Normal penalty, Pa/m; the normal force is given, so it decides nothing."""
+"""Normal penalty, Pa/m; it does not affect the results, because the normal force is prescribed."""
 ELASTIC = 0.8
-"""Share of the largest force up to which the stiffness is fitted."""
+"""Fraction of the largest force up to which the stiffness is fitted."""
 
 
 @dataclass(frozen=True)
 class ShearTest:
-    """Two stacks under double shear.
+    """Double shear test of two stacks of layers.
 
     Attributes
     ----------
     interfaces
-        n, rubbing interfaces of one stack: one more than its loose layers, as both ends are covered with the same film.
+        Number n of frictional interfaces in one stack: one more than its loose layers, because platen and piston are
+        covered with the same film.
     normal_force
-        F_N of one piston, N.
+        Normal force F_N of one piston, N.
     mu, elastic_slip
-        Coefficient of friction at the platen, and elastic slip gamma*, m.
+        Coefficient of friction at the platen; elastic slip gamma*, m.
     area
-        Contact area A, m^2; 45 mm x 45 mm in the source.
+        Contact area A, m^2; 45 mm x 45 mm in the thesis.
     layer_thickness
-        h, m.
+        Thickness h of a layer, m.
     layer_shear_modulus
-        G_l of a layer itself, Pa; Kapton's by default.
+        Shear modulus G_l of a layer, Pa; that of Kapton by default.
     machine_stiffness
-        Spring between actuator and platen, N/m.
+        Stiffness of the spring between actuator and platen, N/m.
 
     Raises
     ------
     InputError
-        For values without a meaning.
+        If a parameter is not positive.
     """
 
     interfaces: int
@@ -74,28 +75,28 @@ class ShearTest:
 
     def __post_init__(self) -> None:
         if self.interfaces < 1:
-            raise InputError(f"interfaces = {self.interfaces}", key="interfaces", remedy="give 1 or more")
+            raise InputError(f"must be at least 1, got {self.interfaces}", key="interfaces", remedy="give 1 or more")
         names = ("normal_force", "mu", "elastic_slip", "area", "layer_thickness", "layer_shear_modulus")
         require_positive(self, (*names, "machine_stiffness"))
 
     @property
     def layers(self) -> int:
-        """Loose layers of one stack."""
+        """Number of loose layers in one stack."""
         return self.interfaces - 1
 
     @property
     def thickness(self) -> float:
-        """Thickness of one stack t, m: its loose layers, and half of each of the films it lies between."""
+        """Thickness t of one stack, m: its loose layers and half of each of the two films at its ends."""
         return self.interfaces * self.layer_thickness
 
     @property
     def capacity(self) -> float:
-        """F_c = 2 mu F_N, N (equation E.5)."""
+        """Friction capacity F_c = 2 mu F_N of both stacks, N (equation E.5)."""
         return 2.0 * self.mu * self.normal_force
 
     @property
     def stiffness(self) -> float:
-        """K of the series above, N/m."""
+        """Shear stiffness K of both stacks, N/m, by the equation in the docstring of the module."""
         stick = self.mu * self.normal_force / self.elastic_slip
         layer = self.layer_shear_modulus * self.area / self.layer_thickness
         return 2.0 / (self.interfaces / stick + self.layers / layer)
@@ -103,8 +104,9 @@ class ShearTest:
     def system(self) -> System:
         """The test as a `System`.
 
-        DOFs: shear of the platen; per stack, from the platen outward, shear of the two faces of each loose layer; then
-        the normal displacement of each layer and of the piston, towards the platen.
+        Its unknowns are the shear displacement of the platen and, for each stack from the platen outwards, the shear
+        displacements of the two faces of each loose layer and the normal displacements of each layer and of the piston,
+        positive towards the platen.
         """
         faces, bodies = 2 * self.layers, self.layers + 1
         size = 1 + 2 * (faces + bodies)
@@ -129,9 +131,11 @@ class ShearTest:
         )
 
     def _interfaces(self, stack: int, shear: int, normal: int, size: int) -> list[Interface]:
-        """That of the platen, and all others, of one stack."""
+        """Interface at the platen, and all others, of one stack."""
         rows = sp.lil_matrix((3 * self.interfaces, size))
-        for k in range(self.interfaces):  # between body k and body k + 1; body 0 is the platen, the last the piston
+        for k in range(
+            self.interfaces
+        ):  # interface k connects bodies k and k + 1; body 0 is the platen, the last the piston
             inner = 0 if k == 0 else shear + 2 * k - 1
             rows[3 * k + 2, inner] = -1.0
             if k < self.layers:
@@ -157,32 +161,33 @@ class ShearTest:
 
 
 def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> xr.Dataset:
-    """Pull the platen through stick into sliding, statically, after the preload.
+    """Simulate the test quasi-statically: preload, sticking, then sliding of the platen.
 
     Parameters
     ----------
+    test
+        Parameters of the test.
     steps
-        Equal steps of the actuator.
+        Number of equal steps of the actuator.
     travel
-        Way of the actuator over that at which the platen slides.
+        Displacement of the actuator relative to that at which the platen starts to slide.
 
     Returns
     -------
     xr.Dataset
-        Over `step`: `actuator_displacement` and `platen_displacement` in m, `shear_force` of the machine in N,
-        `platen_slip` (sliding at the platen, less its elastic slip) in m; `friction_coefficient`, the force over
-        2 F_N (equation E.5). Attributes: `shear_capacity_n`, `shear_stiffness_n_m`, `shear_modulus_pa`,
-        `pressure_pa`, `interfaces`.
+        Over `step`: `actuator_displacement` and `platen_displacement`, m; `shear_force` of the machine, N;
+        `platen_slip` (plastic slip at the platen), m; `friction_coefficient`, the force over 2 F_N (equation E.5).
+        Attributes: `shear_capacity_n`, `shear_stiffness_n_m`, `shear_modulus_pa`, `pressure_pa`, `interfaces`.
 
     Raises
     ------
     InputError
-        When a step of the actuator could make more than the platen's interfaces slide.
+        If the steps are so large that interfaces other than those at the platen may slide.
     ConvergenceError
-        When a step finds no equilibrium.
+        If a step does not converge.
     """
     if travel / steps >= EDGE:
-        raise InputError(f"{steps} steps", key="steps", remedy=f"use more than {travel / EDGE:.0f}")
+        raise InputError(f"{steps} steps are too few", key="steps", remedy=f"use more than {travel / EDGE:.0f}")
     system = test.system()
     slides_at = test.capacity * (1.0 / test.stiffness + 1.0 / test.machine_stiffness)
     way = travel * slides_at * np.arange(steps + 1) / steps
@@ -211,23 +216,37 @@ def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> 
 
 
 def stiffness_of(displacement: FloatArray, force: FloatArray, *, share: float = ELASTIC) -> float:
-    """Slope of a straight line fitted to force (N) over displacement (m) up to a ``share`` of the largest force."""
+    """Slope of a straight line fitted to force over displacement.
+
+    Parameters
+    ----------
+    displacement, force
+        (n,) m, N.
+    share
+        Fraction of the largest force up to which the line is fitted.
+
+    Returns
+    -------
+    Stiffness, N/m
+    """
     stop = int(np.argmax(force > share * force.max()))
     return float(np.polyfit(displacement[:stop], force[:stop], 1)[0])
 
 
 def modulus_of(stiffness: float, area: float, thickness: float) -> float:
-    """Shear modulus in Pa of two stacks in double shear, G = K t/(2 A): each carries half of the force.
+    """Shear modulus of two stacks in double shear, G = K t/(2 A), Pa: each stack carries half of the force.
 
     Parameters
     ----------
     stiffness
-        Of both stacks, N/m.
+        Stiffness K of both stacks, N/m.
+    area
+        Contact area A, m^2.
     thickness
-        Of one stack, m.
+        Thickness t of one stack, m.
 
     References
     ----------
-    Equations E.2 and E.3 of the thesis have G A/t, which is one stack's stiffness.
+    Equations E.2 and E.3 of the thesis use K = G A/t, which is the stiffness of one stack.
     """
     return stiffness * thickness / (2.0 * area)

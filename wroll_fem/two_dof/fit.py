@@ -1,4 +1,4 @@
-"""Parameters of the two masses from a family of transmissibilities: bounded least squares from several starts."""
+"""Fit of the two-mass model to a set of transmissibility curves by bounded least squares from several starts."""
 
 from __future__ import annotations
 
@@ -20,24 +20,29 @@ from wroll_fem.two_dof.periodic import PeriodicSolver
 from wroll_fem.typing import FloatArray
 
 FREE = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
-"""What can be fitted besides the capacities."""
+"""Parameters that can be fitted, besides the friction capacities."""
 ACCURACY = 1e-6
-"""Of the computed curves, well below the step of the differences."""
+"""Relative accuracy of the computed curves; it must be well below the finite-difference step."""
 STEP = 1e-4
-"""Relative step of the differences that make the Jacobian."""
+"""Relative finite-difference step of the Jacobian."""
 LOST = 10.0
-"""Residual where the model finds no motion: far worse than any fit."""
+"""Residual assigned to a curve that cannot be computed; much larger than that of any fit."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """One curve of the family.
+    """Measured transmissibility curve at one preload.
 
     Attributes
     ----------
-    omega : (n,) rising, rad/s (divide by the primary's own resonance where the model is scaled)
+    omega : (n,) frequencies, rad/s, ascending (for a scaled model, relative to the natural frequency of the primary)
     transmissibility : (n,) largest abs(x_1) over Y_0, above 0
-    capacity : friction capacity in N; with free capacities the first guess
+    capacity : friction capacity, N; the initial value if capacities are fitted
+
+    Raises
+    ------
+    InputError
+        If the arrays do not form a curve with positive values and increasing frequencies.
     """
 
     omega: FloatArray
@@ -47,23 +52,29 @@ class Measured:
     def __post_init__(self) -> None:
         omega, values = np.asarray(self.omega, float), np.asarray(self.transmissibility, float)
         if omega.ndim != 1 or omega.shape != values.shape or omega.size < 3:
-            raise InputError(f"a curve of shapes {omega.shape} and {values.shape}", remedy="give two equal series")
+            raise InputError(
+                f"frequency and transmissibility have the shapes {omega.shape} and {values.shape}",
+                remedy="give two series of the same length, 3 or more",
+            )
         good = np.all(np.isfinite(values)) and np.all(values > 0.0) and omega[0] > 0.0 and np.all(np.diff(omega) > 0.0)
         if not good or not self.capacity > 0.0:
-            raise InputError("a curve that is not positive, or whose frequencies do not rise", remedy="leave gaps out")
+            raise InputError(
+                "the values of a curve must be positive and finite and its frequencies must increase",
+                remedy="sort the points and remove gaps",
+            )
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Best of several fits.
+    """Best fit of several starts.
 
     Attributes
     ----------
-    model : parameters found
-    capacities : (c,) friction capacities, N, found or given
+    model : fitted parameters
+    capacities : (c,) friction capacities, N, fitted or given
     error : root mean square of ln(model / measured)
-    errors : (s,) the same of every start, best first; fits that end alike are a sign that there is one
-    at_bound : names that ended on a bound (`capacity k` for the k-th curve), to be doubted
+    errors : (s,) the same for every start, smallest first; equal values indicate a unique minimum
+    at_bound : names of parameters that ended on a bound and are doubtful (`capacity k` for the k-th curve)
     """
 
     model: TwoMasses
@@ -94,7 +105,7 @@ class _Problem:
         found = []
         for one, capacity in zip(self.measured, capacities, strict=True):
             try:
-                curve = PeriodicSolver(model.pressed(float(capacity)), accuracy=ACCURACY).curve(one.omega)
+                curve = PeriodicSolver(model.preloaded(float(capacity)), accuracy=ACCURACY).curve(one.omega)
                 found.append(np.log([m.transmissibility for m in curve]) - np.log(one.transmissibility))
             except ConvergenceError:
                 found.append(np.full(len(one.omega), LOST))
@@ -108,7 +119,7 @@ class _Problem:
         return done.x, float(np.sqrt(2.0 * done.cost / len(done.fun)))
 
 
-def fit_family(
+def fit_curves(
     measured: Sequence[Measured],
     bounds: Mapping[str, tuple[float, float]],
     *,
@@ -118,50 +129,58 @@ def fit_family(
     seed: int = 1,
     workers: int | None = None,
 ) -> Fit:
-    """Fit the model to curves under several preloads.
+    """Fit the model to transmissibility curves measured at several preloads.
 
-    Least squares of ln(T), so that flanks count as much as peaks, over the logarithms of the parameters; the first
-    start is ``model`` itself, the others a Latin hypercube in the bounds.
+    The least-squares problem is posed in ln(T), which weights flanks and peaks equally, over the logarithms of the
+    parameters. The first start is ``model``; the others are a Latin hypercube within the bounds.
 
     Parameters
     ----------
     measured
-        The family, loose to tight or in any order.
+        Curves, in any order.
     bounds
-        Name of a free parameter (`FREE`) -> lowest and highest value; all others keep the value of ``model``.
+        Lowest and highest value of each free parameter (names in `FREE`); all others keep the values of ``model``.
     model
-        Fixed values and first guess; Table 5.2 when None.
+        Fixed values and initial values; Table 5.2 of the thesis if None.
     capacity_bounds
-        Lowest and highest capacity in N, when the capacities are to be found too; None takes those of ``measured``.
+        Lowest and highest friction capacity, N, to fit the capacities as well; None uses those of ``measured``.
     starts, seed
-        Number of starts, and the seed of the hypercube.
+        Number of starts; seed of the hypercube.
     workers
-        Processes; the cores of this machine when None.
+        Number of processes; None for the number of cores.
 
     Raises
     ------
     InputError
-        For no curve, an unknown name, or bounds that are not positive and rising.
+        If there is no curve or no free parameter, for an unknown name, or for bounds that are not positive and
+        increasing.
 
     Notes
     -----
-    All stiffnesses, masses, dashpots and capacities times one factor give the same curves, as do F_c and Y_0 together
-    (except through S(F_c) of equations 5.6 and 5.7): fix m1 and k1, and do not free everything at once.
+    A common factor of all stiffnesses, masses, dashpots and capacities does not change the curves, and neither does a
+    common factor of F_c and Y_0 (except through S(F_c) in equations 5.6 and 5.7). Fix m1 and k1, and do not free all
+    parameters at once.
     """
     model = TwoMasses() if model is None else model
     if not measured:
-        raise InputError("no curve to fit", remedy="give at least one `Measured`")
+        raise InputError("there is no curve to fit", remedy="give at least one `Measured`")
     for name, (low, high) in bounds.items():
         if name not in FREE:
-            raise InputError(f"no parameter {name!r} to fit", remedy=f"use {', '.join(FREE)}")
+            raise InputError(f"unknown parameter {name!r}", remedy=f"use {', '.join(FREE)}")
         if not 0.0 < low < high:
-            raise InputError(f"bounds {low:g} to {high:g}", key=name, remedy="give two rising positive numbers")
+            raise InputError(
+                f"bounds must be positive and increasing, got {low:g} and {high:g}", key=name,
+                remedy="give the lower bound first",
+            )  # fmt: skip
     if capacity_bounds is not None and not 0.0 < capacity_bounds[0] < capacity_bounds[1]:
-        raise InputError(f"bounds {capacity_bounds}", key="capacity", remedy="give two rising positive numbers")
+        raise InputError(
+            f"bounds must be positive and increasing, got {capacity_bounds}", key="capacity",
+            remedy="give the lower bound first",
+        )  # fmt: skip
     names = tuple(bounds)
     free = [bounds[name] for name in names] + [capacity_bounds] * len(measured) * (capacity_bounds is not None)
     if not free or starts < 1:
-        raise InputError("nothing to fit", remedy="free at least one parameter, from at least one start")
+        raise InputError("there is nothing to fit", remedy="free at least one parameter and use at least one start")
     low, high = (np.log(np.array([pair[i] for pair in free if pair is not None])) for i in (0, 1))
     first = [getattr(model, name) for name in names]
     first += [one.capacity for one in measured] if capacity_bounds is not None else []

@@ -1,6 +1,6 @@
-"""Maps of the two masses: response over frequency and capacity, its readings, largest damping over mass and stiffness.
+"""Maps of the two masses: response over frequency and friction capacity, damping over secondary mass and stiffness.
 
-Work is spread over processes by capacity or design; each follows its curve along the frequency.
+Curves are distributed over processes; each process follows one curve along the frequency.
 """
 
 from __future__ import annotations
@@ -21,39 +21,39 @@ from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import HalfPower, half_power
 from wroll_fem.two_dof.model import TwoMasses
 from wroll_fem.two_dof.periodic import PeriodicMotion, PeriodicSolver
-from wroll_fem.two_dof.time import settle
+from wroll_fem.two_dof.time import integrate_to_steady_state
 from wroll_fem.typing import FloatArray
 
 T = TypeVar("T")
 Report = Callable[[int], None]
 
 ACROSS = 12
-"""Points across the half-power width of a peak that is read."""
+"""Number of frequencies across the half-power width of the highest peak."""
 BRACKET = 1e-4
-"""Relative change of the peak below which it counts as found."""
+"""Relative change of a maximum below which its search has converged."""
 SMALL = 0.01
-"""Local maxima of the grid below this share of its largest value are not followed."""
+"""Height of a local maximum, relative to the largest value, below which it is not refined."""
 MAP_ACCURACY = 1e-3
 """Relative accuracy of the amplitudes of a design map."""
 BAND = (0.6, 1.6)
-"""Frequencies over the lowest and the highest resonance of the model between which a design is searched."""
+"""Limits of the frequency band of a design map: factors of the lowest and of the highest natural frequency."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """Response under one capacity.
+    """Response at one friction capacity.
 
     Attributes
     ----------
-    transmissibility : (n,) largest abs(x_1) over Y_0 at the frequencies asked for
-    reading : half power of the highest peak in the band, on a grid refined around it; frequencies in rad/s (!)
-    refined : frequencies (m,) in rad/s and transmissibilities (m,) of that grid
-    input, primary, secondary, friction : (n,) work per cycle, J; nan where the motion was found in time
-    harmonics : (n,) highest harmonic kept; 0 where the motion was found in time
+    transmissibility : (n,) largest abs(x_1) over Y_0 at the given frequencies
+    half_power : half-power damping of the highest peak on a refined grid; its frequencies are in rad/s
+    refined : frequencies (m,) in rad/s and transmissibilities (m,) of the refined grid
+    input, primary, secondary, friction : (n,) work per cycle, J; nan for motions found by time integration
+    harmonics : (n,) highest harmonic used; 0 for motions found by time integration
     """
 
     transmissibility: FloatArray
-    reading: HalfPower
+    half_power: HalfPower
     refined: tuple[FloatArray, FloatArray]
     input: FloatArray
     primary: FloatArray
@@ -63,7 +63,7 @@ class Response:
 
 
 class _Curve:
-    """Motions under one capacity, found where they are asked for, each from its nearest neighbour."""
+    """Periodic motions at one capacity, computed on demand, each from the nearest known one."""
 
     def __init__(self, solver: PeriodicSolver):
         self.solver = solver
@@ -83,28 +83,62 @@ class _Curve:
 
     @property
     def line(self) -> tuple[FloatArray, FloatArray]:
-        """Rising frequencies and transmissibilities."""
+        """Frequencies (rad/s, ascending) and transmissibilities of all known motions."""
         omegas = np.array(sorted(self.motions))
         return omegas, np.array([self.motions[w].transmissibility for w in omegas])
 
 
-def peak_readings(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()) -> HalfPower:
-    """Half-power reading of the highest peak of `refined_curve`; its frequencies are in rad/s."""
+def peak_half_power(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()) -> HalfPower:
+    """Half-power damping of the highest peak of a curve, on the grid of `refined_curve`.
+
+    Parameters
+    ----------
+    solver
+        Solver at one friction capacity.
+    omegas
+        (n,) initial frequencies, rad/s, ascending.
+    known
+        Motions already computed at these frequencies.
+
+    Returns
+    -------
+    HalfPower
+        Its frequencies are in rad/s.
+
+    Raises
+    ------
+    ConvergenceError
+        If a motion is not found.
+    """
     return half_power(*refined_curve(solver, omegas, known))
 
 
 def refined_curve(
     solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()
 ) -> tuple[FloatArray, FloatArray]:
-    """Rising frequencies (m,) in rad/s and transmissibilities (m,): those of ``omegas`` (n,), and more at the peak.
+    """Transmissibility curve with a grid refined at its peaks.
 
-    Every local maximum of the grid is followed to its top, since a lightly damped peak is far narrower than any grid
-    (its flanks show on it all the same); the highest is then resolved across its half-power width.
+    A lightly damped peak is much narrower than the initial grid, but its flanks are visible on it. Every local maximum
+    is therefore bracketed and refined, and the highest one is then resolved across its half-power width.
 
     Parameters
     ----------
+    solver
+        Solver at one friction capacity.
+    omegas
+        (n,) initial frequencies, rad/s, ascending.
     known
-        Motions already computed at ``omegas``.
+        Motions already computed at these frequencies.
+
+    Returns
+    -------
+    omega : (m,) frequencies, rad/s, ascending.
+    transmissibility : (m,)
+
+    Raises
+    ------
+    ConvergenceError
+        If a motion is not found.
     """
     curve = _Curve(solver)
     if known:
@@ -131,7 +165,7 @@ def refined_curve(
 
 
 def _climb(curve: _Curve, low: float, top: float, high: float) -> None:
-    """Bisect around a local maximum until the parabola through the three points changes no more."""
+    """Bisect the intervals around a local maximum until its value has converged."""
     best = 0.0
     for _ in range(30):
         wanted = np.array([0.5 * (low + top), 0.5 * (top + high)])
@@ -147,20 +181,31 @@ def _climb(curve: _Curve, low: float, top: float, high: float) -> None:
 
 
 def response(model: TwoMasses, omegas: FloatArray, method: str, capacity: float) -> Response:
-    """Response at ``omegas`` (n,) rad/s under one ``capacity`` (N), by method "periodic" or "time".
+    """Response at one friction capacity.
+
+    Parameters
+    ----------
+    model
+        Parameters of the two masses.
+    omegas
+        (n,) frequencies, rad/s, ascending.
+    method
+        "periodic" (harmonic balance) or "time" (time integration from rest).
+    capacity
+        Friction capacity, N.
 
     Raises
     ------
     ConvergenceError
-        When a motion is not found.
+        If a motion is not found.
     """
     if method == "time":
-        pressed = model.pressed(capacity)
-        values = np.array([settle(pressed, float(w)).transmissibility for w in omegas])
+        preloaded = model.preloaded(capacity)
+        values = np.array([integrate_to_steady_state(preloaded, float(w)).transmissibility for w in omegas])
         unknown = np.full(len(omegas), np.nan)
         none = np.zeros(len(omegas), int)
         return Response(values, half_power(omegas, values), (omegas, values), unknown, unknown, unknown, unknown, none)
-    solver = PeriodicSolver(model.pressed(capacity))
+    solver = PeriodicSolver(model.preloaded(capacity))
     with threadpool_limits(1, "blas"):
         motions = solver.curve(omegas)
         refined = refined_curve(solver, omegas, motions)
@@ -186,43 +231,49 @@ def response_map(
     workers: int | None = None,
     on_done: Report | None = None,
 ) -> list[Response]:
-    """Responses under every capacity, in their order.
+    """Responses at several friction capacities, in the same order.
 
     Parameters
     ----------
+    model
+        Parameters of the two masses.
     capacities
         Friction capacities, N.
     omegas
-        (n,) rising frequencies, rad/s, n >= 5.
+        (n,) frequencies, rad/s, ascending, n >= 5.
+    method
+        "periodic" (harmonic balance) or "time" (time integration from rest).
     workers
-        Processes; the cores of this machine when None.
+        Number of processes; None for the number of cores.
     on_done
-        Called with the number of curves finished.
+        Function called with the number of finished curves.
 
     Raises
     ------
     InputError
-        For frequencies that do not rise from above 0.
+        If the frequencies are not positive and increasing, or fewer than 5.
     ConvergenceError
-        When a motion is not found.
+        If a motion is not found.
     """
     omegas = np.asarray(omegas, dtype=np.float64)
     if omegas.ndim != 1 or omegas.size < 5 or omegas[0] <= 0.0 or np.any(np.diff(omegas) <= 0.0):
-        raise InputError("frequencies that do not rise from above 0", key="two_dof.omega", remedy="give 5 or more")
+        raise InputError(
+            "the frequencies must be positive and increasing", key="two_dof.omega", remedy="give 5 or more of them"
+        )
     return list(_spread(partial(response, model, omegas, method), list(capacities), workers, on_done))
 
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """Damping over mass and stiffness of the secondary.
+    """Damping as a function of mass and stiffness of the secondary and of the friction capacity.
 
     Attributes
     ----------
-    m2, k2 : (n,), (m,) kg, N/m
-    capacity : (c,) N
-    zeta : (n, m, c) half-power damping of the highest peak; nan where it cannot be read
-    omega_peak : (n, m, c) rad/s
-    transmissibility : (n, m, c) of the peak
+    m2, k2 : (n,) secondary masses, kg, and (m,) secondary stiffnesses, N/m
+    capacity : (c,) friction capacities, N
+    zeta : (n, m, c) half-power damping of the highest peak; nan if a half-power point is missing
+    omega_peak : (n, m, c) frequency of the highest peak, rad/s
+    transmissibility : (n, m, c) height of the highest peak
     """
 
     m2: FloatArray
@@ -233,13 +284,15 @@ class DesignSpace:
     transmissibility: FloatArray
 
 
-def _reading(model: TwoMasses, points: int, capacity: float, design: tuple[float, float]) -> tuple[float, float, float]:
+def _peak_of_design(
+    model: TwoMasses, points: int, capacity: float, design: tuple[float, float]
+) -> tuple[float, float, float]:
     changed = replace(model, m2=design[0], k2=design[1])
-    solver = PeriodicSolver(changed.pressed(capacity), accuracy=MAP_ACCURACY)
-    free = solver.pressed.free_frequencies
+    solver = PeriodicSolver(changed.preloaded(capacity), accuracy=MAP_ACCURACY)
+    free = solver.preloaded.free_frequencies
     band = np.geomspace(BAND[0] * free[0], BAND[1] * free[1], points)
     with threadpool_limits(1, "blas"):
-        read = peak_readings(solver, band)
+        read = peak_half_power(solver, band)
     return read.zeta, read.f_n, read.peak
 
 
@@ -253,20 +306,26 @@ def design_space(
     workers: int | None = None,
     on_done: Report | None = None,
 ) -> DesignSpace:
-    """Readings of the highest peak over secondary mass and stiffness and capacity (thesis, Fig. 5.7).
+    """Damping of the highest peak over secondary mass, stiffness and friction capacity (thesis, Fig. 5.7).
 
     Parameters
     ----------
+    model
+        Parameters of the two masses; m2 and k2 are replaced.
     m2, k2, capacities
-        kg, N/m, N.
+        Secondary masses (kg) and stiffnesses (N/m), friction capacities (N).
     points
-        Frequencies per curve before the peaks are refined, from 0.6 of the lowest to 1.6 of the highest resonance
-        without friction.
+        Number of frequencies per curve before refinement, from 0.6 of the lowest to 1.6 of the highest natural
+        frequency without friction.
+    workers
+        Number of processes; None for the number of cores.
+    on_done
+        Function called with the number of finished curves.
 
     Raises
     ------
     ConvergenceError
-        When a motion is not found.
+        If a motion is not found.
     """
     tasks = [(c, (m, k)) for m in m2 for k in k2 for c in capacities]
     found = np.array(list(_spread(partial(_task, model, points), tasks, workers, on_done)))
@@ -276,11 +335,11 @@ def design_space(
 
 
 def _task(model: TwoMasses, points: int, task: tuple[float, tuple[float, float]]) -> tuple[float, float, float]:
-    return _reading(model, points, *task)
+    return _peak_of_design(model, points, *task)
 
 
 def _spread(work: Callable[[object], T], tasks: Sequence, workers: int | None, on_done: Report | None) -> Iterator[T]:
-    """Results in the order of the tasks, from as many processes as there are cores."""
+    """Apply a function to tasks in several processes; the results keep the order of the tasks."""
     count = min(len(os.sched_getaffinity(0)) if workers is None else workers, len(tasks))
     if count < 2 or multiprocessing.current_process().daemon:
         for done, task in enumerate(tasks):

@@ -1,10 +1,12 @@
-r"""Periodic motions of the two masses by the harmonic balance of `dynamics`, which needs no settling time.
+r"""Periodic motions of the two masses by harmonic balance.
 
-The model is one more `System`: two masses relative to the base and a third degree of freedom, normal to the rubbing
-surface, that carries the fixed normal force; one contact point of unit area with the logistic law, coefficient 1 and
-normal force F_c. `HarmonicBalance` and its compiled contact do the rest, on odd harmonics alone (see `model`).
+The model is a `System` with the displacements of both masses relative to the base and a third degree of freedom, normal
+to the interface, for the constant normal force. The interface is one contact point of unit area with regularised
+Coulomb friction, a friction coefficient of 1 and the normal force F_c. `HarmonicBalance` solves it with odd harmonics
+alone (see `model`).
 
-Harmonics are added, H = 7, 15, 31, ..., until the last ones are negligible or the amplitude has stopped changing.
+The number of harmonics is increased, H = 7, 15, 31, ..., until the last ones are negligible or the amplitude has
+converged.
 """
 
 from __future__ import annotations
@@ -29,54 +31,57 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl, solve_at
-from wroll_fem.two_dof.model import SLIDES, Pressed
+from wroll_fem.two_dof.model import RELATIVE_VELOCITY, PreloadedTwoMasses
 from wroll_fem.typing import FloatArray
 
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
+"""Numbers of harmonics tried in turn."""
 ACCURACY = 1e-5
-"""Relative change of the amplitude with twice the harmonics below which no more are needed."""
+"""Relative change of the amplitude with twice the number of harmonics below which it has converged."""
 NEGLIGIBLE = 1e-2
-"""Share of the last two harmonics in the rubbing velocity, over the accuracy, below which no more are needed either."""
+"""Share of the last two harmonics in the relative velocity, per accuracy, below which the motion has converged."""
 MORE_THAN_ENOUGH = 1e-13
-"""Share below which half of them would have done: their parts fall off geometrically, down to rounding."""
+"""Share of the last two harmonics (at rounding level) below which half the number of harmonics suffices."""
 CONTROL = StepControl(tolerance=1e-9)
+"""Settings of Newton's method."""
 LEAST_SLOPE = 1e-6
-"""Slope F_c s (N s/m) below which a smoother law is no help any more."""
+"""Smallest slope F_c s of the friction law tried to find a starting motion, N s/m."""
 
 
-def two_mass_system(pressed: Pressed) -> System:
-    """The model as a `System`: relative displacements of both masses, and one normal to the rubbing surface."""
+def two_mass_system(preloaded: PreloadedTwoMasses) -> System:
+    """The model as a `System`: displacements of both masses relative to the base, and one normal to the interface."""
     point = Interface(
         "primary/secondary",
-        sp.csr_matrix(np.array([[0.0, 0.0, 1.0], [*SLIDES, 0.0], [0.0, 0.0, 0.0]])),  # normal, hoop, axial
+        sp.csr_matrix(np.array([[0.0, 0.0, 1.0], [*RELATIVE_VELOCITY, 0.0], [0.0, 0.0, 0.0]])),  # normal, hoop, axial
         np.ones(1),
         np.zeros((1, 3)),
-        SmoothedCoulomb(mu=1.0, reference_speed=1.0 / pressed.smoothing),
-        NormalPenalty(pressed.capacity, separation=False),
+        SmoothedCoulomb(mu=1.0, reference_speed=1.0 / preloaded.smoothing),
+        NormalPenalty(preloaded.capacity, separation=False),
     )
 
     def padded(matrix: FloatArray, normal: float) -> sp.csr_matrix:
         return sp.block_diag([matrix, [[normal]]], format="csr")
 
     return System(
-        stiffness=padded(pressed.stiffness, 0.0),
-        mass=padded(pressed.mass, 1.0),
-        damping=padded(pressed.damping, 0.0),
+        stiffness=padded(preloaded.stiffness, 0.0),
+        mass=padded(preloaded.mass, 1.0),
+        damping=padded(preloaded.damping, 0.0),
         influence=np.array([1.0, 1.0, 0.0]),
         interfaces=(point,),
         probes={"tip": np.array([1.0, 0.0, 0.0]), "secondary": np.array([0.0, 1.0, 0.0])},
-        loads={"preload": np.array([0.0, 0.0, -pressed.capacity])},
+        loads={"preload": np.array([0.0, 0.0, -preloaded.capacity])},
     )
 
 
-class _OneLine(HarmonicContact):
-    """Contact whose one point moves along a line under a fixed normal force: its derivative is one product.
+class _LineContact(HarmonicContact):
+    """Contact of one point that slides along a line under a constant normal force.
 
-    The compiled derivative for points that slide in a plane under varying pressure takes some ten times as long here.
+    Its Jacobian is one matrix product, about ten times faster than the general one for points that slide in a plane
+    under varying pressure.
     """
 
     def jacobian(self, contact: PeriodicContact, *, threshold: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """As `HarmonicContact.jacobian`; every point is taken, whatever the ``threshold``."""
+        """Derivatives as in `HarmonicContact.jacobian`; ``threshold`` is ignored because there is only one point."""
         laws, s, jump = self.laws, self.sampling, self.model.jump[0]
         reach = laws.own[0, REFERENCE_SPEED] * contact.sampled.dt
         sign = regularised_signs(contact.sampled.rate[0] / reach)
@@ -87,16 +92,16 @@ class _OneLine(HarmonicContact):
         return np.kron(block, laws.area[0] * np.outer(jump, jump)), np.outer(by_log, laws.area[0] * jump)
 
 
-class _ShakenBase(HarmonicBalance):
-    """Harmonic balance under a displacement of the base that may act through springs to a wall at rest (Fig 5.1b)."""
+class _BaseDisplacementBalance(HarmonicBalance):
+    """Harmonic balance under a base displacement, for a secondary that may be supported by fixed ground (Fig. 5.1b)."""
 
-    def __init__(self, contact: HarmonicContact, pressed: Pressed, omega: float, shapes: FloatArray):
-        super().__init__(contact, pressed.base_amplitude * omega**2)
-        wall = pressed.base_amplitude * (shapes.T @ pressed.unshaken)
-        self._wall = -pressed.k2 * wall, pressed.c2 * omega * wall
+    def __init__(self, contact: HarmonicContact, preloaded: PreloadedTwoMasses, omega: float, shapes: FloatArray):
+        super().__init__(contact, preloaded.base_amplitude * omega**2)
+        wall = preloaded.base_amplitude * (shapes.T @ preloaded.ground_coupling)
+        self._wall = -preloaded.k2 * wall, preloaded.c2 * omega * wall
 
     def load(self) -> FloatArray:
-        """(R, m) force for y = -Y_0 cos(wt), whose acceleration is A cos(wt)."""
+        """(R, m) force coefficients for y = -Y_0 cos(wt), whose acceleration is A cos(wt), N."""
         out = super().load()
         out[1] += self._wall[0]
         out[2] += self._wall[1]
@@ -110,7 +115,7 @@ def _sampling(harmonics: int) -> Sampling:
 
 @cache
 def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
-    """(count, size) values of odd harmonics, the constant first, over half a period, and their slopes."""
+    """(count, size) values of the constant and the odd harmonics over half a period, and their derivatives by phase."""
     phase = np.pi * np.arange(count) / count
     values, slopes = np.zeros((count, size)), np.zeros((count, size))
     for column in range(1, size, 2):
@@ -121,13 +126,13 @@ def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class CycleEnergy:
-    """Energy of one period, J.
+    """Work over one period, J.
 
     Attributes
     ----------
     input : work of the base through springs and dashpots
-    primary, secondary : lost in the dashpots c1 and c2
-    friction : lost where the masses rub
+    primary, secondary : energy dissipated in the dashpots c1 and c2
+    friction : energy dissipated by friction between the masses
     """
 
     input: float
@@ -137,106 +142,114 @@ class CycleEnergy:
 
     @property
     def balance_error(self) -> float:
-        """|input - losses| / input."""
+        """Relative error of the energy balance, |input - dissipated energy| / |input|."""
         return abs(self.input - self.primary - self.secondary - self.friction) / abs(self.input)
 
 
 @dataclass(frozen=True)
 class PeriodicMotion:
-    """One periodic motion; the base moves as y = -Y_0 cos(omega t).
+    """Periodic motion under the base displacement y = -Y_0 cos(omega t).
 
     Attributes
     ----------
-    omega : rad/s
-    relative : (R, 2) coefficients of x_1 - y and x_2 - y, m, order (constant, cos 1, sin 1, cos 3, sin 3, ...)
-    reduced : (R, 2) the same in the coordinates of the harmonic balance
-    pressed : the model
+    omega : frequency of the base motion, rad/s
+    relative : (R, 2) coefficients of x_1 - y and x_2 - y, m, in the order (constant, cos 1, sin 1, cos 3, sin 3, ...)
+    reduced : (R, 2) coefficients in the coordinates of the harmonic balance
+    preloaded : parameters of the model
     """
 
     omega: float
     relative: FloatArray
     reduced: FloatArray
-    pressed: Pressed
+    preloaded: PreloadedTwoMasses
 
     @property
     def harmonics(self) -> int:
-        """Highest harmonic kept."""
+        """Highest harmonic."""
         return len(self.relative) - 2
 
     @cached_property
     def absolute(self) -> FloatArray:
         """(R, 2) coefficients of x_1 and x_2, m."""
         out = self.relative.copy()
-        out[1] -= self.pressed.base_amplitude
+        out[1] -= self.preloaded.base_amplitude
         return out
 
     @cached_property
     def transmissibility(self) -> float:
-        """Largest abs(x_1) over Y_0 (the source's output; of the whole motion, not of its fundamental)."""
+        """Largest abs(x_1) over Y_0: of the whole motion, not of its fundamental, as in the thesis."""
         count = max(128, 4 * self.harmonics)
         path = np.abs(_half_period(len(self.relative), count)[0] @ self.absolute[:, 0])
         k = int(path.argmax())
         before, here, after = path[k - 1], path[k], path[(k + 1) % count]
         curvature = before - 2.0 * here + after
         rise = (after - before) ** 2 / (8.0 * -curvature) if curvature < 0.0 else 0.0
-        return float((here + rise) / self.pressed.base_amplitude)
+        return float((here + rise) / self.preloaded.base_amplitude)
 
     def energy(self, *, finer: int = 4) -> CycleEnergy:
-        """Energy of a period from the equations in absolute displacements, at ``finer`` times the samples."""
-        p, w = self.pressed, self.omega
+        """Work over one period, from the equations in absolute displacements.
+
+        Parameters
+        ----------
+        finer
+            Factor on the number of samples of the harmonic balance.
+        """
+        p, w = self.preloaded, self.omega
         values, slopes = _half_period(len(self.relative), finer * 2 * (self.harmonics + 1))
         x, v = values @ self.absolute, w * (slopes @ self.absolute)
         y, y_dot = -p.base_amplitude * values[:, 1], p.base_amplitude * w * values[:, 2]
-        a, b = p.hold
+        a, b = p.support_coupling
         speed_1, speed_2 = v[:, 0] - y_dot, v[:, 1] - a * v[:, 0] - b * y_dot
         pull_1 = p.k1 * (x[:, 0] - y) + p.c1 * speed_1
         pull_2 = p.k2 * (x[:, 1] - a * x[:, 0] - b * y) + p.c2 * speed_2
-        rubbing = v @ SLIDES
+        sliding_velocity = v @ RELATIVE_VELOCITY
         step = 2.0 * np.pi / w / len(values)  # both halves of the period are alike
         return CycleEnergy(
             input=-float((pull_1 + b * pull_2) @ y_dot) * step,
             primary=p.c1 * float(speed_1 @ speed_1) * step,
             secondary=p.c2 * float(speed_2 @ speed_2) * step,
-            friction=p.capacity * float(regularised_signs(p.smoothing * rubbing) @ rubbing) * step,
+            friction=p.capacity * float(regularised_signs(p.smoothing * sliding_velocity) @ sliding_velocity) * step,
         )
 
 
 class PeriodicSolver:
-    """Periodic motions of the two masses under one friction capacity.
+    """Solver for the periodic motions of the two masses at one friction capacity.
 
     Parameters
     ----------
-    pressed
-        The model under that capacity, `TwoMasses.pressed`.
+    preloaded
+        Parameters at this capacity, from `TwoMasses.preloaded`.
     accuracy
-        Relative accuracy of the amplitude, by which harmonics are added.
+        Relative accuracy of the amplitude; it determines the number of harmonics.
     """
 
-    def __init__(self, pressed: Pressed, *, accuracy: float = ACCURACY):
-        self.pressed, self.accuracy = pressed, accuracy
-        system = two_mass_system(self.pressed)
-        preload = solve_preload(system, steps=1)  # nothing rubs at rest: the path does not matter
+    def __init__(self, preloaded: PreloadedTwoMasses, *, accuracy: float = ACCURACY):
+        self.preloaded, self.accuracy = preloaded, accuracy
+        system = two_mass_system(self.preloaded)
+        preload = solve_preload(system, steps=1)  # one step: without sliding, the load path does not matter
         condensation = condense(system, stick_springs(system, preload), Scheme.hht(0.0), 1.0)
-        # the normal force is fixed: no motion reaches the third coordinate, which is left out
+        # the normal force is constant, so the third coordinate never moves and is left out
         whole = ReducedModel.complete(condensation)
         sliding = np.abs(whole.jump[2]) < 0.5
         self.reduced = ReducedModel.of_vectors(condensation, np.eye(len(sliding))[:, sliding])
         self.shapes = np.column_stack([condensation.displacement(v)[:2] for v in self.reduced.vectors.T])
         self._preload, self._laws = preload, system.laws
-        self._contacts: dict[int, _OneLine] = {}
+        self._contacts: dict[int, _LineContact] = {}
 
     def motion(self, omega: float, start: PeriodicMotion | None = None) -> PeriodicMotion:
-        """Periodic motion at ``omega`` (rad/s).
+        """Periodic motion at one frequency.
 
         Parameters
         ----------
+        omega
+            Frequency of the base motion, rad/s.
         start
-            Motion at a frequency nearby, a first guess; without one the motion of the masses on their own.
+            Motion at a nearby frequency as the initial guess; None for the motion without friction.
 
         Raises
         ------
         ConvergenceError
-            When Newton's method finds none.
+            If Newton's method does not converge, or the harmonics do not resolve the motion.
         """
         found: PeriodicMotion | None = None
         guess = self._linear(omega) if start is None else start.reduced
@@ -250,27 +263,33 @@ class PeriodicSolver:
         assert found is not None
         raise ConvergenceError(
             f"{HARMONICS[-1]} harmonics do not resolve the motion at omega = {omega:.6g} rad/s, capacity "
-            f"{self.pressed.capacity:g} N",
+            f"{self.preloaded.capacity:g} N",
             time_s=None, iterations=0, residual_history=[_tail(found)],
-            advice="use a smaller two_dof.smoothing",
+            advice="reduce two_dof.smoothing",
         )  # fmt: skip
 
     def curve(self, omegas: FloatArray) -> list[PeriodicMotion]:
-        """Motions at ``omegas`` (n,), each started from the one before."""
+        """Periodic motions at frequencies (n,), rad/s; each starts from the previous one.
+
+        Raises
+        ------
+        ConvergenceError
+            If a motion is not found.
+        """
         motions: list[PeriodicMotion] = []
         for omega in omegas:
             motions.append(self.motion(float(omega), motions[-1] if motions else None))
         return motions
 
-    def _balance(self, omega: float, harmonics: int) -> _ShakenBase:
+    def _balance(self, omega: float, harmonics: int) -> _BaseDisplacementBalance:
         if harmonics not in self._contacts:
-            self._contacts[harmonics] = _OneLine(
+            self._contacts[harmonics] = _LineContact(
                 self.reduced, self._preload, self._laws, _sampling(harmonics), max_periods=1
             )
-        return _ShakenBase(self._contacts[harmonics], self.pressed, omega, self.shapes)
+        return _BaseDisplacementBalance(self._contacts[harmonics], self.preloaded, omega, self.shapes)
 
     def _problem(self, omega: float, harmonics: int, guess: FloatArray) -> tuple[FrequencyCurve, FloatArray]:
-        """Equations at ``omega``, and the unknowns of a guess (any R, 2)."""
+        """Equations at ``omega`` (rad/s) and the scaled unknowns of an initial guess (any R, 2)."""
         balance = self._balance(omega, harmonics)
         first = np.zeros((len(balance.orders), self.reduced.size))
         kept = min(len(first), len(guess))
@@ -280,33 +299,33 @@ class PeriodicSolver:
         return problem, problem.scaled(first, omega)
 
     def _solve(self, omega: float, harmonics: int, guess: FloatArray) -> PeriodicMotion:
-        """Motion with ``harmonics`` from coefficients of any length."""
+        """Motion with a given number of harmonics, from an initial guess of any number of coefficients."""
         problem, z = self._problem(omega, harmonics, guess)
         try:
             solution = problem.motion(solve_at(problem, z, CONTROL))[0]
         except ConvergenceError:
             solution = self._from_smoother(omega, harmonics)
-        return PeriodicMotion(omega, solution @ self.shapes.T, solution, self.pressed)
+        return PeriodicMotion(omega, solution @ self.shapes.T, solution, self.preloaded)
 
     def _first_level(self, near: PeriodicMotion) -> int:
-        """Where to start looking for the harmonics needed next to ``near``."""
+        """Index in `HARMONICS` at which the search starts, given a motion at a nearby frequency."""
         level, tail = HARMONICS.index(near.harmonics), _tail(near)
         return level if MORE_THAN_ENOUGH < tail < NEGLIGIBLE * self.accuracy else max(0, level - 1)
 
     def _from_smoother(self, omega: float, harmonics: int) -> FloatArray:
-        """Coefficients (R, 2) from the motion with a law half as steep, itself found that way if need be."""
-        if self.pressed.smoothing * self.pressed.capacity < LEAST_SLOPE:
+        """Coefficients (R, 2), starting from the motion with half the slope of the friction law (recursively)."""
+        if self.preloaded.smoothing * self.preloaded.capacity < LEAST_SLOPE:
             raise ConvergenceError(
-                f"no periodic motion found at omega = {omega:.6g} rad/s, capacity {self.pressed.capacity:g} N",
-                time_s=None, iterations=0, residual_history=[], advice="use a smaller two_dof.smoothing",
+                f"no periodic motion found at omega = {omega:.6g} rad/s, capacity {self.preloaded.capacity:g} N",
+                time_s=None, iterations=0, residual_history=[], advice="reduce two_dof.smoothing",
             )  # fmt: skip
-        smoother = PeriodicSolver(replace(self.pressed, smoothing=0.5 * self.pressed.smoothing))
+        smoother = PeriodicSolver(replace(self.preloaded, smoothing=0.5 * self.preloaded.smoothing))
         start = smoother._solve(omega, harmonics, smoother._linear(omega)).reduced
         problem, z = self._problem(omega, harmonics, start)
         return problem.motion(solve_at(problem, z, CONTROL))[0]
 
     def _linear(self, omega: float) -> FloatArray:
-        """(3, 2) motion with the friction force left out, its resonances blunted."""
+        """(3, 2) coefficients of the motion without friction, with limited amplitudes at its resonances."""
         balance = self._balance(omega, HARMONICS[0])
         stiffness = self.reduced.eigenvalues - omega**2
         least = 0.02 * omega**2
@@ -314,8 +333,8 @@ class PeriodicSolver:
 
 
 def _tail(motion: PeriodicMotion) -> float:
-    """Share of the last two harmonics in the rubbing velocity."""
+    """Share of the last two harmonics in the relative velocity."""
     order = np.arange(1.0, len(motion.relative), 2)
-    parts = (motion.relative @ SLIDES)[1:].reshape(-1, 2)
+    parts = (motion.relative @ RELATIVE_VELOCITY)[1:].reshape(-1, 2)
     size = order * np.hypot(parts[:, 0], parts[:, 1])
     return float(size[-2:].max() / size.max())

@@ -1,4 +1,4 @@
-"""Time integration of the two masses from rest until they repeat, with scipy's LSODA (stiff where friction sticks)."""
+"""Time integration of the two masses to the steady state with LSODA (the equations are stiff where friction sticks)."""
 
 from __future__ import annotations
 
@@ -12,35 +12,36 @@ from scipy.integrate import solve_ivp
 from wroll_fem.contact.laws import regularised_sign, regularised_sign_slope
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
-from wroll_fem.two_dof.model import Pressed
+from wroll_fem.two_dof.model import PreloadedTwoMasses
 from wroll_fem.typing import FloatArray
 
 drop_stale_cache(__file__)
 
 BLOCK = 8
-"""Periods between two looks at what has changed."""
+"""Number of periods between two checks of the periodicity."""
 MOST_PERIODS = 200_000
+"""Number of periods after which the integration stops with an error."""
 
 
 @dataclass(frozen=True)
-class SettledMotion:
-    """Motion from rest that has settled.
+class SteadyState:
+    """Steady state reached by time integration from rest.
 
     Attributes
     ----------
     transmissibility : largest abs(x_1) over Y_0 in the last period
-    periods : periods integrated
-    remaining : estimated distance from the periodic motion over its size
+    periods : number of periods integrated
+    periodicity_error : estimated relative distance from the periodic motion (energy norm)
     """
 
     transmissibility: float
     periods: int
-    remaining: float
+    periodicity_error: float
 
 
 @numba.njit(cache=True)
 def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: FloatArray) -> None:
-    """Rates of (x1, x2, v1, v2) in absolute displacements, as equations 5.2 and 5.3 are written, into ``out`` (4,)."""
+    """Write the time derivative of (x1, x2, v1, v2) into ``out`` (4,): equations 5.2 and 5.3."""
     m1, k1, c1, m2, k2, c2, capacity, smoothing, amplitude, a, b = p
     x1, x2, v1, v2 = state[0], state[1], state[2], state[3]
     y, y_dot = amplitude * np.sin(omega * t), amplitude * omega * np.cos(omega * t)
@@ -54,7 +55,7 @@ def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: Fl
 
 @numba.njit(cache=True)
 def _rates(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArray:
-    """(4,) rates."""
+    """(4,) time derivative of the state."""
     out = np.empty(4)
     rates_into(state, t, omega, p, out)
     return out
@@ -62,7 +63,7 @@ def _rates(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArr
 
 @numba.njit(cache=True)
 def _slopes(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatArray:
-    """(4, 4) derivatives of the rates."""
+    """(4, 4) Jacobian of the time derivative."""
     m1, k1, c1, m2, k2, c2, capacity, smoothing, _, a, _ = p
     s = regularised_sign(smoothing * (state[2] - state[3]))
     f = capacity * smoothing * regularised_sign_slope(s)
@@ -75,85 +76,137 @@ def _slopes(t: float, state: FloatArray, omega: float, p: FloatArray) -> FloatAr
     return out
 
 
-def parameters(p: Pressed) -> FloatArray:
-    """(11,) numbers of the compiled equations."""
-    return np.array([p.m1, p.k1, p.c1, p.m2, p.k2, p.c2, p.capacity, p.smoothing, p.base_amplitude, *p.hold])
+def parameters(p: PreloadedTwoMasses) -> FloatArray:
+    """(11,) parameters of the compiled equations."""
+    return np.array(
+        [p.m1, p.k1, p.c1, p.m2, p.k2, p.c2, p.capacity, p.smoothing, p.base_amplitude, *p.support_coupling]
+    )
 
 
 def integrate(
-    pressed: Pressed, omega: float, state: Sequence[float] | FloatArray, times: FloatArray, tolerance: float
+    preloaded: PreloadedTwoMasses,
+    omega: float,
+    state: Sequence[float] | FloatArray,
+    times: FloatArray,
+    tolerance: float,
 ) -> FloatArray:
-    """States (n, 4) of x1, x2, v1, v2 at ``times`` (n,), from ``state`` at the first of them.
+    """Integrate the equations of motion.
+
+    Parameters
+    ----------
+    preloaded
+        Parameters of the model.
+    omega
+        Frequency of the base motion, rad/s.
+    state
+        (4,) initial x1, x2 (m), v1, v2 (m/s) at the first time.
+    times
+        (n,) times, s, ascending.
+    tolerance
+        Relative tolerance of LSODA.
+
+    Returns
+    -------
+    (n, 4) states at the times
 
     Raises
     ------
     ConvergenceError
-        When LSODA gives up.
+        If LSODA fails.
     """
     found = solve_ivp(
-        _rates, (times[0], times[-1]), state, method="LSODA", t_eval=times, args=(omega, parameters(pressed)),
-        jac=_slopes, rtol=tolerance, atol=tolerance * pressed.base_amplitude,
+        _rates, (times[0], times[-1]), state, method="LSODA", t_eval=times, args=(omega, parameters(preloaded)),
+        jac=_slopes, rtol=tolerance, atol=tolerance * preloaded.base_amplitude,
     )  # fmt: skip
     if not found.success:
         raise ConvergenceError(
-            f"time integration at omega = {omega:.6g} rad/s: {found.message}", time_s=float(times[-1]), iterations=0,
-            residual_history=[], advice="use a smaller two_dof.smoothing",
+            f"time integration failed at omega = {omega:.6g} rad/s ({found.message})", time_s=float(times[-1]),
+            iterations=0, residual_history=[], advice="reduce two_dof.smoothing",
         )  # fmt: skip
     return np.asarray(found.y.T)
 
 
-def settle(pressed: Pressed, omega: float, *, settled: float = 1e-6, tolerance: float = 1e-10) -> SettledMotion:
-    """Motion from rest under y = Y_0 sin(omega t) until it repeats.
+def integrate_to_steady_state(
+    preloaded: PreloadedTwoMasses, omega: float, *, accuracy: float = 1e-6, tolerance: float = 1e-10
+) -> SteadyState:
+    """Integrate from rest under y = Y_0 sin(omega t) until the motion is periodic.
 
-    The change of the state over a block of periods falls by a ratio q from block to block in the end; what is
-    left to come is then q / (1 - q) times the last change.
+    The change of the state over a block of periods eventually decreases by a constant ratio q from block to block, so
+    the remaining change is q / (1 - q) times the last one.
 
     Parameters
     ----------
-    settled
-        What may be left, over the size of the motion (energy norm).
+    preloaded
+        Parameters of the model.
+    omega
+        Frequency of the base motion, rad/s.
+    accuracy
+        Largest relative distance from the periodic motion (energy norm).
     tolerance
         Relative tolerance of the integration.
 
     Raises
     ------
     ConvergenceError
-        When it does not settle in a very long time.
+        If the motion is not periodic after `MOST_PERIODS` periods, or if the integration fails.
     """
     period = 2.0 * np.pi / omega
     block = period * np.arange(BLOCK + 1)
-    weight = np.sqrt([pressed.k1, pressed.k2, pressed.m1, pressed.m2])
+    weight = np.sqrt([preloaded.k1, preloaded.k2, preloaded.m1, preloaded.m2])
     state, changes = np.zeros(4), [np.inf]
     periods = 0
     while periods < MOST_PERIODS:
-        path = integrate(pressed, omega, state, block, tolerance)
+        path = integrate(preloaded, omega, state, block, tolerance)
         periods += BLOCK
         changes.append(float(np.linalg.norm(weight * (path[-1] - state))))
         state = path[-1]
-        # two blocks at once: beats between the transient and the looks every BLOCK periods cancel in the product
+        # the ratio over two blocks is free of beats between the transient and the checks every BLOCK periods
         q = np.sqrt(changes[-1] / changes[-3]) if len(changes) > 3 and changes[-3] > 0.0 else 1.0
         size = float(np.linalg.norm(weight * state))
         remaining = changes[-1] * q / (1.0 - q) / size if q < 1.0 else np.inf
-        if remaining < settled or changes[-1] < 10.0 * tolerance * size:
-            return SettledMotion(_largest(pressed, omega, state, tolerance), periods, min(remaining, 1.0))
+        if remaining < accuracy or changes[-1] < 10.0 * tolerance * size:
+            return SteadyState(_largest(preloaded, omega, state, tolerance), periods, min(remaining, 1.0))
     raise ConvergenceError(
-        f"the motion at omega = {omega:.6g} rad/s has not settled", time_s=periods * period, iterations=periods,
-        residual_history=changes[-5:], advice="use more damping, or two_dof.method: periodic",
+        f"the motion at omega = {omega:.6g} rad/s is not periodic yet", time_s=periods * period, iterations=periods,
+        residual_history=changes[-5:], advice="increase the damping, or use two_dof.method: periodic",
     )  # fmt: skip
 
 
-def dwell(pressed: Pressed, omega: float, duration: float, *, tolerance: float = 1e-8) -> float:
-    """Largest abs(x_1) over Y_0 in the last period of a run of ``duration`` (s) from rest, as the source reads it."""
+def dwell(preloaded: PreloadedTwoMasses, omega: float, duration: float, *, tolerance: float = 1e-8) -> float:
+    """Transmissibility in the last period of a run from rest, as evaluated in the thesis.
+
+    Parameters
+    ----------
+    preloaded
+        Parameters of the model.
+    omega
+        Frequency of the base motion, rad/s.
+    duration
+        Duration of the run, s.
+    tolerance
+        Relative tolerance of the integration.
+
+    Returns
+    -------
+    Largest abs(x_1) over Y_0
+
+    Raises
+    ------
+    ConvergenceError
+        If the integration fails.
+    """
     period = 2.0 * np.pi / omega
-    start = integrate(pressed, omega, np.zeros(4), np.array([0.0, duration - period]), tolerance)[-1]
-    return _largest(pressed, omega, start, tolerance, begin=duration - period)
+    start = integrate(preloaded, omega, np.zeros(4), np.array([0.0, duration - period]), tolerance)[-1]
+    return _largest(preloaded, omega, start, tolerance, begin=duration - period)
 
 
-def _largest(pressed: Pressed, omega: float, state: FloatArray, tolerance: float, *, begin: float = 0.0) -> float:
-    """Largest abs(x_1) over Y_0 in the period from ``begin``; between two points by the parabola of x, v and a."""
+def _largest(
+    preloaded: PreloadedTwoMasses, omega: float, state: FloatArray, tolerance: float, *, begin: float = 0.0
+) -> float:
+    """Largest abs(x_1) over Y_0 in the period from ``begin``, from the parabola of x, v and a at the largest sample."""
     times = begin + 2.0 * np.pi / omega * np.linspace(0.0, 1.0, 1001)
-    path = integrate(pressed, omega, state, times, tolerance)
+    path = integrate(preloaded, omega, state, times, tolerance)
     k = int(np.argmax(np.abs(path[:, 0])))
     x, v = path[k, 0], path[k, 2]
-    a = _rates(times[k], path[k], omega, parameters(pressed))[2]
-    return float(abs(x - 0.5 * v * v / a) / pressed.base_amplitude)
+    a = _rates(times[k], path[k], omega, parameters(preloaded))[2]
+    return float(abs(x - 0.5 * v * v / a) / preloaded.base_amplitude)

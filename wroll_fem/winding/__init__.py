@@ -1,4 +1,4 @@
-"""Stress that winding leaves in a roll; knows nothing of the finite-element library."""
+"""Stress in a wound roll due to the winding tension (thesis, section 2.2; docs/winding.md)."""
 
 from wroll_fem.winding.core import tube_stiffness
 from wroll_fem.winding.radial_modulus import RadialModulus

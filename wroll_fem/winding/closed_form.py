@@ -1,4 +1,4 @@
-"""Exact stress of a roll whose radial modulus does not depend on the pressure."""
+"""Exact pressure in a wound roll whose radial modulus does not depend on the pressure."""
 
 from __future__ import annotations
 
@@ -11,13 +11,25 @@ from wroll_fem.typing import FloatArray
 
 
 def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, core: float) -> FloatArray:
-    """Pressure at ``radius`` per pressure at the outer radius: a r^(q - 1) + b r^(-q - 1), q^2 = E_theta/E_r.
+    """Pressure increment in the roll per unit pressure increment at its outer radius (solution of equation 2.5).
 
-    Solves equation 2.5 with the core condition r s' = (core - 1) s at ``inner``, core = E_theta/K_m + nu_theta.
+    The solution is s = a r^(q - 1) + b r^(-q - 1) with q^2 = E_theta/E_r and the core condition r s' = (core - 1) s at
+    the inner radius.
+
+    Parameters
+    ----------
+    radius
+        Radii at which the increment is evaluated, m.
+    inner, outer
+        Inner radius (that of the mandrel) and current outer radius of the roll, m.
+    ratio
+        E_theta/E_r.
+    core
+        E_theta/K_m + nu_theta, with the mandrel stiffness K_m.
     """
     q = np.sqrt(ratio)
 
-    def scaled(r: FloatArray) -> FloatArray:  # r s, divided by exp(q x)
+    def scaled(r: FloatArray) -> FloatArray:  # r s exp(-q x) with x = ln(r / inner)
         fading = np.exp(-2.0 * q * np.log(r / inner))
         return 0.5 * ((1.0 + fading) + core / q * (1.0 - fading))
 
@@ -28,23 +40,31 @@ def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, c
 def pressure(
     radius: FloatArray, inner: float, outer: float, *, ratio: float, core: float, tension: Callable[[float], float]
 ) -> FloatArray:
-    """Pressure at ``radius`` (k,) in m of a roll grown to ``outer``, Pa: integral of T/a times the increment.
+    """Pressure in a roll that grows continuously: integral over the radius a of T/a times the increment.
 
     Parameters
     ----------
+    radius
+        (k,) radii at which the pressure is evaluated, m.
+    inner, outer
+        Inner and outer radius of the roll, m.
     ratio
         E_theta/E_r.
     core
         E_theta/K_m + nu_theta.
     tension
-        Tension stress in Pa over the radius in m.
+        Function from the radius (m) to the tension stress T (Pa).
+
+    Returns
+    -------
+    (k,) pressure, Pa
     """
 
     def one(r: float) -> float:
         def rate(a: float) -> float:
             return tension(a) / a * float(increment(np.array(r), inner, a, ratio=ratio, core=core))
 
-        near = min(outer, r * (1.0 + 20.0 / np.sqrt(ratio)))  # later wraps hardly reach a soft roll's inside
+        near = min(outer, r * (1.0 + 20.0 / np.sqrt(ratio)))  # outer wraps hardly affect the inside of a soft roll
         return sum(
             quad(rate, a, b, epsabs=0.0, epsrel=1e-12, limit=200)[0] for a, b in ((r, near), (near, outer)) if b > a
         )
@@ -55,18 +75,28 @@ def pressure(
 def pressure_of_wraps(
     radius: FloatArray, inner: float, thickness: float, tension: FloatArray, *, ratio: float, core: float
 ) -> FloatArray:
-    """Pressure at ``radius`` (k,) in m of a roll of wraps, Pa: sum of T h/r times the increment over the wraps outside.
+    """Pressure in a roll of wraps of finite thickness: sum over the outer wraps of T h/r times the increment.
 
     Parameters
     ----------
-    thickness, tension
-        Thickness of a wrap, m; (wraps,) tension stress of each, Pa.
+    radius
+        (k,) radii at which the pressure is evaluated, m.
+    inner
+        Inner radius of the roll, m.
+    thickness
+        Thickness h of a wrap, m.
+    tension
+        (wraps,) tension stress T of each wrap, Pa.
     ratio, core
-        As `pressure`.
+        As for `pressure`.
+
+    Returns
+    -------
+    (k,) pressure, Pa
 
     Notes
     -----
-    Inside a wrap its own pull counts with the part of its thickness that lies outside.
+    Inside a wrap, its own tension contributes with the part of its thickness that lies outside the radius.
     """
     under = inner + thickness * np.arange(len(tension))
     total = np.zeros(len(radius))

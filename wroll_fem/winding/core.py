@@ -1,4 +1,4 @@
-"""The mandrel under the wound roll."""
+"""Radial stiffness of the mandrel under a wound roll."""
 
 from __future__ import annotations
 
@@ -9,16 +9,23 @@ if TYPE_CHECKING:
 
 
 def tube_stiffness(E: float, nu: float, outer_radius: float, wall: float) -> float:
-    """Pressure over hoop strain at the surface of a tube under external pressure, plane stress, Pa (equation 2.8).
+    """Ratio of external pressure to hoop strain at the surface of a tube in plane stress, Pa (equation 2.8).
 
-    K = E / ((a^2 + 1)/(a^2 - 1) - nu), a = outer over inner radius; a solid core (wall = radius) has E/(1 - nu).
+    K = E / ((a^2 + 1)/(a^2 - 1) - nu) with a = outer/inner radius; K = E/(1 - nu) for a solid core (wall = radius).
+
+    Parameters
+    ----------
+    E, nu
+        Young's modulus (Pa) and Poisson's ratio.
+    outer_radius, wall
+        Outer radius and wall thickness, m.
     """
     hollow = (1.0 - wall / outer_radius) ** 2  # (r_i / r_m)^2
     return E / ((1.0 + hollow) / (1.0 - hollow) - nu)
 
 
 def mandrel_stiffness(section: WindingMandrel) -> float:
-    """K_m of the case file's mandrel, Pa."""
+    """Stiffness K_m of the mandrel of the case section `winding`, Pa."""
     if section.stiffness is not None:
         return section.stiffness
     assert section.E is not None

@@ -1,4 +1,4 @@
-"""From the wound roll to the layers of a friction model: the pressure that each interface shall have."""
+"""Interface pressures of a layered model that correspond to a wound roll."""
 
 from __future__ import annotations
 
@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 
 
 def target_pressures(case: Case) -> FloatArray:
-    """(layers,) pressure of the wound roll at the radius of each interface, inner first, Pa."""
+    """(layers,) pressure of the wound roll at the radius of each interface, innermost first, Pa.
+
+    Raises
+    ------
+    InputError
+        If the section `winding` of the case is incomplete.
+    """
     section = completed(case)
     assert section.mandrel is not None
     radii = section.mandrel.outer_radius + np.arange(case.coil.layers) / case.coil.layers * section.build_up
@@ -25,10 +31,15 @@ def target_pressures(case: Case) -> FloatArray:
 
 
 def ring_split(case: Case) -> FloatArray:
-    """(layers, layers) pressure at each interface per external pressure on each layer: thin rings, no end effects.
+    """Pressure at each interface per unit external pressure on each layer, for thin rings without end effects.
 
-    All rings move alike, so each carries the share of the load that its E t / R^2 has of their sum; an interface
-    passes on what presses outside of it less what the rings outside of it carry.
+    All rings have the same radial displacement, so each carries the fraction of the load given by its stiffness
+    E t / R^2. The pressure at an interface is the sum of the external pressures on the layers outside it, less the part
+    that these layers carry.
+
+    Returns
+    -------
+    (layers, layers) row: interface, column: loaded layer, innermost first
     """
     n, radius = case.coil.layers, 0.5 * case.geometry.mandrel_outer_diameter
     core = case.mandrel.material.E * case.geometry.mandrel_thickness / radius**2
@@ -38,7 +49,13 @@ def ring_split(case: Case) -> FloatArray:
 
 
 def external_pressures(case: Case) -> list[float]:
-    """External pressure on each layer, inner first, Pa; for winding_tension the thin-ring estimate of it."""
+    """External pressure on each layer, innermost first, Pa; for `winding_tension` estimated with thin rings.
+
+    Raises
+    ------
+    InputError
+        If the section `winding` is incomplete, or if a layer would need a negative external pressure.
+    """
     if case.preload.kind != "winding_tension":
         return case.preload.per_layer(case.coil.layers)
     pressures = np.linalg.solve(ring_split(case), target_pressures(case)).tolist()
@@ -47,9 +64,15 @@ def external_pressures(case: Case) -> list[float]:
 
 
 def refuse_pull(pressures: Sequence[float]) -> None:
-    """Refuse external pressures on the layers of which one is a pull."""
+    """Check that no external pressure (Pa) is negative.
+
+    Raises
+    ------
+    InputError
+        If one of the pressures is negative.
+    """
     if min(pressures) < 0.0:
         raise InputError(
-            "the wound roll's pressure rises outwards so steeply that a layer would have to be pulled off",
-            key="winding.tension_profile", remedy="let the tension fall outwards, or use fewer coil.layers",
+            "the wound-roll pressure increases outwards so steeply that a layer needs a negative external pressure",
+            key="winding.tension_profile", remedy="reduce the tension towards the outside, or use fewer coil.layers",
         )  # fmt: skip

@@ -1,8 +1,8 @@
-"""Compiled loops of the wound-roll stress: the source's scheme, and refined grids for wraps and for continuous growth.
+"""Compiled kernels for the wound-roll stress: the scheme of the thesis, and refined grids for wraps and for growth.
 
-A radial modulus is a broken line over the pressure: (pressures, moduli) of its knots and the slope beyond the last.
-Symbols as in the source: s increment of the pressure, r radius, h thickness of the web, T tension stress, E modulus
-along the web, K_m mandrel stiffness; y = r s per accreted thickness, kappa = E/E_r.
+The radial modulus is a piecewise linear function of the pressure, given by its knots (pressures, moduli) and by its
+slope beyond the last knot. Symbols as in the thesis: s pressure increment, r radius, h web thickness, T tension stress,
+E modulus along the web, K_m mandrel stiffness; in addition y = r s per wound thickness and kappa = E/E_r.
 """
 
 from __future__ import annotations
@@ -17,7 +17,17 @@ _NEAR, _FAR = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)  # Gauss po
 
 @njit(cache=True)
 def radial_modulus(pressure, knots, moduli, slope):
-    """E_r at one pressure, Pa: linear between the knots, constant below, ``slope`` per Pa beyond the last."""
+    """Radial modulus E_r at a pressure.
+
+    Parameters
+    ----------
+    pressure
+        Pressure, Pa.
+    knots, moduli
+        (n,) pressures and moduli at the knots, Pa; the modulus is constant below the first knot.
+    slope
+        Slope beyond the last knot, Pa/Pa.
+    """
     last = len(knots) - 1
     if pressure <= knots[0]:
         return moduli[0]
@@ -30,20 +40,24 @@ def radial_modulus(pressure, knots, moduli, slope):
 
 @njit(cache=True)
 def coefficients(r, h, ratio):
-    """(A, B, C) of equation 2.10 at radius ``r`` for E_theta/E_r = ``ratio``."""
+    """Coefficients (A, B, C) of equation 2.10 for radius ``r`` (m), web thickness ``h`` (m), ``ratio`` E_theta/E_r."""
     return 1.0 + 1.5 * h / r, (h / r) ** 2 * (1.0 - ratio) - 2.0, 1.0 - 1.5 * h / r
 
 
 @njit(cache=True)
 def wrap_by_wrap(r, T, h, E, core, knots, moduli, slope):
-    """Pressure at every interface after each wrap was laid in turn: equations 2.10 to 2.14 as printed.
+    """Pressure between the wraps of a roll by the scheme of the thesis, one node per wrap (equations 2.10 to 2.14).
 
     Parameters
     ----------
     r, T
-        (n + 1,) radius under wrap 1, 2, ... and of the free surface, m; tension stress of each wrap, Pa.
+        (n + 1,) inner radius of each wrap and radius of the free surface, m; tension stress at these radii, Pa.
+    h, E
+        Thickness of the web, m; modulus E_theta along the web, Pa.
     core
-        E/K_m - 1 + nu_theta of the forward-difference core row 2.12.
+        E/K_m - 1 + nu_theta, in the forward difference at the core (equation 2.12).
+    knots, moduli, slope
+        Radial modulus, as for `radial_modulus`.
 
     Returns
     -------
@@ -70,7 +84,7 @@ def wrap_by_wrap(r, T, h, E, core, knots, moduli, slope):
 
 @njit(cache=True)
 def _cell_means(P, P_next, E, knots, moduli, slope):
-    """Mean of kappa over a cell, weighted towards its inner and its outer node (P linear, two Gauss points)."""
+    """Means of kappa over a cell, weighted with the shape functions of its inner and outer node (two Gauss points)."""
     near = E / radial_modulus(P + _NEAR * (P_next - P), knots, moduli, slope)
     far = E / radial_modulus(P + _FAR * (P_next - P), knots, moduli, slope)
     return 0.5 * (_FAR * near + _NEAR * far), 0.5 * (_NEAR * near + _FAR * far)
@@ -78,7 +92,7 @@ def _cell_means(P, P_next, E, knots, moduli, slope):
 
 @njit(cache=True)
 def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
-    """Rows first to last - 1: ratio[i] = y[i]/y[i + 1]; carry[i + 1]: what the cell above row i gives the next row."""
+    """Eliminate rows first to last - 1: ratio[i] = y[i]/y[i + 1]; carry[i + 1] is the term of cell i in row i + 1."""
     P = Q[first] / r[first]
     for i in range(first, last):
         P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]
@@ -94,37 +108,43 @@ def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry
 
 @njit(cache=True)
 def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
-    """Pressure in a roll of wraps, each laid as a whole, on a grid with ``cells`` cells in each wrap.
+    """Pressure in a roll of wraps of finite thickness, on a grid with several cells in each wrap.
 
     Parameters
     ----------
     r, T
-        (cells n + 1,) radii, m, n wraps; (n,) tension stress of each wrap, Pa.
+        (cells n + 1,) radii of the nodes for n wraps, m; (n,) tension stress of each wrap, Pa.
+    h, cells
+        Thickness of the web, m; number of cells in each wrap.
+    E
+        Modulus E_theta along the web, Pa.
     core
-        E/K_m + nu_theta of the core condition dy/dx = core y, x = ln r.
+        E/K_m + nu_theta, in the core condition dy/dx = core y with x = ln r.
+    knots, moduli, slope
+        Radial modulus, as for `radial_modulus`.
     blocks, zones
-        (levels,) rising. What lies more than ``zones[k]`` wraps below the surface is brought up to date every
-        ``blocks[k]`` wraps, each a multiple of the one before: there a block changes the pressure by about
-        blocks[k]/zones[k], and the modulus is that of the middle of the block. A zone as deep as the roll leaves
-        nothing out.
+        (levels,) numbers of wraps, ascending. Nodes more than ``zones[k]`` wraps below the surface are updated only
+        every ``blocks[k]`` wraps (each a multiple of the previous one), with the modulus at the middle of the block;
+        one block changes the pressure there by about blocks[k]/zones[k]. With a zone as deep as the roll, all nodes are
+        updated with every wrap.
 
     Returns
     -------
     (cells n + 1,) array
-        Pressure, Pa; inside the last wrap r P is linear, 0 at the free surface.
+        Pressure, Pa, 0 at the free surface; inside the last wrap r P is linear.
 
     Notes
     -----
-    Second order in the cell, core row included (docs/winding.md, equations 7 to 10). The load of a wrap comes in
-    ``cells`` equal parts; the modulus of each is that in its middle, predicted from the part before.
+    Second order in the cell size, core row included (docs/winding.md, equations 7 to 10). The load of a wrap is applied
+    in ``cells`` equal steps. The modulus of each step is that at its middle, predicted from the previous step.
     """
     n, nodes, levels = len(T), len(r), len(blocks)
     x = np.log(r)
     Q, y, middle = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)  # Q = r P, y = r s
     ratio, carry = np.zeros(nodes), np.zeros(nodes)
     before, change = np.zeros((levels, nodes)), np.zeros((levels, nodes))
-    edge = np.zeros(levels + 1, np.int64)  # nodes below edge[k] wait for the end of the block of level k
-    passed = np.zeros(levels)  # what they have been handed down so far
+    edge = np.zeros(levels + 1, np.int64)  # nodes below edge[k] are updated at the end of a block of level k
+    passed = np.zeros(levels)  # load that has arrived at that edge since the start of the block
     for start in range(0, n, blocks[0]):
         end = min(start + blocks[0], n)
         for k in range(levels - 1, -1, -1):
@@ -139,7 +159,7 @@ def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
         for wrap in range(start, end):
             top, part = wrap * cells, T[wrap] * h / cells
             for i in range(max(0, top - cells + 1), top + 1):
-                y[i] = part  # new nodes: nothing came before
+                y[i] = part  # new nodes have no previous increment
             for _ in range(cells):
                 for i in range(first, top + 1):
                     middle[i] = Q[i] + 0.5 * y[i]
@@ -160,21 +180,25 @@ def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
                     Q[i] += hand_down
                 if k + 1 < levels:
                     passed[k + 1] += hand_down
-                for i in range(edge[k + 1], nodes):  # new nodes have no change yet
+                for i in range(edge[k + 1], nodes):  # new nodes have no previous change
                     change[k, i] = Q[i] - before[k, i] if before[k, i] > 0.0 else 0.0
     return Q / r
 
 
 @njit(cache=True)
 def accrete(r, T, E, core, knots, moduli, slope):
-    """Pressure in a roll of infinitely thin wraps, that grows continuously, on a grid with constant ratio of radii.
+    """Pressure in a roll of infinitely thin wraps that grows continuously, on a grid with a constant ratio of radii.
 
     Parameters
     ----------
     r, T
-        (n + 1,) radii, m, r[i + 1]/r[i] constant; tension stress at which the web is laid there, Pa.
+        (n + 1,) radii, m, with a constant ratio r[i + 1]/r[i]; tension stress at which the web is wound there, Pa.
+    E
+        Modulus E_theta along the web, Pa.
     core
-        E/K_m + nu_theta of the core condition dy/dx = core y, x = ln r.
+        E/K_m + nu_theta, in the core condition dy/dx = core y with x = ln r.
+    knots, moduli, slope
+        Radial modulus, as for `radial_modulus`.
 
     Returns
     -------
@@ -183,10 +207,10 @@ def accrete(r, T, E, core, knots, moduli, slope):
 
     Notes
     -----
-    Second order in the step d of x, core row included (docs/winding.md, equations 6 to 9). A step of growth is the
-    trapezoidal rule; the radial modulus at its end comes from Euler's predictor. The modulus enters by its mean over
-    each cell (two Gauss points): near the free surface, where the pressure vanishes, its nodal values would leave
-    first order.
+    Second order in the step d of x, core row included (docs/winding.md, equations 6 to 9). A step of growth uses the
+    trapezoidal rule, with the radial modulus at its end from an Euler predictor. The modulus is averaged over each cell
+    (two Gauss points): with its nodal values the scheme would be of first order near the free surface, where the
+    pressure vanishes.
     """
     n = len(r) - 1
     d = math.log(r[n] / r[0]) / n

@@ -1,4 +1,4 @@
-"""Stiffness of a stack of web through its thickness, as a function of the pressure on it."""
+"""Radial modulus of a wound web as a function of the interlayer pressure."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RadialModulus:
-    """Broken line E_r(P): linear between its knots, constant below the first.
+    """Piecewise linear radial modulus E_r(P), constant below its first knot.
 
     Attributes
     ----------
     pressures, moduli
-        (n,) knots, Pa.
+        (n,) pressures and moduli at the knots, Pa.
     slope
-        Growth beyond the last knot, Pa/Pa.
+        Slope beyond the last knot, Pa/Pa.
     """
 
     pressures: FloatArray
@@ -32,22 +32,22 @@ class RadialModulus:
 
     @classmethod
     def constant(cls, modulus: float) -> RadialModulus:
-        """Return the same modulus in Pa at every pressure."""
+        """Radial modulus (Pa) that does not depend on the pressure."""
         return cls(np.zeros(1), np.array([float(modulus)]))
 
     @classmethod
     def pfeiffer(cls, K1: float, K2: float) -> RadialModulus:
-        """E_r = K2 (K1 + P): equation 2.9 of the source with K1 in Pa and K2 without a unit."""
+        """Pfeiffer's law E_r = K2 (K1 + P), with K1 in Pa and K2 dimensionless (thesis, equation 2.9)."""
         return cls(np.zeros(1), np.array([K1 * K2]), float(K2))
 
     @classmethod
     def table(cls, pressures: list[float], moduli: list[float]) -> RadialModulus:
-        """Linear between measured points, constant beyond them."""
+        """Piecewise linear law through measured pressures and moduli (Pa), constant outside them."""
         return cls(np.array(pressures, float), np.array(moduli, float))
 
     @classmethod
-    def of(cls, section: RadialModulusSection) -> RadialModulus:
-        """Law of the case file."""
+    def from_case(cls, section: RadialModulusSection) -> RadialModulus:
+        """Law of the case section `winding.web.radial_modulus`."""
         if section.law == "constant":
             return cls.constant(section.E_r)
         if section.law == "pfeiffer":
@@ -56,11 +56,11 @@ class RadialModulus:
 
     @property
     def knots(self) -> tuple[FloatArray, FloatArray, float]:
-        """What the kernels take."""
+        """Pressures, moduli and slope in the order of the kernel arguments."""
         return self.pressures, self.moduli, self.slope
 
     def __call__(self, pressure: FloatArray | float) -> FloatArray:
-        """Modulus in Pa at ``pressure`` in Pa, same shape."""
+        """Radial modulus (Pa) at given pressures (Pa), in the same shape."""
         values = np.atleast_1d(np.asarray(pressure, float))
         found = np.array([kernels.radial_modulus(p, *self.knots) for p in values.ravel()])
         return found.reshape(np.shape(pressure))

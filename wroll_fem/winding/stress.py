@@ -1,4 +1,4 @@
-"""Stress that winding leaves in a roll."""
+"""Wound-roll stress: pressure, hoop stress and friction capacity after winding (thesis, section 2.2)."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)
-"""Blocks and zones of `kernels.lay_wraps` in wraps: within 4e-5 of the roll that leaves nothing out."""
+"""Blocks and zones of `kernels.lay_wraps`, in wraps; the error due to them is below 4e-5."""
 
 _MANY = 4000
-"""Rolls of more wraps take blocks twice as long: within 2e-4."""
+"""Number of wraps above which the blocks are doubled; the error due to them is then below 2e-4."""
 
 
 @dataclass(frozen=True)
 class WrapGrid:
-    """The source's own grid: one node under each wrap.
+    """Result on the grid of the thesis, with one node per wrap.
 
     Attributes
     ----------
     radius, pressure
-        (wraps + 1,) radius under each wrap and of the free surface, m; pressure there, Pa.
+        (wraps + 1,) inner radius of each wrap and radius of the free surface, m; pressure there, Pa.
     hoop_stress
-        (wraps,) mean tension in each wrap, Pa, from its equilibrium.
+        (wraps,) mean hoop stress in each wrap, from equilibrium, Pa.
     """
 
     radius: FloatArray
@@ -44,30 +44,31 @@ class WrapGrid:
 
 @dataclass(frozen=True)
 class WoundRoll:
-    """Stress in a wound roll at rest, from the mandrel's surface outwards.
+    """Stress in a wound roll at rest, from the surface of the mandrel outwards.
 
     Attributes
     ----------
     radius
-        (n,) m, the mandrel's outer radius first, the roll's last: faces of the wraps; nodes in continuous growth.
+        (n,) radii from the surface of the mandrel to the outer surface, m: faces of the wraps, or the nodes of the grid
+        for continuous growth.
     pressure
-        (n,) between the wraps, Pa, positive in compression; 0 at the outer radius.
+        (n,) interlayer pressure, Pa, positive in compression; 0 at the outer surface.
     hoop_stress
-        (n,) along the web, Pa, positive in tension; at the face of two wraps their mean.
+        (n,) stress along the web, Pa, positive in tension; at a face between two wraps the mean of both.
     tension
-        (n,) tension stress with which the web was laid there, Pa.
+        (n,) tension stress at which the web was wound, Pa.
     modulus
-        Radial modulus of the stack.
+        Radial modulus.
     mandrel_stiffness
         K_m, Pa.
     mu
-        Friction between wraps; None when the section has none.
+        Coefficient of friction between wraps, or None.
     error_estimate
-        Estimated relative error of the pressure at the mandrel: what extrapolation from the two grids changes.
+        Estimated relative error of the pressure at the mandrel: its change by the extrapolation from the two grids.
     hoop_bound
-        Pressure at the mandrel if no wrap relaxed, Pa: sum of T h/r.
+        Pressure at the mandrel if no wrap relaxed, sum of T h/r, Pa.
     wraps
-        The same roll on the source's grid.
+        The same roll on the grid of the thesis.
     """
 
     radius: FloatArray
@@ -83,20 +84,26 @@ class WoundRoll:
 
     @property
     def capacity(self) -> FloatArray:
-        """(n,) largest shear stress that friction holds, mu times the pressure, Pa (equation 2.16)."""
-        return self._mu * self.pressure
-
-    def pressure_at(self, radius: FloatArray) -> FloatArray:
-        """Pressure at ``radius`` (k,) in m, Pa: that at the mandrel inside, 0 outside the roll."""
-        return np.interp(radius, self.radius, self.pressure, right=0.0)
-
-    def capacity_at(self, radius: FloatArray) -> FloatArray:
-        """Capacity at ``radius`` (k,) in m, Pa: that at the mandrel inside, 0 outside the roll.
+        """(n,) friction capacity: mu times the pressure, Pa (equation 2.16).
 
         Raises
         ------
         InputError
-            When the section has no coefficient of friction.
+            If the section `winding` has no coefficient of friction.
+        """
+        return self._mu * self.pressure
+
+    def pressure_at(self, radius: FloatArray) -> FloatArray:
+        """(k,) pressure at radii (k,) in m, Pa: that at the mandrel for smaller radii, 0 outside the roll."""
+        return np.interp(radius, self.radius, self.pressure, right=0.0)
+
+    def capacity_at(self, radius: FloatArray) -> FloatArray:
+        """(k,) friction capacity at radii (k,) in m, Pa: that at the mandrel for smaller radii, 0 outside the roll.
+
+        Raises
+        ------
+        InputError
+            If the section `winding` has no coefficient of friction.
         """
         return self._mu * self.pressure_at(radius)
 
@@ -110,17 +117,17 @@ class WoundRoll:
 
 
 def wound_roll(section: Winding) -> WoundRoll:
-    """Stress in the roll that a section `winding` describes.
+    """Stress in the wound roll described by a case section `winding`.
 
-    Each wrap presses with T h/r on the roll below it (``growth: wraps``), solved on a grid of several cells per wrap
-    that does not depend on h; or the wraps are infinitely thin (``continuous``), so that stress and total thickness
-    alone count. Two grids, one twice as fine, are extrapolated. `WoundRoll.wraps` is the same roll by the source's
-    scheme, one row per wrap.
+    With ``growth: wraps`` each wrap exerts the pressure T h/r on the roll below it, and the equations are solved on a
+    grid with several cells per wrap. With ``continuous`` the wraps are infinitely thin, so only the tension stress and
+    the total thickness matter. The results of two grids, one twice as fine as the other, are extrapolated.
+    `WoundRoll.wraps` is the result of the scheme of the thesis, with one node per wrap.
 
     Raises
     ------
     InputError
-        When the section has no mandrel (`case.winding.completed` takes it from the rest of a case).
+        If the section has no mandrel (`case.winding.completed` takes it from the other sections of a case).
 
     References
     ----------
@@ -131,7 +138,7 @@ def wound_roll(section: Winding) -> WoundRoll:
             "required section is missing", key="winding.mandrel", remedy="add it (outer_radius, wall, E, nu)"
         )
     stiffness = mandrel_stiffness(section.mandrel)
-    modulus = RadialModulus.of(section.web.radial_modulus)
+    modulus = RadialModulus.from_case(section.web.radial_modulus)
     core = section.web.E_theta / stiffness + section.web.nu_theta
     if section.growth == "continuous":
         half = section.cells // 2
@@ -139,7 +146,7 @@ def wound_roll(section: Winding) -> WoundRoll:
     else:
         half = max(1, section.cells // (2 * section.wraps))
         coarse, fine = _laid(section, half, core, modulus), _laid(section, 2 * half, core, modulus)
-    radius, pressure, hoop = (4.0 * fine - coarse) / 3.0  # both are of second order
+    radius, pressure, hoop = (4.0 * fine - coarse) / 3.0  # Richardson extrapolation of second order
     return WoundRoll(
         radius, pressure, hoop, tension_stress(section, radius), modulus, stiffness, section.mu,
         float(abs(pressure[0] / fine[1, 0] - 1.0)), _hoop_bound(section), _on_wraps(section, core, modulus),
@@ -147,9 +154,9 @@ def wound_roll(section: Winding) -> WoundRoll:
 
 
 def _laid(section: Winding, cells: int, core: float, modulus: RadialModulus) -> FloatArray:
-    """(3, wraps + 1) radius, pressure and hoop stress at the faces of wraps laid one by one, ``cells`` cells in each.
+    """(3, wraps + 1) radius, pressure and hoop stress at the faces of the wraps, with ``cells`` cells in each wrap.
 
-    Inside a wrap the stress has steps, by which each wrap relaxes the one below: not given out.
+    The stress inside a wrap is discontinuous, because each wrap relaxes the one below; it is not returned.
     """
     under, tension = _under_wraps(section)
     h, inner = section.wrap_thickness, under[0]
@@ -160,7 +167,7 @@ def _laid(section: Winding, cells: int, core: float, modulus: RadialModulus) -> 
     )[::cells]
     mean = -np.diff(under * pressure) / h
     hoop = np.concatenate([mean[:1], 0.5 * (mean[1:] + mean[:-1]), mean[-1:]])
-    # the first wrap's own pull is held while it is laid; only later wraps relax it
+    # the first wrap keeps its tension while it is wound; only later wraps relax it
     hoop[0], hoop[-1] = tension[0] - core * (pressure[0] - tension[0] * h / inner), tension[-2]
     return np.array([under, pressure, hoop])
 
@@ -178,7 +185,7 @@ def _grown(section: Winding, cells: int, core: float, modulus: RadialModulus) ->
 
 
 def _under_wraps(section: Winding) -> tuple[FloatArray, FloatArray]:
-    """(wraps + 1,) radius under each wrap and of the free surface, m, and the tension stress there, Pa."""
+    """(wraps + 1,) inner radius of each wrap and radius of the free surface, m, and the tension stress there, Pa."""
     assert section.mandrel is not None
     radius = section.mandrel.outer_radius + section.wrap_thickness * np.arange(section.wraps + 1)
     return radius, tension_stress(section, radius)

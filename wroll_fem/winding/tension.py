@@ -1,4 +1,4 @@
-"""Tension of the web while the roll grows."""
+"""Tension profile: tension stress in the web as a function of the winding radius."""
 
 from __future__ import annotations
 
@@ -13,9 +13,21 @@ if TYPE_CHECKING:
 
 
 def tension_stress(section: Winding, radius: FloatArray) -> FloatArray:
-    """Tension over the web's section at the radius where it is laid, Pa, same shape as ``radius`` in m.
+    """Tension stress at which the web is wound at given radii.
 
-    constant; taper: T (1 - taper (r - r_m)/(R - r_m)); table: T times a factor, linear between its rows.
+    The profile is constant, a taper T (1 - taper (r - r_m)/(R - r_m)), or a table of factors of T with linear
+    interpolation.
+
+    Parameters
+    ----------
+    section
+        Case section `winding`.
+    radius
+        Winding radii, m.
+
+    Returns
+    -------
+    Tension stress, Pa, in the shape of `radius`
     """
     profile, whole = section.tension_profile, section.stress
     if profile.kind == "table":

@@ -265,7 +265,7 @@ def balanced_amplitude(p, omega, harmonics, samples):
 @pytest.mark.parametrize("omega", [0.5, 0.99, 1.078, 1.9])
 def test_shooting_meets_the_closed_form_of_two_dashpots(omega):
     """With s -> 0 and F_c s kept, friction is a dashpot F_c s / 2: two coupled linear oscillators."""
-    p = TwoMasses(smoothing=1.0e-6).pressed(1.0e4)
+    p = TwoMasses(smoothing=1.0e-6).preloaded(1.0e4)
     c, i = 0.5 * p.capacity * p.smoothing, 1j * omega
     matrix = [[p.k1 - p.m1 * omega**2 + i * (p.c1 + c), -i * c], [-i * c, p.k2 - p.m2 * omega**2 + i * (p.c2 + c)]]
     exact = abs(np.linalg.solve(matrix, [p.k1 + i * p.c1, p.k2 + i * p.c2])[0])
@@ -279,7 +279,7 @@ def test_shooting_meets_the_closed_form_of_two_dashpots(omega):
 )  # fmt: skip
 def test_harmonic_balance_and_shooting_find_the_same_orbit(capacity, scale, omega, harmonics, tolerance):
     """Two methods with nothing in common but the equations; few harmonics suffice while the masses creep."""
-    p = TwoMasses(smoothing=scale).pressed(capacity)
+    p = TwoMasses(smoothing=scale).preloaded(capacity)
     orbit = orbit_transmissibility(p, omega, periodic_orbit(p, omega))
     assert balanced_amplitude(p, omega, harmonics, 256 if harmonics < 20 else 512) == pytest.approx(
         orbit, rel=tolerance
@@ -291,7 +291,7 @@ def test_scale_hardly_matters_away_from_the_resonance(capacity):
     """C114 at F_c = 50 and 100: within 1e-3 beyond 3 % of the stuck masses' resonance; at its peak it is not."""
     resonance = np.sqrt(2.15 / 1.85)
     omegas = np.array([0.9, 0.97, 0.97 * resonance, resonance, 1.03 * resonance, 1.15])
-    values = np.array([orbit_curve(TwoMasses(smoothing=s).pressed(capacity), omegas) for s in (1.0, 2.0, 5.0, 10.0)])
+    values = np.array([orbit_curve(TwoMasses(smoothing=s).preloaded(capacity), omegas) for s in (1.0, 2.0, 5.0, 10.0)])
     spread = np.ptp(values, axis=0) / values[-1]
     assert np.all(np.delete(spread, 3) < 1e-3)
     assert spread[3] > 0.02
@@ -299,14 +299,14 @@ def test_scale_hardly_matters_away_from_the_resonance(capacity):
 
 def test_converged_orbits_are_smooth_in_frequency():
     """C115: no point off its neighbours' line by more than 1 %, the grid being fine enough for the peak."""
-    grid, values = adapted_curve(TwoMasses(smoothing=10.0).pressed(50.0), np.linspace(1.0, 1.15, 16), bound=0.009)
+    grid, values = adapted_curve(TwoMasses(smoothing=10.0).preloaded(50.0), np.linspace(1.0, 1.15, 16), bound=0.009)
     assert off_neighbours(grid, values).max() < 0.01
     assert np.count_nonzero(np.diff(np.sign(np.diff(values)))) == 1  # one peak, nothing else
 
 
 def test_spikes_are_made_by_a_loose_tolerance():
     """C115: from rest over 6 tau at rtol 1e-3 the amplitude is a third too high, and right with a tight one."""
-    p, omega = TwoMasses(smoothing=10.0).pressed(50.0), 1.15
+    p, omega = TwoMasses(smoothing=10.0).preloaded(50.0), 1.15
     orbit = orbit_transmissibility(p, omega, periodic_orbit(p, omega))
     loose, tight = (run_from_rest(p, omega, rtol=r, atol=a).transmissibility for r, a in ((1e-3, 1e-6), (1e-6, 1e-8)))
     assert loose > 1.3 * orbit

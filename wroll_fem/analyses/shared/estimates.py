@@ -61,9 +61,9 @@ def estimate_history(case: Case) -> dict[str, Any]:
 
 def fourier_dofs(case: Case) -> int:
     """DOFs of one circumferential wave number."""
-    from wroll_fem.mesh.axisymmetric import make_section
+    from wroll_fem.mesh.axisymmetric import refined_mesh
 
-    n_r, n_z = make_section(case).shape
+    n_r, n_z = refined_mesh(case).shape
     return int(3 * (3 * n_r + 1) * (3 * n_z + 1))
 
 

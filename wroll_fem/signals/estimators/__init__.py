@@ -1,36 +1,40 @@
-"""Damping from a measured or computed transmissibility: one file per method, one result object (appendix D).
+"""Damping estimators for measured or computed transmissibility curves (thesis, appendix D), one file per method.
 
-`choose` picks the method from the shape of the curve; each method can also be called by itself.
+All methods return a `DampingEstimate`. `choose` selects the method from the shape of the curve.
 """
 
 from wroll_fem.signals.estimators.choice import CurveShape, choose, curve_shape
+from wroll_fem.signals.estimators.curve_damping import ESTIMATORS, CurveDamping, estimate_damping
 from wroll_fem.signals.estimators.estimate import DampingEstimate
 from wroll_fem.signals.estimators.gaussian import gaussian_fit
 from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
-from wroll_fem.signals.estimators.reading import ESTIMATORS, Reading, read_curve
 from wroll_fem.signals.estimators.single_dof import (
-    half_power_reading,
-    leaning_transmissibility,
+    cubic_spring_transmissibility,
     lower_bound,
     peak_transmissibility,
+    single_dof_half_power,
     single_dof_transmissibility,
 )
 
+# names until version 0.1
+Reading, read_curve = CurveDamping, estimate_damping
+half_power_reading, leaning_transmissibility = single_dof_half_power, cubic_spring_transmissibility
+
 __all__ = [
     "ESTIMATORS",
+    "CurveDamping",
     "CurveShape",
     "DampingEstimate",
-    "Reading",
     "choose",
+    "cubic_spring_transmissibility",
     "curve_shape",
+    "estimate_damping",
     "gaussian_fit",
     "half_power_estimate",
-    "half_power_reading",
-    "leaning_transmissibility",
     "lower_bound",
     "peak_transmissibility",
     "rational_fraction",
-    "read_curve",
+    "single_dof_half_power",
     "single_dof_transmissibility",
 ]

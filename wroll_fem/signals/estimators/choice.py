@@ -1,4 +1,4 @@
-"""Which estimator a curve asks for: prominence and symmetry of its peak (thesis, appendix D, algorithm 1)."""
+"""Choice of the estimator from prominence and symmetry of the peak (thesis, appendix D, algorithm 1)."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
 
 PROMINENCE, SYMMETRY, MISFIT = 0.5, 0.5, 0.1
-"""Thresholds that the source leaves open; see `choose`."""
+"""Default thresholds of `choose`, which the thesis does not specify."""
 
 Alternative = Literal["gaussian", "rational_fraction"]
 
 
 @dataclass(frozen=True)
 class CurveShape:
-    """How well a peak stands out.
+    """Shape of the highest peak of a curve.
 
     Attributes
     ----------
     prominence
-        Height of the peak above the higher of the lowest points on either side inside the band, over the peak: 0 to 1.
+        Relative height of the peak above its higher foot (the lowest point on one side within the band), 0 to 1.
     symmetry
-        Smaller over larger of the distances from the peak to its half-power points: 0 to 1; 0 when one is missing.
+        Ratio of the smaller to the larger distance between the peak and its half-power points, 0 to 1; 0 if one of them
+        is missing.
     """
 
     prominence: float
@@ -38,12 +39,24 @@ class CurveShape:
 
 
 def curve_shape(frequency: npt.ArrayLike, transmissibility: npt.ArrayLike) -> CurveShape:
-    """Prominence and symmetry of the highest peak.
+    """Prominence and symmetry of the highest peak of a curve.
+
+    Parameters
+    ----------
+    frequency
+        (n,) frequencies, Hz, ascending.
+    transmissibility
+        (n,) complex T, or |T|.
+
+    Raises
+    ------
+    InputError
+        If the arrays do not form a curve.
 
     Notes
     -----
-    A single degree of freedom seen from rest on has a prominence of 1 - 1 / T_pk: 0.5 at a peak of 2, which is a
-    damping ratio of 0.30. A band that starts close to the peak shows less of it.
+    The curve of a single degree of freedom from 0 Hz has a prominence of 1 - 1 / T_pk, for example 0.5 at a peak of 2
+    (damping ratio 0.30). In a band that starts close to the peak the prominence is smaller.
     """
     f, _, magnitude = checked_curve(frequency, transmissibility)
     read = half_power(f, magnitude)
@@ -64,59 +77,64 @@ def choose(
     prominence: float = PROMINENCE,
     symmetry: float = SYMMETRY,
 ) -> DampingEstimate:
-    """Half power where the peak is prominent and symmetric, a fit where it is not (thesis, algorithm 1).
+    """Damping by half power if the peak is prominent and symmetric, otherwise by a fit (thesis, algorithm 1).
 
     Parameters
     ----------
     frequency
-        (n,) rising, Hz.
+        (n,) frequencies, Hz, ascending.
     transmissibility
         (n,) complex T, or |T|.
     otherwise
-        What to fit: "gaussian" is the source's algorithm as printed; "rational_fraction" (default) is exact for a
-        linear structure, and a Gaussian fit (centre free, narrowest window) takes its place where it misses the curve
-        by more than a tenth of the peak (and five times the noise) anywhere, as on a leaning curve.
+        Method of the fit. "gaussian" is the algorithm of the thesis as printed. "rational_fraction" (default) is exact
+        for a linear structure; if its largest misfit exceeds a tenth of the peak (and five times the noise), as on a
+        curve that leans over, it is replaced by a Gaussian fit with free centre and narrowest window.
     prominence, symmetry
-        Thresholds, 0 to 1. The source names none. At 0.5 the peak is at least twice as high as its feet, and no side
-        of it is more than twice as wide as the other (skewness -0.5 to 1).
+        Thresholds, 0 to 1; the thesis does not specify them. With 0.5, the peak is at least twice as high as its feet
+        and neither side is more than twice as wide as the other (skewness -0.5 to 1).
 
     Returns
     -------
     DampingEstimate
-        `reason` tells the two numbers and what followed from them.
+        `reason` gives prominence and symmetry and the resulting choice.
 
     Raises
     ------
     InputError
-        For arrays that are no curve, or thresholds outside 0 to 1.
+        If the arrays do not form a curve, a threshold is outside 0 to 1, or `otherwise` is unknown.
 
     Notes
     -----
-    Two modes closer than a half-power width make one peak that passes both tests; half power then reads their sum.
-    `rational_fraction` tells them apart.
+    Two modes closer than a half-power width form one peak that passes both tests; half power then gives one damping
+    ratio for both. `rational_fraction` separates them.
     """
     for name, value in (("prominence", prominence), ("symmetry", symmetry)):
         if not 0.0 <= value <= 1.0:
-            raise InputError(f"a threshold of {value} for {name}", remedy="give a number from 0 to 1")
+            raise InputError(
+                f"the threshold {name} must lie between 0 and 1, got {value}", remedy="use for example 0.5"
+            )
     if otherwise not in ("gaussian", "rational_fraction"):
-        raise InputError(f"no estimator {otherwise!r}", remedy="use gaussian or rational_fraction")
+        raise InputError(f"unknown estimator {otherwise!r}", remedy="use gaussian or rational_fraction")
     f, values, magnitude = checked_curve(frequency, transmissibility)
     shape = curve_shape(f, magnitude)
-    told = f"prominence {shape.prominence:.2f} (threshold {prominence:g}), symmetry {shape.symmetry:.2f} ({symmetry:g})"
+    shape_text = (
+        f"prominence {shape.prominence:.2f} (threshold {prominence:g}), symmetry {shape.symmetry:.2f} ({symmetry:g})"
+    )
     if shape.prominence > prominence and shape.symmetry > symmetry:
-        return _because(half_power_estimate(f, magnitude), told)
+        return _because(half_power_estimate(f, magnitude), shape_text)
     if otherwise == "gaussian":
-        return _because(gaussian_fit(f, magnitude), told)
+        return _because(gaussian_fit(f, magnitude), shape_text)
     fitted = rational_fraction(f, magnitude if values is None else values)
     if not fitted.found:
         why = fitted.reason
     else:
         largest = float((fitted.details or {})["largest_misfit"])
         if largest <= MISFIT + 5.0 * noise_level(magnitude) / float(magnitude.max()):
-            return _because(fitted, told)
-        why = f"it misses the curve by up to {largest:.0%} of the peak"
+            return _because(fitted, shape_text)
+        why = f"its largest misfit is {largest:.0%} of the peak"
     return _because(
-        gaussian_fit(f, magnitude, centre="free", window="narrowest"), f"{told}; no rational fraction: {why}"
+        gaussian_fit(f, magnitude, centre="free", window="narrowest"),
+        f"{shape_text}; rational fraction rejected: {why}",
     )
 
 

@@ -1,4 +1,4 @@
-"""What every estimator returns, and what it asks of a curve."""
+"""Result of a damping estimator, checks of its input, and the noise level of a curve."""
 
 from __future__ import annotations
 
@@ -13,34 +13,34 @@ import numpy.typing as npt
 from wroll_fem.errors import InputError
 from wroll_fem.typing import ComplexArray, FloatArray
 
-_DIFFERENCE = 4  # order of the differences that leave noise and take a smooth curve away
+_DIFFERENCE = 4  # order of the differences, which remove a smooth curve and keep its noise
 _DIFFERENCE_GAIN = np.sqrt(70.0)  # norm of (1, -4, 6, -4, 1)
 
 
 @dataclass(frozen=True)
 class DampingEstimate:
-    """One reading of frequency and damping.
+    """Estimate of frequency and damping from one curve.
 
     Attributes
     ----------
     f_n
-        Hz. Of the peak (half power), of the fitted bell (Gaussian), undamped natural frequency |pole| / 2 pi
-        (rational fraction).
+        Frequency, Hz: of the peak (half power), of the centre of the bell (Gaussian fit), or the undamped natural
+        frequency |pole| / 2 pi (rational fraction).
     zeta
-        Damping ratio; nan when the method has no answer, `reason` says why.
+        Damping ratio; nan if the method fails, with the cause in `reason`.
     f_n_error, zeta_error
-        Standard errors from the scatter of the data alone, Hz and 1. A model that does not fit the curve
-        (`misfit`) and the bias of the method (`lower_bound`) come on top.
+        Standard errors due to the scatter of the data, Hz and dimensionless. They do not include the error of a model
+        that does not fit the curve (`misfit`) or the bias of the method (`lower_bound`).
     method
         "half power", "Gaussian fit" or "rational fraction".
     reason
-        Why this method was chosen, or why there is no number.
+        Why this method was chosen, or why there is no estimate.
     misfit
-        Root mean square distance of fit and curve over the fitted window, over the curve's peak; nan without a fit.
+        Root mean square difference of fit and curve in the window, relative to the peak; nan without a fit.
     window
-        (low, high) frequencies used, Hz.
+        Lower and upper end of the frequency window used, Hz.
     details
-        Numbers of the method by name, as its function documents.
+        Further results, documented with each method.
     """
 
     f_n: float
@@ -55,47 +55,73 @@ class DampingEstimate:
 
     @property
     def found(self) -> bool:
-        """Whether there is a damping ratio."""
+        """Whether the method found a damping ratio."""
         return isfinite(self.zeta)
 
 
 def no_estimate(method: str, reason: str, f_n: float = nan) -> DampingEstimate:
-    """Result of a method that has no answer."""
+    """Result of a method that fails.
+
+    Parameters
+    ----------
+    method
+        Name of the method.
+    reason
+        Why there is no estimate.
+    f_n
+        Frequency of the peak, Hz, if known.
+    """
     return DampingEstimate(f_n, nan, nan, nan, method, reason)
 
 
 def checked_curve(
     frequency: npt.ArrayLike, transmissibility: npt.ArrayLike
 ) -> tuple[FloatArray, ComplexArray | None, FloatArray]:
-    """Frequencies, complex values (None for a magnitude) and magnitudes of a curve, each (n,).
+    """Check a curve and split it into frequencies, complex values and magnitudes.
+
+    Parameters
+    ----------
+    frequency
+        (n,) frequencies, Hz, ascending, n >= 8.
+    transmissibility
+        (n,) complex T, or |T|.
+
+    Returns
+    -------
+    frequency : (n,) Hz
+    values : (n,) complex T, or None if only |T| is given
+    magnitude : (n,) |T|
 
     Raises
     ------
     InputError
-        For unequal or short series, frequencies that do not rise, values not finite, or a negative magnitude.
+        If the series are unequal or too short, the frequencies do not increase, or values are not finite or negative.
     """
     f, values = np.asarray(frequency, dtype=np.float64), np.asarray(transmissibility)
     if f.ndim != 1 or f.shape != values.shape or f.size < 8:
-        raise InputError(f"a curve of shapes {f.shape} and {values.shape}", remedy="give two equal series of 8 or more")
+        raise InputError(
+            f"frequency and transmissibility have the shapes {f.shape} and {values.shape}",
+            remedy="give two series of the same length, 8 or more",
+        )
     if not np.isfinite(f).all() or not np.isfinite(values).all() or np.any(np.diff(f) <= 0.0) or f[0] < 0.0:
         raise InputError(
-            "a curve whose frequencies do not rise from 0 Hz or more, or with values that are not finite",
-            remedy="sort it, and leave out what was not measured",
+            "the frequencies of a curve must increase from 0 Hz or more and its values must be finite",
+            remedy="sort the points and remove gaps",
         )
     if np.iscomplexobj(values):
         complex_values = values.astype(np.complex128)
         return f, complex_values, np.abs(complex_values)
     magnitude = values.astype(np.float64)
     if np.any(magnitude < 0.0):
-        raise InputError("a negative magnitude", remedy="give |T|, not a level in dB, or the complex transmissibility")
+        raise InputError("magnitudes must not be negative", remedy="give |T|, not a level in dB, or the complex T")
     return f, None, magnitude
 
 
 def noise_level(magnitude: FloatArray) -> float:
-    """Standard deviation of the scatter of a curve, from its fourth differences (median, so peaks do not count).
+    """Standard deviation of the noise on a curve |T| (n,), from the median of its fourth differences.
 
-    Exact in the mean for white noise on a smooth curve of any grid with a slowly varying step; noise that is smooth
-    from point to point (a demodulated or filtered curve) is not seen.
+    The estimate is unbiased for white noise on a smooth curve whose grid has a slowly varying step. Noise that is
+    smooth from point to point (on a demodulated or filtered curve) is not detected.
     """
     middle = np.abs(np.diff(magnitude, _DIFFERENCE))
     return float(np.median(middle) / (0.6745 * _DIFFERENCE_GAIN))
@@ -104,12 +130,22 @@ def noise_level(magnitude: FloatArray) -> float:
 def scatter(
     magnitude: FloatArray, read: Callable[[FloatArray], tuple[float, float] | None], draws: int, seed: int
 ) -> tuple[float, float]:
-    """Standard deviations of a reading (f_n, zeta) when white noise of the curve's own level is added once more.
+    """Standard deviations of an estimate (f_n, zeta) when white noise of the curve's own level is added.
 
     Parameters
     ----------
+    magnitude
+        (n,) curve |T|.
     read
-        From a magnitude (n,) to (f_n, zeta), or None when there is no answer; such draws are left out.
+        Function from a magnitude (n,) to (f_n, zeta), or None if there is no estimate; such draws are ignored.
+    draws
+        Number of noisy repetitions.
+    seed
+        Seed of the noise.
+
+    Returns
+    -------
+    Standard deviations of f_n (Hz) and zeta; 0 without noise, nan with fewer than three estimates
     """
     noise = noise_level(magnitude)
     if noise < 1e-6 * float(magnitude.max()):

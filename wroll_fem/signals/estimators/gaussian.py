@@ -1,22 +1,22 @@
-"""Half power of a Gaussian bell fitted around the peak (thesis, appendix D, algorithm 2).
+"""Half-power damping of a Gaussian bell fitted to the peak (thesis, appendix D, algorithm 2).
 
 As printed: T~(f) = a exp(-((f - b) / c)^2), best fit on (f_pk - d, f_pk + d), with d from
 
     maximise d / RMSE(d)   subject to   T~(f_pk - d) = T~(f_pk + d) <= T_pk / sqrt 2,
     RMSE(d)^2 = (1 / d) * integral of (T - T~)^2 over the window.
 
-What is left open, and what is done here:
+The text leaves some points open. They are resolved as follows:
 
-- The equality holds for b = f_pk alone, so b is not fitted (`centre="peak"`). With `centre="free"` b is fitted and both
-  ends of the window must lie at or below T_pk / sqrt 2.
-- d / RMSE has a dimension, but its maximum does not move with the units. It has two ends, though: a bell follows any
-  smooth peak better the narrower the window (RMSE falls as d^3 or faster), so d / RMSE grows without bound towards
-  d = 0, where the constraint alone stops it; and it grows again towards wide windows, where RMSE stays bounded. The
-  wider the band next to the peak, the sooner the second end wins, and a narrow peak is then read far too broad.
-  `window="objective"` is the text as printed; `window="narrowest"` takes the narrowest window that the constraint
+- The equality requires b = f_pk, so b is not fitted (`centre="peak"`). With `centre="free"` b is fitted, and both ends
+  of the window must lie at or below T_pk / sqrt 2.
+- The maximum of d / RMSE does not depend on the units, but the objective increases towards both ends of the range of d.
+  A bell fits any smooth peak better in a narrower window (RMSE decreases as d^3 or faster), so d / RMSE grows without
+  bound towards d = 0 and only the constraint limits it. It grows again towards wide windows, where RMSE stays bounded.
+  With a wide band around a narrow peak the second end wins, and the damping is much too high.
+  `window="objective"` is the text as printed; `window="narrowest"` uses the narrowest window that the constraint
   allows, which does not depend on the band.
-- The integral runs over the curve interpolated by a monotone cubic on a uniform grid: the data's spacing has no weight.
-- "Best fit" is least squares in the same norm. Only windows inside the band are tried.
+- The integral is taken over a monotone cubic interpolation on a uniform grid, so the spacing of the data has no weight.
+- "Best fit" means least squares in the same norm. Only windows inside the band are tried.
 """
 
 from __future__ import annotations
@@ -42,12 +42,22 @@ Window = Literal["objective", "narrowest"]
 
 _GRID = np.linspace(-1.0, 1.0, 161)
 _WINDOWS = 60
-_FEWEST_POINTS = 5  # of the data in the narrowest window
+_FEWEST_POINTS = 5  # smallest number of data points in the window
 
 
 @dataclass(frozen=True)
 class Bell:
-    """a exp(-((f - b) / c)^2), fitted on f_pk +- d; `rmse` as the source defines it (over d, not 2 d)."""
+    """Gaussian bell a exp(-((f - b) / c)^2), fitted on f_pk +- d.
+
+    Attributes
+    ----------
+    a
+        Height.
+    b, c, d
+        Centre, width and half the window, Hz.
+    rmse
+        Root mean square error as defined in the thesis (integral over the window divided by d, not by 2 d).
+    """
 
     a: float
     b: float
@@ -56,12 +66,12 @@ class Bell:
     rmse: float
 
     def __call__(self, frequency: npt.ArrayLike) -> FloatArray:
-        """Value of the bell."""
+        """Value of the bell at frequencies (Hz), in the same shape."""
         return np.asarray(self.a * np.exp(-(((np.asarray(frequency) - self.b) / self.c) ** 2)))
 
     @property
     def zeta(self) -> float:
-        """Half-power damping of the bell: its width at a / sqrt 2 is 2 c sqrt(ln 2 / 2)."""
+        """Half-power damping ratio of the bell, whose width at a / sqrt 2 is 2 c sqrt(ln 2 / 2)."""
         return self.c * sqrt(0.5 * log(2.0)) / self.b
 
 
@@ -99,39 +109,39 @@ def gaussian_fit(
     draws: int = 30,
     seed: int = 0,
 ) -> DampingEstimate:
-    """Half-power damping of the Gaussian fitted around the highest peak (thesis, algorithm 2).
+    """Half-power damping of a Gaussian bell fitted to the highest peak (thesis, algorithm 2).
 
     Parameters
     ----------
     frequency
-        (n,) rising, Hz.
+        (n,) frequencies, Hz, ascending.
     transmissibility
         (n,) complex T, or |T|; the magnitude is fitted.
     centre
-        "peak": b = f_pk as the printed equality demands; "free": b fitted.
+        "peak": b = f_pk, as the printed equality requires; "free": b is fitted.
     window
         "objective": d as printed; "narrowest": the smallest d that the constraint allows.
     draws, seed
-        Repetitions with added noise for the standard errors, and seed of the noise.
+        Number of noisy repetitions for the standard errors; seed of the noise.
 
     Returns
     -------
     DampingEstimate
-        `details`: `bell` (`Bell`), `at_constraint` (the constraint, not the objective, set the window), `centre`.
+        `details`: `bell` (`Bell`), `at_constraint` (whether the constraint determines the window), `centre`.
 
     Raises
     ------
     InputError
-        For arrays that are no curve, or an unknown centre or window.
+        If the arrays do not form a curve, or centre or window is unknown.
 
     Notes
     -----
-    `f_n` is b; standard errors are those of `scatter`. On exact single degrees of freedom the narrowest window reads
-    0.978, 1.019, 1.08 and 1.24 times zeta at 0.1, 0.2, 0.3 and 0.5 (docs/damping-estimators.md).
+    `f_n` is b; the standard errors are those of `scatter`. For exact curves of a single degree of freedom the narrowest
+    window gives 0.978, 1.019, 1.08 and 1.24 times zeta at 0.1, 0.2, 0.3 and 0.5 (docs/damping-estimators.md).
     """
     if centre not in ("peak", "free") or window not in ("objective", "narrowest"):
         raise InputError(
-            f"no centre {centre!r} with window {window!r}", remedy="use peak or free, and objective or narrowest"
+            f"unknown centre {centre!r} or window {window!r}", remedy="use peak or free, and objective or narrowest"
         )
     f, _, magnitude = checked_curve(frequency, transmissibility)
     found = _search(f, magnitude, centre, window)
@@ -153,7 +163,7 @@ def gaussian_fit(
 def _search(
     f: FloatArray, magnitude: FloatArray, centre: Centre, window: Window
 ) -> tuple[Bell, float, float, bool] | str:
-    """Bell, T_pk, f_pk and whether the constraint set the window; or why there is none."""
+    """Bell, T_pk, f_pk and whether the constraint determines the window; or the reason why there is no fit."""
     read = half_power(f, magnitude)
     k = int(np.argmax(magnitude))
     if k in (0, f.size - 1):
@@ -162,7 +172,7 @@ def _search(
     widest = min(f_pk - f[0], f[-1] - f_pk)
     narrowest = 0.5 * (_FEWEST_POINTS - 1) * float(np.median(np.diff(f[max(0, k - 3) : k + 4])))
     if widest < narrowest:
-        return f"the band holds no {_FEWEST_POINTS} points around the peak at {f_pk:.5g} Hz"
+        return f"the band has fewer than {_FEWEST_POINTS} points around the peak at {f_pk:.5g} Hz"
     curve = PchipInterpolator(f, magnitude)
     bells: dict[float, Bell] = {}
 
@@ -171,22 +181,22 @@ def _search(
             bells[d] = _fit(curve, f_pk, peak, float(d), centre)
         return bells[d]
 
-    def excess(d: float) -> float:  # of the window's ends over half power
+    def excess(d: float) -> float:  # of the bell over half power at the ends of the window
         return float(bell_at(d)(np.array([f_pk - d, f_pk + d])).max()) - level
 
     def cost(d: float) -> float:
         return bell_at(d).rmse / d
 
     widths = np.geomspace(narrowest, widest, _WINDOWS)
-    if window == "narrowest":  # nothing beyond the first is asked for
+    if window == "narrowest":  # nothing beyond the first admissible window is needed
         widths = widths[: next((k for k, d in enumerate(widths) if excess(d) <= 0.0), _WINDOWS) + 1]
     allowed = np.array([excess(d) <= 0.0 for d in widths])
     if not allowed.any():
-        return f"no fit up to {widest:.4g} Hz on each side of the peak at {f_pk:.5g} Hz falls to half power"
+        return f"no bell within {widest:.4g} Hz of the peak at {f_pk:.5g} Hz falls to half power"
     costs = np.where(allowed, [cost(d) for d in widths], np.inf)
     best = int(costs.argmin() if window == "objective" else allowed.argmax())
     bell, at_constraint = bell_at(widths[best]), False
-    if best > 0 and not allowed[best - 1]:  # towards narrower windows the constraint ends the search
+    if best > 0 and not allowed[best - 1]:  # the constraint limits the search towards narrower windows
         edge = brentq(excess, widths[best - 1], widths[best], xtol=1e-10 * widths[best])
         if window == "narrowest" or cost(edge) <= cost(widths[best]):
             bell, at_constraint = bell_at(edge), True

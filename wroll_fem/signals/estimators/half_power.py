@@ -1,4 +1,4 @@
-"""Half power with error bars: the reading of `wroll_fem.signals.damping`, repeated with the curve's own noise."""
+"""Half-power damping with error bars, from repetitions with the noise level of the curve."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def half_power_estimate(
     Parameters
     ----------
     frequency
-        (n,) rising, Hz.
+        (n,) frequencies, Hz, ascending.
     transmissibility
         (n,) complex T, or |T|.
     draws
-        Repetitions with added noise for the standard errors.
+        Number of noisy repetitions for the standard errors.
     seed
-        Of the noise.
+        Seed of the noise.
 
     Returns
     -------
@@ -35,13 +35,13 @@ def half_power_estimate(
     Raises
     ------
     InputError
-        For arrays that are no curve.
+        If the arrays do not form a curve.
 
     Notes
     -----
-    The standard errors are those of `scatter`. Highest point and nearest crossings are picked from noisy points, so
-    noise also shifts zeta: down by 3 % at a noise of 1 % of the peak, by 17 % at 3 % (100 points in the half-power
-    width). Smooth a noisy curve, or fit one.
+    The standard errors are those of `scatter`. The highest point and the nearest crossings are taken from noisy points,
+    so noise also biases zeta: by -3 % for a noise of 1 % of the peak and by -17 % for 3 % (100 points in the half-power
+    width). Smooth a noisy curve, or use a fit.
     """
     f, _, magnitude = checked_curve(frequency, transmissibility)
     read = half_power(f, magnitude)

@@ -1,12 +1,12 @@
-"""Poles of a linear structure fitted to its transmissibility.
+"""Rational fraction fit: poles of a linear structure from its transmissibility.
 
-Complex T: partial fractions with a real background of the modes outside the window (lower: constant, higher: f^2),
+Complex T: partial fractions with a real residual term for the modes outside the window (constant and f^2),
 
     T(s) = sum_k [ R_k / (s - p_k) + conj(R_k) / (s - conj(p_k)) ] + d + e s^2,      s = i f / f_ref,
 
-started by vector fitting [1] and finished by least squares on T itself: the rational fraction polynomial of [2] in a
-basis that stays well conditioned. f_n = |p| f_ref, zeta = -Re p / |p|.
-|T| alone: |T|^2 = (b0 + b1 x + b2 x^2) / ((x - f_n^2)^2 + 4 zeta^2 f_n^2 x), x = f^2, one mode.
+with starting values from vector fitting [1] and a final least-squares fit of T. This is the rational fraction
+polynomial of [2] in a well-conditioned basis. f_n = |p| f_ref, zeta = -Re p / |p|.
+Only |T|: |T|^2 = (b0 + b1 x + b2 x^2) / ((x - f_n^2)^2 + 4 zeta^2 f_n^2 x), x = f^2, for one mode.
 
 References
 ----------
@@ -32,9 +32,11 @@ from wroll_fem.typing import ComplexArray, FloatArray
 
 METHOD = "rational fraction"
 LEVEL = 0.3
+"""Default level of the window, relative to the peak."""
 MOST_MODES = 2
-_EXACT = 1e-9  # misfit that nothing can better
-_GAIN = 0.6  # misfit of one more mode over that without, for it to be believed
+"""Largest number of modes tried automatically."""
+_EXACT = 1e-9  # misfit at rounding level
+_GAIN = 0.6  # largest ratio of the misfits with and without a further mode for which that mode is accepted
 
 
 def rational_fraction(
@@ -49,14 +51,14 @@ def rational_fraction(
     Parameters
     ----------
     frequency
-        (n,) rising, Hz.
+        (n,) frequencies, Hz, ascending.
     transmissibility
         (n,) complex T, or |T| (one mode, without phase).
     modes
-        Number of modes in the window; None tries one and two and keeps two when that lowers the misfit below 0.6 of
-        what one leaves, with both natural frequencies inside the window.
+        Number of modes in the window. None tries one and two; two are accepted if the misfit falls below 0.6 times that
+        of one mode and both natural frequencies lie inside the window.
     level
-        The window reaches from the peak to where |T| last exceeds `level` times the peak, or to the end of the band.
+        The window extends on both sides to the last point at which |T| exceeds `level` times the peak.
 
     Returns
     -------
@@ -67,22 +69,22 @@ def rational_fraction(
     Raises
     ------
     InputError
-        For arrays that are no curve, a `level` outside 0 to 1, or several modes from |T| alone.
+        If the arrays do not form a curve, `level` is outside 0 to 1, or several modes are requested for |T| alone.
 
     Notes
     -----
-    Standard errors come from the residual of the fit, taken as white; with fewer than three numbers per unknown there
-    is no estimate, nor of a mode outside the band. On a nonlinear structure the poles are those of the nearest linear
-    curve: look at `misfit`.
+    The standard errors follow from the residual of the fit, assumed to be white. There is no estimate with fewer than
+    three values per unknown, or for a mode outside the band. For a nonlinear structure the poles are those of the
+    nearest linear curve; check `misfit`.
     """
     if not 0.0 < level < 1.0:
-        raise InputError(f"a level of {level}", remedy="give a share of the peak between 0 and 1")
+        raise InputError(f"level must lie between 0 and 1, got {level}", remedy="give a fraction of the peak")
     if modes is not None and modes < 1:
-        raise InputError(f"{modes} modes", remedy="ask for 1 or more")
+        raise InputError(f"the number of modes must be positive, got {modes}", remedy="use 1 or more")
     f, values, magnitude = checked_curve(frequency, transmissibility)
     band = float(f[0]), float(f[-1])
     if values is None and modes is not None and modes > 1:
-        raise InputError("several modes cannot be told apart in |T| alone", remedy="give the complex transmissibility")
+        raise InputError("|T| alone does not separate several modes", remedy="give the complex transmissibility")
     read = half_power(f, magnitude)
     window = np.flatnonzero(magnitude > level * magnitude.max())
     window = np.arange(window[0], window[-1] + 1)
@@ -103,7 +105,7 @@ def rational_fraction(
 
 
 def _within(band: tuple[float, float], estimate: DampingEstimate) -> DampingEstimate:
-    """The estimate, or none for a mode outside the band: its peak is not on the curve."""
+    """Reject the estimate of a mode outside the band, whose peak is not on the curve."""
     if not estimate.found or band[0] <= estimate.f_n <= band[1]:
         return estimate
     return no_estimate(METHOD, f"the fitted mode, {estimate.f_n:.5g} Hz, lies outside the band")
@@ -115,20 +117,20 @@ def _inside(estimate: DampingEstimate, f: FloatArray) -> bool:
 
 
 def _basis(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
-    """(n, 2 k) functions whose real coefficients are Re and Im of the residues."""
+    """(n, 2 k) basis functions; their real coefficients are the real and imaginary parts of the residues."""
     first, second = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())
     return np.stack([first + second, 1j * (first - second)], axis=2).reshape(s.size, -1)
 
 
 def _solve(columns: ComplexArray, right: ComplexArray) -> FloatArray:
-    """Real least squares of complex equations, columns scaled."""
+    """Real least-squares solution of complex equations with scaled columns."""
     A, b = np.vstack([columns.real, columns.imag]), np.concatenate([right.real, right.imag])
     scale = np.linalg.norm(A, axis=0)
     return np.linalg.lstsq(A / scale, b, rcond=None)[0] / scale
 
 
 def _vector_fit(s: ComplexArray, T: ComplexArray, poles: ComplexArray, iterations: int = 20) -> ComplexArray:
-    """Poles (k,), upper half plane and stable, after vector fitting."""
+    """Poles (k,) in the upper half plane, made stable, by vector fitting."""
     background = np.stack([np.ones_like(s), s**2], axis=1)
     for _ in range(iterations):
         basis = _basis(s, poles)
@@ -166,7 +168,7 @@ def _complex_fit(f: FloatArray, T: ComplexArray, count: int, f_pk: float, peak: 
     poles = q[:count] + 1j * q[count : 2 * count]
     size, zeta = np.abs(poles), -poles.real / np.abs(poles)
     if np.any(zeta <= 0.0) or np.any(zeta >= 1.0) or not np.isfinite(q).all():
-        return no_estimate(METHOD, f"the fit of {count} modes has a pole that is no damped vibration", f_pk)
+        return no_estimate(METHOD, f"the fit of {count} modes has a pole without damped vibration", f_pk)
     fitted = _model(q, s, count)
     residual = np.abs(fitted - T)
     misfit = sqrt(float(np.mean(residual**2))) / peak
@@ -176,8 +178,8 @@ def _complex_fit(f: FloatArray, T: ComplexArray, count: int, f_pk: float, peak: 
     covariance = float(residual @ residual) / max(1, 2 * f.size - q.size) * inverse
     order = np.argsort(size)
     residues = np.hypot(q[2 * count : 4 * count : 2], q[2 * count + 1 : 4 * count : 2])
-    near = np.abs(1j - poles)  # distance of the peak's frequency from the pole
-    k = int(np.argmax(residues / near))  # the mode that makes the peak
+    near = np.abs(1j - poles)  # distance of each pole from the frequency of the peak
+    k = int(np.argmax(residues / near))  # mode with the largest contribution at the peak
     pair = np.ix_([k, count + k], [k, count + k])
     to_size = np.array([poles[k].real, poles[k].imag]) / size[k]
     to_zeta = np.array([-(poles[k].imag ** 2), poles[k].real * poles[k].imag]) / size[k] ** 3
@@ -213,7 +215,7 @@ def _jacobian(q: FloatArray, s: ComplexArray, count: int) -> FloatArray:
 
 
 def _magnitude_fit(f: FloatArray, magnitude: FloatArray, f_pk: float, zeta: float) -> DampingEstimate:
-    """One mode from |T|: residual (|T|^2 - model) / (2 |T|), to first order that of |T|."""
+    """Fit of one mode to |T|; the residual (|T|^2 - model) / (2 |T|) equals that of |T| to first order."""
     if f.size < 3 * 5:
         return no_estimate(METHOD, f"{f.size} points around the peak are too few", f_pk)
     x, peak = (f / f_pk) ** 2, float(magnitude.max())
@@ -249,7 +251,7 @@ def _magnitude_fit(f: FloatArray, magnitude: FloatArray, f_pk: float, zeta: floa
     q, J = best.x, best.jac
     ratio, found = abs(q[0]), abs(q[1])
     if not 0.0 < found < 1.0:
-        return no_estimate(METHOD, "the fit is no damped vibration", f_pk)
+        return no_estimate(METHOD, "the fit is not a damped vibration", f_pk)
     scale = np.linalg.norm(J, axis=0)
     inverse = np.linalg.pinv((J / scale).T @ (J / scale)) / np.outer(scale, scale)
     covariance = 2.0 * least / (f.size - q.size) * inverse

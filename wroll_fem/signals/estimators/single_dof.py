@@ -1,6 +1,6 @@
-"""The single degree of freedom on a moving base: exact curve, exact half-power reading, and the bias it shows.
+"""Single degree of freedom on a moving base: exact curve, exact half-power damping, and bias of the estimators.
 
-All numbers are for the absolute transmissibility of displacement (equally of acceleration), not for a receptance.
+All values refer to the absolute transmissibility of displacement or acceleration, not to a receptance.
 """
 
 from __future__ import annotations
@@ -19,22 +19,49 @@ from wroll_fem.signals.estimators.gaussian import Centre, gaussian_fit
 from wroll_fem.signals.estimators.half_power import METHOD as HALF_POWER
 from wroll_fem.typing import ComplexArray
 
-HIGHEST_READABLE = 0.5411961001461969
-"""Damping ratio from which half power has no lower point: the peak is sqrt 2 there, and T = 1 at rest."""
+HALF_POWER_LIMIT = 0.5411961001461969
+"""Damping ratio above which the lower half-power point does not exist, because the peak is below sqrt 2 (T(0) = 1)."""
 
 
 def single_dof_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float) -> ComplexArray:
-    """(n,) absolute transmissibility T = (1 + 2 i zeta r) / (1 - r^2 + 2 i zeta r), r = f / f_n."""
+    """Absolute transmissibility T = (1 + 2 i zeta r) / (1 - r^2 + 2 i zeta r) with r = f / f_n.
+
+    Parameters
+    ----------
+    frequency
+        (n,) frequencies, Hz.
+    f_n
+        Natural frequency, Hz.
+    zeta
+        Damping ratio.
+
+    Returns
+    -------
+    (n,) complex T
+    """
     r = np.asarray(frequency, dtype=np.float64) / f_n
     numerator = 1.0 + 2j * zeta * r
     return np.asarray(numerator / (numerator - r**2))
 
 
-def leaning_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float, lean: float) -> ComplexArray:
-    """(n,) the same with a cubic spring, one harmonic, upper branch: a curve that leans and, past a limit, jumps.
+def cubic_spring_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float, lean: float) -> ComplexArray:
+    """Absolute transmissibility with a cubic spring (one-term harmonic balance, upper branch): a curve that leans over.
 
-    With the relative amplitude z over the base's, the stiffness is 1 + k |z|^2, k = 4 zeta^2 lean, so that it changes
-    by about `lean` at the peak; |z|^2 is the largest root of u ((1 - r^2 + k u)^2 + 4 zeta^2 r^2) = r^4.
+    The relative stiffness is 1 + k |z|^2 with k = 4 zeta^2 lean, where z is the relative displacement over that of the
+    base; |z|^2 is the largest root u of u ((1 - r^2 + k u)^2 + 4 zeta^2 r^2) = r^4.
+
+    Parameters
+    ----------
+    frequency
+        (n,) frequencies, Hz.
+    f_n, zeta
+        Natural frequency (Hz) and damping ratio at small amplitudes.
+    lean
+        Approximate relative change of the stiffness at the peak.
+
+    Returns
+    -------
+    (n,) complex T
     """
     r = np.asarray(frequency, dtype=np.float64) / f_n
     k = 4.0 * zeta**2 * lean
@@ -46,18 +73,29 @@ def leaning_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float, 
 
 
 def peak_transmissibility(zeta: float) -> tuple[float, float]:
-    """Frequency ratio r_pk and height of the peak, r_pk^2 = (sqrt(1 + 8 zeta^2) - 1) / (4 zeta^2)."""
+    """Frequency ratio r_pk and height T_pk of the peak, r_pk^2 = (sqrt(1 + 8 zeta^2) - 1) / (4 zeta^2).
+
+    Raises
+    ------
+    InputError
+        If zeta does not lie between 0 and 1.
+    """
     if not 0.0 < zeta < 1.0:
-        raise InputError(f"a damping ratio of {zeta}", remedy="give one between 0 and 1")
+        raise InputError(f"the damping ratio must lie between 0 and 1, got {zeta}", remedy="use 0.02 for 2 %")
     square = 2.0 / (sqrt(1.0 + 8.0 * zeta**2) + 1.0)  # the same without cancellation
     top = (1.0 + 4.0 * zeta**2 * square) / ((1.0 - square) ** 2 + 4.0 * zeta**2 * square)
     return sqrt(square), sqrt(top)
 
 
-def half_power_reading(zeta: float) -> float:
-    """What half power reads from the exact curve; nan from `HIGHEST_READABLE` on.
+def single_dof_half_power(zeta: float) -> float:
+    """Half-power damping of the exact curve with damping ratio zeta; nan from `HALF_POWER_LIMIT`.
 
-    |T|^2 = h with h = T_pk^2 / 2 is h x^2 + (4 zeta^2 h - 2 h - 4 zeta^2) x + h - 1 = 0 in x = r^2.
+    With h = T_pk^2 / 2 and x = r^2, |T|^2 = h is h x^2 + (4 zeta^2 h - 2 h - 4 zeta^2) x + h - 1 = 0.
+
+    Raises
+    ------
+    InputError
+        If zeta does not lie between 0 and 1.
     """
     r_peak, peak = peak_transmissibility(zeta)
     h = 0.5 * peak**2
@@ -70,8 +108,8 @@ def half_power_reading(zeta: float) -> float:
 
 
 @lru_cache(maxsize=2)
-def _gaussian_readings(centre: Centre) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Damping ratios of exact curves and what the Gaussian fit reads from each."""
+def _gaussian_bias(centre: Centre) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Damping ratios of exact curves and the Gaussian estimates from them."""
     given: list[float] = []
     read: list[float] = []
     for zeta in (0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5):
@@ -85,28 +123,31 @@ def _gaussian_readings(centre: Centre) -> tuple[tuple[float, ...], tuple[float, 
 
 
 def lower_bound(estimate: DampingEstimate) -> float:
-    """Lower end of the error bar of the source: zeta less the method's error on a single degree of freedom (Fig. D.1).
+    """Lower end of the error bar defined in the thesis: zeta minus the bias for a single degree of freedom (Fig. D.1).
 
-    The prescribed damping that gives this reading is looked up (half power: closed form; Gaussian fit: the fit to exact
-    curves); the bar reaches down by the distance of the two, whichever is larger. One standard error is taken off too.
-    For a rational fraction, exact on such a curve, that is all. Readings above the largest of the exact curves use
-    their error there. nan without an estimate, and for a Gaussian fit whose window the constraint did not set: that
-    reading depends on the band.
+    The bias is the difference between the estimate and the damping ratio of the exact curve that gives this estimate
+    (half power: closed form; Gaussian fit: fits to exact curves; rational fraction: no bias). For estimates beyond the
+    range of the exact curves the bias at the end of the range is used. One standard error is subtracted as well.
+
+    Returns
+    -------
+    Lower bound of zeta; nan without an estimate, and for a Gaussian fit whose window is not determined by the
+    constraint, because that estimate depends on the band
     """
     if not estimate.found:
         return nan
-    reading, bias = estimate.zeta, 0.0
+    found, bias = estimate.zeta, 0.0
     if estimate.method == HALF_POWER:
-        top = HIGHEST_READABLE - 1e-6
-        capped = min(reading, half_power_reading(top))
-        if capped > half_power_reading(1e-6):
-            bias = abs(capped - brentq(lambda z: half_power_reading(z) - capped, 1e-6, top, xtol=1e-12))
+        top = HALF_POWER_LIMIT - 1e-6
+        capped = min(found, single_dof_half_power(top))
+        if capped > single_dof_half_power(1e-6):
+            bias = abs(capped - brentq(lambda z: single_dof_half_power(z) - capped, 1e-6, top, xtol=1e-12))
     elif estimate.method == GAUSSIAN:
         details = estimate.details or {}
         if not details.get("at_constraint"):
             return nan
-        given, read = _gaussian_readings(details["centre"])
-        capped = min(max(reading, read[0]), read[-1])
-        bias = abs(capped - float(np.interp(capped, read, given))) * min(1.0, reading / capped)
+        given, read = _gaussian_bias(details["centre"])
+        capped = min(max(found, read[0]), read[-1])
+        bias = abs(capped - float(np.interp(capped, read, given))) * min(1.0, found / capped)
     error = estimate.zeta_error if np.isfinite(estimate.zeta_error) else 0.0
-    return max(0.0, reading - bias - error)
+    return max(0.0, found - bias - error)

@@ -1,4 +1,4 @@
-"""Reading of a curve by the estimator that a case names (`output.damping`), beside its half-power points."""
+"""Damping of a transmissibility curve by the estimator chosen in a case (`output.damping`), with half-power points."""
 
 from __future__ import annotations
 
@@ -29,34 +29,37 @@ ESTIMATORS: dict[str, Estimator] = {
     "rational_fraction": rational_fraction,
     "choose": choose,
 }
-"""Value of `output.damping` -> estimator; the Gaussian bell is the one that does not depend on the band."""
+"""Estimator for each value of `output.damping`; the Gaussian fit is the variant that does not depend on the band."""
 
 FEWEST_POINTS = 8
-"""Points that an estimator with error bars asks for; half power alone reads five."""
+"""Number of points needed by an estimator with error bars; half power without error bars needs five."""
 
 LOOSE_FIT = 0.05
-"""Root mean square distance of fit and curve over the peak above which the curve is not that of the fitted model."""
+"""Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What is read from one curve.
+class CurveDamping:
+    """Damping estimate of one curve.
 
     Attributes
     ----------
     shape
-        Peak, half-power points and skewness, whatever method reads the damping.
+        Peak, half-power points and skewness, whatever the method.
     damping
-        Frequency and damping ratio by that method, with error bars.
+        Frequency and damping ratio by the chosen method, with error bars.
     """
 
     shape: HalfPower
     damping: DampingEstimate
 
     def as_attrs(self, curve: str) -> dict[str, Any]:
-        """Attributes under the names of summary.json; `curve` says in words what was read.
+        """Attributes with the names of summary.json; error bars are omitted if there are none.
 
-        Error bars are left out where there are none.
+        Parameters
+        ----------
+        curve
+            Description of the curve, which is added to the name of the method.
         """
         found = self.damping
         attrs: dict[str, Any] = self.shape.as_attrs()
@@ -73,8 +76,8 @@ class Reading:
         return attrs
 
     @property
-    def doubts(self) -> list[str]:
-        """Sentences about a missing or doubtful damping ratio; empty when there is nothing to say."""
+    def warnings(self) -> list[str]:
+        """Warnings about a missing or doubtful damping ratio; empty if there are none."""
         found, shape = self.damping, self.shape
         if found.method == HALF_POWER:
             return [text for text in ("" if shape.complete else shape.reason, shape.note) if text]
@@ -82,36 +85,39 @@ class Reading:
             return [f"{found.method} gives no damping: {found.reason}"]
         if found.misfit > LOOSE_FIT:
             return [
-                f"the {found.method} misses the curve by {100 * found.misfit:.0f} % of its peak (zeta_misfit): this is "
+                f"the misfit of the {found.method} is {100 * found.misfit:.0f} % of the peak (zeta_misfit): this is "
                 "not the curve of one linear mode, and zeta depends on the method; compare output.damping: half_power"
             ]
         return []
 
 
-def read_curve(frequency: npt.ArrayLike, transmissibility: npt.ArrayLike, method: str = "half_power") -> Reading:
-    """Read frequency and damping of the highest peak.
+def estimate_damping(
+    frequency: npt.ArrayLike, transmissibility: npt.ArrayLike, method: str = "half_power"
+) -> CurveDamping:
+    """Estimate frequency and damping of the highest peak of a transmissibility curve.
 
     Parameters
     ----------
     frequency
-        (n,) rising, Hz (or rad/s: every frequency of the result then is in rad/s).
+        (n,) frequencies, Hz, ascending (or rad/s; all frequencies of the result then are in rad/s).
     transmissibility
         (n,) complex T, or |T|.
     method
-        Key of `ESTIMATORS`.
+        One of the keys of `ESTIMATORS`.
 
     Returns
     -------
-    Reading
-        Without a damping ratio zeta is nan, `damping.reason` says why, and f_n is that of the highest point.
+    CurveDamping
+        If there is no damping ratio, zeta is nan, `damping.reason` gives the cause, and f_n is that of the highest
+        point.
 
     Raises
     ------
     InputError
-        For arrays that are no curve, or an unknown method.
+        If the arrays do not form a curve, or the method is unknown.
     """
     if method not in ESTIMATORS:
-        raise InputError(f"no estimator {method!r}", remedy=f"use one of: {', '.join(ESTIMATORS)}")
+        raise InputError(f"unknown estimator {method!r}", remedy=f"use one of: {', '.join(ESTIMATORS)}")
     f, values = np.asarray(frequency, dtype=np.float64), np.asarray(transmissibility)
     shape = half_power(f, np.hypot(values.real, values.imag))
     if f.size >= FEWEST_POINTS:
@@ -119,7 +125,9 @@ def read_curve(frequency: npt.ArrayLike, transmissibility: npt.ArrayLike, method
     elif method in ("half_power", "choose"):
         found = DampingEstimate(shape.f_n, shape.zeta, nan, nan, HALF_POWER, shape.reason or shape.note)
     else:
-        found = no_estimate(method.replace("_", " "), f"{f.size} points are too few; {FEWEST_POINTS} are needed")
+        found = no_estimate(
+            method.replace("_", " "), f"{f.size} points are too few; at least {FEWEST_POINTS} are needed"
+        )
     if not isfinite(found.f_n):
         found = replace(found, f_n=shape.f_n)
-    return Reading(shape, found)
+    return CurveDamping(shape, found)
