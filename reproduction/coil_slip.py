@@ -12,7 +12,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Drawing, Family
 from reproduction.verdict import Verdict
 from reproduction.words import table
-from wroll_fem.case.winding import completed
+from wroll_fem.case import ModalTransientCase
 from wroll_fem.coiled_stiff.slip_criterion import cycle_maximum, onset_levels, slips
 from wroll_fem.plotting.coil_slip import grid_of, plot_root_sections, plot_shear_distribution, plot_slip_zone
 from wroll_fem.typing import FloatArray
@@ -200,10 +200,9 @@ def truncation(evidence: Evidence) -> str:
 
 def inputs(evidence: Evidence) -> str:
     """Onset with other capacities, base frequencies and base conditions."""
-    case = evidence.case(*FINE)
-    winding = completed(case)
-    mu = winding.mu
-    assert mu is not None
+    case = evidence.case(*FINE).expect(ModalTransientCase)
+    winding = case.wound
+    mu = winding.friction_coefficient
     wraps, outer = wound_roll(winding).wraps, 0.5 * case.geometry.mandrel_outer_diameter + case.coil.total_thickness
     laws = [(*FINE, LAW % E_r) for E_r in ("0.1e9", "1.0e9", "40.0e9")]
     given, soft, hard, rigid, coarse, at_100, clamped = evidence.results(

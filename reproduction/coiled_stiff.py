@@ -116,7 +116,7 @@ def isotropic(modulus: float) -> float:
 
 def softest(evidence: Evidence, modulus: float) -> float:
     """Lowest shear stiffness with a fundamental bending mode, Pa, from the model in harmonics."""
-    case = evidence.case(*kapton(modulus, isotropic(modulus)), HARMONICS)
+    case = evidence.roll(*kapton(modulus, isotropic(modulus)), HARMONICS)
 
     def search() -> xr.Dataset:
         from wroll_fem.coiled_stiff.frequency_bounds import softest_coil
@@ -183,7 +183,7 @@ def c31(evidence: Evidence) -> Verdict:
 
 
 def c32(evidence: Evidence) -> Verdict:
-    material = evidence.case(KAPTON).coil.material.solid()
+    material = evidence.roll(KAPTON).coil.material.solid()
     value = f"G = {material.G_z_theta / 1e9:.4f} GPa, E_r = {material.E_r / 1e9:g} GPa in configs/{KAPTON}.yaml"
     exact = abs(material.G_z_theta / isotropic(4e9) - 1) < 1e-12 and abs(material.G_r_theta / isotropic(4e9) - 1) < 1e-4
     return Verdict(value, exact and abs(material.E_r - 0.01 * 4e9) < 1.0 and round(isotropic(4e9) / 1e9, 2) == 1.48)

@@ -94,11 +94,11 @@ def c110(evidence: Evidence) -> Verdict:
 
 def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
     """Length over which friction hands axial force to the layer, m: sqrt((E t)_series gamma* / (mu p))."""
-    case = evidence.case("lab_sweep")
+    case = evidence.roll("lab_sweep")
     tube, coil, material = case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil, case.coil.material
     assert isinstance(material, IsotropicMaterial)
     layer = material.E * coil.total_thickness
-    return float(np.sqrt(slip / (1.0 / tube + 1.0 / layer) / (case.contact.friction.mu * pressure)))
+    return float(np.sqrt(slip / (1.0 / tube + 1.0 / layer) / (case.friction.mu * pressure)))
 
 
 def series_table(series: str, evidence: Evidence) -> str:

@@ -18,7 +18,7 @@ import xarray as xr
 import yaml
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.case import Case, load_case
+from wroll_fem.case import Case, OnRoll, load_case
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.batch import load_series, run_grid
 from wroll_fem.jobs.folder import RunFolder
@@ -84,6 +84,10 @@ class Evidence:
         """Case file of configs/ by name, coarse when fast; `overrides` as `--set` takes them, these last."""
         coarse = self._coarse["cases"].get(config, []) if self.fast else []
         return load_case(self.configs / f"{config}.yaml", [*coarse, *overrides])
+
+    def roll(self, config: str, *overrides: str) -> OnRoll:
+        """As `case`, for a case on a roll."""
+        return self.case(config, *overrides).expect(OnRoll)
 
     def result(self, config: str, *overrides: str) -> xr.Dataset:
         """Results of a case file."""

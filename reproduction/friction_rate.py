@@ -17,7 +17,7 @@ def c125(evidence: Evidence) -> Verdict:
             files.setdefault(float(m.values[PRESSURE]), {})[m.values["case"]] = read(m)
     pairs = [(pair["lab_sweep"], pair["lab_sweep_rate"]) for pair in files.values() if len(pair) == 2]
     worst = np.max([[abs(b.f_n / a.f_n - 1), abs(b.peak / a.peak - 1), abs(b.zeta / a.zeta - 1)] for a, b in pairs], 0)
-    friction = evidence.case("lab_sweep_rate").contact.friction
+    friction = evidence.roll("lab_sweep_rate").friction
     value = (
         f"largest change over {len(pairs)} preloads: f_n {100 * worst[0]:.2f} %, T_pk {100 * worst[1]:.1f} %, "
         f"zeta {100 * worst[2]:.1f} %; mu(V) used: {friction.model_dump(exclude_unset=True)}"

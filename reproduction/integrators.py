@@ -10,6 +10,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
+from wroll_fem.case import SweepCase
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.full import FullStepper
@@ -84,7 +85,7 @@ def by_scheme(evidence: Evidence) -> dict[str, SeriesMember]:
 def reference(evidence: Evidence) -> SeriesMember:
     """Return the sweep with alpha = -0.05 at a fraction of the thesis's step."""
     one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
-    steps = FINER * one.case.integrator.steps_per_cycle
+    steps = FINER * one.case.expect(SweepCase).integrator.steps_per_cycle
     data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
     return SeriesMember("reference", {}, data)
 

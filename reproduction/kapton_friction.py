@@ -47,7 +47,7 @@ def c122(evidence: Evidence) -> Verdict:
 
 
 def c123(evidence: Evidence) -> Verdict:
-    friction = evidence.case("lab_sweep").contact.friction
+    friction = evidence.roll("lab_sweep").friction
     value = f"default mu = {friction.mu:g}; a table of mu over the slip rate can be given (C125)"
     return Verdict(value, friction.mu == 0.25, EXPERIMENT)
 

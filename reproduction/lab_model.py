@@ -14,8 +14,8 @@ from reproduction.lab_studies import PRELOAD_STUDY, bound, sweeps
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.winding import c61
 from reproduction.words import kpa
+from wroll_fem.case import SweepCase
 from wroll_fem.case.contact import PenaltyFriction
-from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.contact.laws import slip_update, stack_laws
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.plotting import style
@@ -27,13 +27,13 @@ LAB = "lab_sweep"
 
 
 def c57(evidence: Evidence) -> Verdict:
-    sums = [n * evidence.case(LAB, f"coil.layers={n}").coil.layer_thickness for n in range(1, 6)]
+    sums = [n * evidence.roll(LAB, f"coil.layers={n}").coil.layer_thickness for n in range(1, 6)]
     value = f"n t_l = {1e3 * sums[0]:.4g} mm for n = 1 to 5"
     return Verdict(value, bool(np.allclose(sums, 25 * 0.05e-3, rtol=1e-12)))
 
 
 def c58(evidence: Evidence) -> Verdict:
-    lab = evidence.case(LAB)
+    lab = evidence.roll(LAB)
     alone = float(evidence.reference("bounds").data.attrs["mass_total_kg"])
     with_layer = evidence.one("bounds", modal__interface="bonded", coil__base="free")
     tube = alone - lab.mandrel.tip_mass
@@ -67,8 +67,7 @@ def c60(evidence: Evidence) -> Verdict:
 
 
 def c62(evidence: Evidence) -> Verdict:
-    chirp = evidence.case(LAB).excitation
-    assert isinstance(chirp, ChirpExcitation)
+    chirp = evidence.case(LAB).expect(SweepCase).excitation
     duration = base_motion(chirp).duration
     value = (
         f"{chirp.f_start:g} to {chirp.f_end:g} Hz at {chirp.rate_oct_per_min:g} oct/min, "
@@ -96,10 +95,11 @@ def c63(evidence: Evidence) -> Verdict:
 
 
 def c76(evidence: Evidence) -> Verdict:
-    contact = evidence.case(LAB).contact
-    friction = contact.friction
+    lab = evidence.roll(LAB)
+    friction = lab.friction
     assert isinstance(friction, PenaltyFriction)
-    same = friction.mu == 0.25 and friction.elastic_slip == 1e-6 and contact.normal.separation
+    opens = lab.contact is not None and lab.contact.normal.separation
+    same = friction.mu == 0.25 and friction.elastic_slip == 1e-6 and opens
     errors = [
         evidence.summary(study, m)["energy_balance_error"]
         for base, study in PRELOAD_STUDY.items()
@@ -119,7 +119,7 @@ def c76(evidence: Evidence) -> Verdict:
 
 def friction_law_figure(evidence: Evidence) -> Axes:
     """Penalty law of the lab case on a closed path of slip, beside Coulomb's (Fig 4.2)."""
-    friction = evidence.case(LAB).contact.friction
+    friction = evidence.roll(LAB).friction
     assert isinstance(friction, PenaltyFriction)
     law = PenaltyCoulomb(mu=friction.mu, elastic_slip=friction.elastic_slip)
     laws = stack_laws([np.array([1.0])], [law], [1e12], [True])

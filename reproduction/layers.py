@@ -77,7 +77,7 @@ def top(member: SeriesMember) -> float:
 
 def c71(evidence: Evidence) -> Verdict:
     found = evidence.summary("dwell_layers", dwells(evidence)[0])["interface_pressure_mean_pa"]
-    split = interface_pressures(evidence.case("lab_dwell_layers"))
+    split = interface_pressures(evidence.roll("lab_dwell_layers"))
     value = (
         f"mean interface pressures {numbers(found, '.0f')} Pa (inner first); thin-ring split by E t/R^2: "
         f"{numbers(split, '.0f')} Pa; sum applied 1000 Pa, outermost 200 Pa"

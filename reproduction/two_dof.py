@@ -13,6 +13,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family, study_figure
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import numbers, table
+from wroll_fem.case import TwoDofCase
 from wroll_fem.plotting.two_dof import (
     plot_two_dof_arrangements,
     plot_two_dof_design_space,
@@ -138,8 +139,7 @@ def c86(evidence: Evidence) -> Verdict:
 
 
 def c87(evidence: Evidence) -> Verdict:
-    section = evidence.case(study.CASE).two_dof
-    assert section is not None
+    section = evidence.case(study.CASE).expect(TwoDofCase).two_dof
     said = f"0.12/0.15 = {0.12 / 0.15:.2f}, not 0.85; F_c/(k_1 Y_0) = {100.0 / (section.k1 * section.Y0):.1f}; m_2 is "
     kept = section.m2 == 0.85
     return Verdict(f"{said}{section.m2:g}", kept, THESIS_ERROR if kept else "")

@@ -23,7 +23,7 @@ DENSITY, MODULUS = "coil.material.rho", "coil.material.E"
 
 def lab_values(evidence: Evidence) -> tuple[float, float]:
     """Density (kg/m^3) and modulus (Pa) of the lab roll's layer."""
-    material = evidence.case("lab_harmonic").coil.material
+    material = evidence.roll("lab_harmonic").coil.material
     assert isinstance(material, IsotropicMaterial)
     return float(material.rho), float(material.E)
 

@@ -9,6 +9,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family, study_figure
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import exactly
+from wroll_fem.case import WindingCase
 from wroll_fem.case.winding import ConstantModulus, Winding
 from wroll_fem.plotting import plot_winding
 from wroll_fem.plotting.cantilever import plot_cantilever
@@ -19,16 +20,12 @@ from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tu
 
 def case_study(evidence: Evidence) -> Winding:
     """Winding of the thesis's case study."""
-    winding = evidence.case("winding_case_study").winding
-    assert winding is not None
-    return winding
+    return evidence.case("winding_case_study").expect(WindingCase).winding
 
 
 def lab(evidence: Evidence, tension: float) -> Winding:
     """Winding of the experiment at a tension in N."""
-    winding = evidence.case("winding_lab", f"winding.tension_newton={tension}").winding
-    assert winding is not None
-    return winding
+    return evidence.case("winding_lab", f"winding.tension_newton={tension}").expect(WindingCase).winding
 
 
 def with_modulus(winding: Winding, E_r: float) -> Winding:
@@ -43,7 +40,7 @@ def core_of(winding: Winding) -> float:
 
 def at_the_mandrel(winding: Winding, modulus: RadialModulus, core: float) -> float:
     """Pressure there on the refined grid, Pa, for a law or a core condition that the program refuses."""
-    r = winding.mandrel.outer_radius + winding.wrap_thickness / 4 * np.arange(4 * winding.wraps + 1)  # type: ignore[union-attr]
+    r = winding.core.outer_radius + winding.wrap_thickness / 4 * np.arange(4 * winding.wraps + 1)
     whole, pull = np.array([winding.wraps]), np.full(winding.wraps, winding.stress)
     laid = kernels.lay_wraps(
         r, pull, winding.wrap_thickness, 4, winding.web.E_theta, core, *modulus.knots, whole, whole
@@ -166,10 +163,9 @@ def c7(evidence: Evidence) -> Verdict:
 
 def inputs(winding: Winding) -> str:
     """Pressure at the mandrel with other values of what the thesis does not give."""
-    assert winding.mandrel is not None
     said = []
     for key, values in (("nu_theta", (0.0, 0.4)), ("nu", (0.3, 0.35))):
-        section = winding.web if key == "nu_theta" else winding.mandrel
+        section = winding.web if key == "nu_theta" else winding.core
         name = "web" if key == "nu_theta" else "mandrel"
         found = [
             wound_roll(winding.model_copy(update={name: section.model_copy(update={key: v})})).pressure[0]
@@ -207,8 +203,7 @@ def c9(evidence: Evidence) -> Verdict:
 
 def c10(evidence: Evidence) -> Verdict:
     winding = case_study(evidence)
-    assert winding.mandrel is not None
-    diameter = 2 * (winding.mandrel.outer_radius + winding.build_up)
+    diameter = 2 * (winding.core.outer_radius + winding.build_up)
     return Verdict(f"{1e3 * diameter:.10g} mm", abs(diameter / 0.050 - 1.0) < 1e-12)
 
 
@@ -221,7 +216,7 @@ def c11(evidence: Evidence) -> Verdict:
 
 def mandrel_beam(evidence: Evidence) -> Cantilever:
     """Lab mandrel in its first mode at 5 g of the tip: inertia of tube and coil along it, 0.05 kg at the tip."""
-    case = evidence.case("lab_sweep")
+    case = evidence.roll("lab_sweep")
     g, coil, metal = case.geometry, case.coil, case.mandrel.material
     radius, wall, t = 0.5 * g.mandrel_outer_diameter, g.mandrel_thickness, coil.total_thickness
     tube = np.pi * (radius**2 - (radius - wall) ** 2) * metal.rho

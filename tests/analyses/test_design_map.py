@@ -106,13 +106,13 @@ def test_mandrels_that_never_bend_first_are_said_to():
         (lambda: mapped("design_map.loosest=-1"), "positive"),
         (lambda: mapped("design_map.loosest=1e10"), "not looser than the case's"),
         (lambda: mapped(design_map=None), "required section"),
-        (lambda: mapped("mesh.discretisation=three_dimensional"), "harmonics around the axis"),
+        (lambda: mapped("mesh.discretisation=three_dimensional"), "semi-analytical"),
         (lambda: mapped(coil={"model": "none"}), "solid"),
         (lambda: mapped("coil.material={E: 4e9, nu: 0.35, rho: 1400}"), "cylindrical_orthotropic"),
         (lambda: mapped("analysis=modal"), "has no map"),
         (lambda: modal(coil={
             "model": "layers", "total_thickness": 1e-3, "material": {"E": 1e9, "nu": 0.3, "rho": 1e3},
-        }), "no harmonics"),
+        }), "couples the circumferential harmonics"),
     ],
 )  # fmt: skip
 def test_wrong_input_is_named(case, words):
@@ -135,7 +135,7 @@ def test_modal_analysis_lists_pairs_as_the_three_dimensional_model_does(tmp_path
     assert np.abs(first[tip, 0]).min() > 0.9  # along x, the second of the pair along y
     assert np.abs(a["mode_shape"].values[1][tip, 1]).min() > 0.9
     assert np.linalg.norm(first, axis=1).max() == pytest.approx(1.0)
-    written = analyses.write_fields(load_dataset(save_dataset(a, tmp_path / "results.nc")), flat, tmp_path)
+    written = analyses.write_fields(load_dataset(save_dataset(a, tmp_path / "results.nc")), tmp_path)
     assert [path.name for path in written] == ["mode_shapes.vtu"]
 
 

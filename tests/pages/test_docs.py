@@ -19,7 +19,8 @@ from tools.reference import PAGES
 from tools.reference.analyses import with_table
 from tools.reference.case import type_name
 from wroll_fem.analyses.registry import find_analysis
-from wroll_fem.case import ANALYSES, Case, build_case, load_case
+from wroll_fem.case import ANALYSES, build_case, load_case
+from wroll_fem.case.case import case_kinds
 from wroll_fem.case.descriptions import sections, unit_of
 from wroll_fem.errors import InputError
 from wroll_fem.results.summary import GROUPS, SUMMARY
@@ -47,7 +48,8 @@ def models(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, type[B
 
 def test_every_key_is_described_and_every_number_has_a_unit() -> None:
     page = (DOCS / "reference" / "case.md").read_text(encoding="utf-8")
-    for path, model in models(Case):
+    kinds = [pair for kind in case_kinds().values() for pair in models(kind)]
+    for path, model in kinds:
         for name, field in model.model_fields.items():
             where = f"{path}.{name}"
             assert field.description, where

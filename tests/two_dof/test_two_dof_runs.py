@@ -93,7 +93,10 @@ def test_figures_show_every_capacity_and_arrangement() -> None:
         ("two_dof.c2=0", "two_dof.c2: must be greater than 0, got 0; give the dashpot of the secondary"),
         ("two_dof.arrangement=d", "two_dof.arrangement: is not one of the choices, got 'd'; use both_on_base"),
         ("two_dof.smooting=1", "two_dof.smooting: unknown key, got 1; did you mean smoothing?"),
-        ("two_dof=null", "two_dof: required section is missing: the two masses; add two_dof"),
+        (
+            "two_dof=null",
+            "two_dof: required section is missing; add it (two masses that rub, in place of a roll), for",
+        ),
         ("mesh.axial=8", "mesh: analysis two_dof does not use it; leave mesh out"),
         ("analysis=modal", "required section is missing; add it (the mandrel's tube"),
     ],

@@ -111,9 +111,9 @@ def test_wrong_input_gets_one_line(file: Path, override: str, expected: str) -> 
 def test_a_pull_that_rises_outwards_would_take_a_layer_off() -> None:
     steep = "winding.tension_profile={kind: table, radius: [0.0400, 0.0401, 0.0410], factor: [0.001, 0.001, 30]}"
     case = load_case(SWEEP, ["coil.layers=5", "mandrel.material.E=1e6", steep, "winding.tension_newton=1"])
-    assert np.linalg.solve(ring_split(case), target_pressures(case)).min() < 0
+    assert np.linalg.solve(ring_split(case), target_pressures(case.wound, case.coil.layers)).min() < 0
     with pytest.raises(InputError, match="a layer needs a negative external pressure"):
-        external_pressures(case)
+        external_pressures(case, case.preload, case.wound)
 
 
 # ---- runs ----------------------------------------------------------------------------------------
@@ -201,7 +201,7 @@ def test_the_mean_pressure_of_every_interface_is_the_wound_roll_s(layers: int) -
 def test_a_pull_that_only_the_whole_roll_shows_is_refused_too() -> None:
     rising = "winding.tension_profile={kind: table, radius: [0.0400, 0.0405, 0.0411], factor: [0.2, 0.2, 0.34]}"
     case = small("coil.layers=5", "winding.tension_newton=5", rising, "mesh.circumferential=8", "mesh.axial=2")
-    assert min(external_pressures(case)) > 0.0  # thin rings alone would do
+    assert min(external_pressures(case, case.preload, case.wound)) > 0.0  # thin rings alone would do
     with pytest.raises(InputError, match="a layer needs a negative external pressure"):
         prepare(case, SilentProgress())
 

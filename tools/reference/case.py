@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 
 from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.analyses.registry import all_analyses
-from wroll_fem.case import Case
+from wroll_fem.case.case import case_sections
 from wroll_fem.case.descriptions import sections, unit_of
 
 _SHOWN = {"dimensionless": "1", "multiples of 9.80665 m/s^2": "g", "octaves per minute": "oct/min"}
@@ -44,7 +44,7 @@ def case_page() -> str:
     """Markdown of the whole reference."""
     parts = [GENERATED, _INTRO, "## Analyses", _analyses(), _ANALYSES, "## Sections", _overview()]
     told: dict[type[BaseModel], str] = {}
-    for name, field in Case.model_fields.items():
+    for name, field in case_sections().items():
         models = sections(field.annotation)
         if len(models) > 1:
             parts += [f"## {code(name)}", prose(_sentence(field.description)) + "."]
@@ -55,7 +55,7 @@ def case_page() -> str:
 
 def _overview() -> str:
     rows = []
-    for name, field in Case.model_fields.items():
+    for name, field in case_sections().items():
         models = sections(field.annotation)
         shown = f"[{code(name)}](#{name})" if models else code(name)
         kind = "section" if models else type_name(field.annotation)

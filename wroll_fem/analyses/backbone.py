@@ -23,7 +23,7 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import BackboneCase
     from wroll_fem.progress import Progress
 
 
@@ -62,7 +62,7 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     return annotate(dataset)
 
 
-def run_backbone(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
     """Frequency and damping of the resonance that the base excites most, from sticking to gross slip.
 
     Raises

@@ -13,10 +13,11 @@ from wroll_fem.analyses.shared.estimates import SECONDS_PER_FOURIER_DOF, fourier
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.roll import RollSections
 from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import DesignMapCase
     from wroll_fem.fem.fourier import FourierModel
     from wroll_fem.progress import Progress
 
@@ -52,35 +53,36 @@ class _Models:
         self._with: FourierModel | None = None
         self._without: FourierModel | None = None
 
-    def design(self, case: Case) -> Design:
-        """Frequencies of a case's mandrel."""
+    def design(self, case: DesignMapCase, geometry: Geometry) -> Design:
+        """Frequencies of a mandrel with the coil of the case."""
         from wroll_fem.coiled_stiff.frequency_bounds import fundamental, softest_coil, with_shear_modulus
         from wroll_fem.fem.fourier_modes import symmetry_class_modes
         from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
 
-        assert case.design_map is not None
-        bare = FourierRoll(case.model_copy(update={"coil": Coil(model="none")}), self._without)
-        roll = FourierRoll(case, self._with)
+        mandrel, mesh = case.mandrel, case.mesh
+        without = RollSections(geometry=geometry, mandrel=mandrel, coil=Coil(model="none"), mesh=mesh)
+        bare = FourierRoll(without, self._without)
+        roll = FourierRoll(RollSections(geometry=geometry, mandrel=mandrel, coil=case.coil, mesh=mesh), self._with)
         self._without, self._with = bare.model, roll.model
-        mandrel = symmetry_class_modes(bare, BENDING, 1)[0].frequency_hz
+        alone = symmetry_class_modes(bare, BENDING, 1)[0].frequency_hz
         material = case.coil.material.solid()
         modulus = case.design_map.loosest
         if isinstance(modulus, str):
             found = softest_coil(roll, material)
             if found is None:
                 roll.set_coil(material)
-                return Design(np.nan, np.nan, mandrel, np.nan, fundamental(roll).kind)
+                return Design(np.nan, np.nan, alone, np.nan, fundamental(roll).kind)
             low, high = found.bending.frequency_hz, found.stiffest.frequency_hz
-            return Design(high, low, mandrel, found.shear_modulus, found.competing_kind)
+            return Design(high, low, alone, found.shear_modulus, found.competing_kind)
         tight = fundamental(roll)
         roll.set_coil(with_shear_modulus(material, modulus))
         loose = fundamental(roll)
         high, low = (mode.frequency_hz if mode.symmetry == BENDING else np.nan for mode in (tight, loose))
         kinds = [mode.kind for mode in (tight, loose) if mode.symmetry != BENDING]
-        return Design(high, low, mandrel, modulus, kinds[0] if kinds else "")
+        return Design(high, low, alone, modulus, kinds[0] if kinds else "")
 
 
-def run_design_map(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
     """Disparity of every mandrel of `design_map`, and of the case's own.
 
     Returns
@@ -89,19 +91,18 @@ def run_design_map(case: Case, *, progress: Progress) -> xr.Dataset:
         `frequency_tightest`, `frequency_loosest`, `frequency_disparity`, `frequency_mandrel`, `loosest_shear_modulus`,
         `limit_kind` over (mandrel_radius, mandrel_thickness); the case's own mandrel in the attributes `own_*`.
     """
-    assert case.design_map is not None
     radii, walls = case.design_map.mandrel_radius, case.design_map.mandrel_thickness
     models = _Models()
     designs: list[Design] = []
     with progress.stage("designs", len(radii) * len(walls) + 1) as stage:
-        own = models.design(case)
+        own = models.design(case, case.geometry)
         for radius in radii:
             for wall in walls:
                 stage.update(len(designs) + 1)
                 geometry = Geometry(
                     length=case.geometry.length, mandrel_outer_diameter=2 * radius, mandrel_thickness=wall
                 )
-                designs.append(models.design(case.model_copy(update={"geometry": geometry})))
+                designs.append(models.design(case, geometry))
         stage.update(len(designs) + 1, f"{len(designs)} mandrels")
     shape, dims = (len(radii), len(walls)), ("mandrel_radius", "mandrel_thickness")
     fields: dict[str, Any] = {
@@ -141,9 +142,8 @@ def summarise_design_map(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
-def estimate_design_map(case: Case) -> dict[str, Any]:
+def estimate_design_map(case: DesignMapCase) -> dict[str, Any]:
     """DOFs of one wave number, number of mandrels and approximate time."""
-    assert case.design_map is not None
     dofs = fourier_dofs(case)
     designs = len(case.design_map.mandrel_radius) * len(case.design_map.mandrel_thickness) + 1
     seconds = 2.0 + 26 * SECONDS_PER_FOURIER_DOF * dofs * designs

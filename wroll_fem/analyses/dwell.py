@@ -15,14 +15,16 @@ from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.transmissibility import dwell_response
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import DwellCase
     from wroll_fem.progress import Progress
 
 STEADY_CYCLES = 5
 """Whole cycles at the end from which the steady response is taken, if there are as many after the ramp."""
 
 
-def run_dwell(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
+def run_dwell(
+    case: DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
     """Time history with energy ledger and slip fields; the steady response in the attributes ``steady_*``.
 
     Raises
@@ -32,7 +34,7 @@ def run_dwell(case: Case, *, progress: Progress, checkpoint: Path | None = None,
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
     motion = base_motion(case.excitation)
-    steady = int(case.excitation.cycles - case.excitation.ramp_cycles)  # type: ignore[union-attr]
+    steady = int(case.excitation.cycles - case.excitation.ramp_cycles)
     if steady >= 2:
         tip = history["tip_acceleration"] + history["base_acceleration"]
         cycles = min(STEADY_CYCLES, steady)

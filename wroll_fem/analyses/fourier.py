@@ -13,13 +13,13 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.kinds import RollModalCase
     from wroll_fem.fem.fourier import FourierModel
     from wroll_fem.fem.fourier_modes import FourierMode
     from wroll_fem.progress import Progress
 
 
-def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
     """Lowest modes of the whole roll; the same Dataset as the three-dimensional model's.
 
     Modes of harmonics m >= 1 come in pairs, that along x first. Shapes are those of the skin of the revolved section,
@@ -41,7 +41,7 @@ def run_fourier_modal(case: Case, *, progress: Progress) -> xr.Dataset:
         direction = "y" if turned and mode.symmetry.wave_number == 1 else mode.symmetry.direction
         if direction is not None:
             fraction[row, "xyz".index(direction)] = mode.participation**2 / roll.mass_total
-            share[row] = mode.tip * mode.participation if direction == case.excitation.direction else 0.0
+            share[row] = mode.tip * mode.participation if direction == case.direction else 0.0
     nodes, cells, shapes = _shapes(roll.model, listed, case.mesh.circumferential)
     dataset = xr.Dataset(
         {

@@ -13,6 +13,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve
@@ -27,7 +28,7 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import HarmonicCase, StructuralCase
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
@@ -38,7 +39,7 @@ MEMORY_WARNING = 0.02
 """Elastic slip that still changes by more than this share of gamma* per period is worth a word."""
 
 
-def condensed_structure(case: Case, system: System, state: ContactState, progress: Progress) -> Condensation:
+def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
     """All modes of the structure with its interface stuck."""
     with progress.stage("modes", 1) as stage:
         condensation = condense(system, stick_springs(system, state), Scheme.hht(0.0), case.time_step)
@@ -56,7 +57,7 @@ def pass_line(number: int, size: int, error: float, target: float) -> str:
     return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
 
 
-def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     """Response curve with work per cycle and slip, and its half-power reading.
 
     Raises
@@ -76,7 +77,7 @@ def run_harmonic(case: Case, *, progress: Progress) -> xr.Dataset:
 
             trained = trained_response(
                 condensation, state, system.laws, amplitude=excitation.amplitude,
-                frequencies=(excitation.f_start, excitation.f_end),  # type: ignore[union-attr]
+                frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=report,
             )  # fmt: skip
@@ -146,13 +147,13 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
     return estimate_damping(grid, best, method)
 
 
-def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:
     excitation = case.excitation
-    direction = excitation.direction if case.structure is None else "of the file"
+    direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
     attrs = {
         "excitation_direction": direction,
-        "f_start_hz": excitation.f_start,  # type: ignore[union-attr]
-        "f_end_hz": excitation.f_end,  # type: ignore[union-attr]
+        "f_start_hz": excitation.f_start,
+        "f_end_hz": excitation.f_end,
         "amplitude_m_s2": excitation.amplitude,
         "method": "harmonic balance",
     }

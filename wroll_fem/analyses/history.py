@@ -10,6 +10,8 @@ import xarray as xr
 
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.case.excitation import ChirpExcitation
+from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
@@ -19,7 +21,7 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.signals.base_motion import base_motion
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import DwellCase, SweepCase
     from wroll_fem.progress import Progress
 
 
@@ -45,7 +47,9 @@ VARIABLES: dict[str, tuple[str, ...]] = {
 PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder")
 
 
-def time_history(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
+def time_history(
+    case: SweepCase | DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
     """Time history with energy ledger and slip fields.
 
     Raises
@@ -109,11 +113,11 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
         )
 
 
-def _described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+def _described(dataset: xr.Dataset, case: SweepCase | DwellCase) -> xr.Dataset:
     excitation = case.excitation
-    direction = excitation.direction if case.structure is None else "of the file"
+    direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
     attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": direction}
-    if excitation.kind == "chirp":
+    if isinstance(excitation, ChirpExcitation):
         attrs |= {
             "f_start_hz": excitation.f_start,
             "f_end_hz": excitation.f_end,

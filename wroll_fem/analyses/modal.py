@@ -15,6 +15,8 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.estimates import estimate_modes
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
+from wroll_fem.case.kinds import ModalCase, RollModalCase, StructureModalCase
+from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -25,7 +27,6 @@ from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effectiv
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
 TIE_FACTOR = 100.0
@@ -36,27 +37,33 @@ DENSE_MODES = 500
 """Up to this many DOFs the modes of a structure from a file are found by a dense solver: all of them may be wanted."""
 
 
-def interface_springs(case: Case, system: System, state: ContactState | None = None) -> FloatArray:
+def interface_springs(
+    case: RollModalCase | StructureModalCase, system: System, state: ContactState | None = None
+) -> FloatArray:
     """(3 n_points,) spring per slot that stands for the interface in a linear analysis, Pa/m.
 
     frictionless: normal contact (bilateral) alone; bonded: no relative motion; stuck: the preloaded interface,
     normal penalty and elastic-slip stiffness mu p / gamma*.
     """
     kn, n = system.laws.kn, system.n_points
-    kind = "bonded" if case.coil.model == "bonded" else case.modal.interface
+    bonded = isinstance(case, OnRoll) and case.coil.model == "bonded"
+    kind = "bonded" if bonded else case.modal.interface
     if kind == "frictionless":
         return np.concatenate([np.zeros(2 * n), kn])
     if kind == "bonded":
         return TIE_FACTOR * np.concatenate([np.repeat(kn, 2), kn])
-    return stick_springs(system, solve_preload(system, steps=case.preload.steps) if state is None else state)
+    return stick_springs(system, solve_preload(system, steps=case.preload_steps) if state is None else state)
 
 
-def run_modal(case: Case, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the whole roll, by the discretisation of the case."""
-    return _RUNS[case.mesh.discretisation](case, progress=progress)
+def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
+    """Lowest modes of the whole roll by the discretisation of the case, or of matrices from a file."""
+    if isinstance(case, StructureModalCase):
+        return run_structure(case, progress=progress)
+    roll = case.expect(RollModalCase)
+    return _RUNS[roll.mesh.discretisation](roll, progress=progress)
 
 
-def run_three_dimensional(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
     """Lowest modes of the three-dimensional model, named and weighed.
 
     Returns
@@ -67,8 +74,6 @@ def run_three_dimensional(case: Case, *, progress: Progress) -> xr.Dataset:
     """
     from wroll_fem.fem.eigen import solve_pairs
 
-    if case.structure is not None:
-        return _structure_modes(case, progress)
     with progress.stage("mesh and matrices", 2) as stage:
         bodies = build_bodies(case, symmetric=False)
         stage.update(1)
@@ -119,7 +124,7 @@ def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
     return np.asarray((system.probes["tip"] @ vectors) * (system.mass @ system.influence @ vectors))
 
 
-def _structure_modes(case: Case, progress: Progress) -> xr.Dataset:
+def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset:
     """Undamped modes of matrices from a file: frequency and effective mass along the excitation, no names or shapes."""
     stuck = case.modal.interface == "stuck"
     system, state = prepare(case, progress) if stuck else read_structure(case)

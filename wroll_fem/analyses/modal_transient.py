@@ -14,11 +14,11 @@ from wroll_fem.analyses.slip_model import SlipModel
 from wroll_fem.coiled_stiff.slip_criterion import slips
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import ModalTransientCase
     from wroll_fem.progress import Progress
 
 
-def run_modal_transient(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_modal_transient(case: ModalTransientCase, *, progress: Progress) -> xr.Dataset:
     """Modes with their stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
     return SlipModel.of(case, progress=progress).run(progress=progress)
 

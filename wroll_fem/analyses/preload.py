@@ -14,11 +14,11 @@ from wroll_fem.dynamics.time_stepping.fields import interface_fields
 from wroll_fem.results.dataset import annotate
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import PreloadCase
     from wroll_fem.progress import Progress
 
 
-def run_preload(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_preload(case: PreloadCase, *, progress: Progress) -> xr.Dataset:
     """Contact pressure and friction traction of every interface under the preload alone."""
     system, state = prepare(case, progress)
     dataset = interface_fields(system, state)

@@ -17,11 +17,9 @@ from wroll_fem.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wroll_fem.case import Case
-
     Run = Callable[..., xr.Dataset]
-    Check = Callable[[Case], list[str]]
-    Estimate = Callable[[Case], dict[str, Any]]
+    Check = Callable[[Any], list[str]]  # of a case of the analysis
+    Estimate = Callable[[Any], dict[str, Any]]
     Summary = Callable[[xr.Dataset], dict[str, Any]]
     Files = Callable[[xr.Dataset, Path], list[Path]]
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
-from wroll_fem.case.winding import completed
+from wroll_fem.case.kinds import ModalTransientCase
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
@@ -24,7 +24,7 @@ _MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
 """Sections that the modes depend on, besides the direction of the excitation."""
 
 
-def shear_modes(case: Case) -> ShearModes:
+def shear_modes(case: ModalTransientCase) -> ShearModes:
     """Modes with their shear stress, in the discretisation of the case (three-dimensional or Fourier).
 
     Raises
@@ -37,7 +37,7 @@ def shear_modes(case: Case) -> ShearModes:
     if case.coil.model != "solid":
         raise needs_solid_coil()
     material, count = case.coil.material.solid(), case.modal.count
-    direction = DIRECTIONS[case.excitation.direction]
+    direction = DIRECTIONS[case.direction]
     if case.mesh.discretisation == "fourier":
         from wroll_fem.coiled_stiff import fourier_stress
         from wroll_fem.fem.fourier_roll import FourierRoll
@@ -69,7 +69,7 @@ class SlipModel:
         Stress in its wound roll: `radius`, `pressure`, `capacity` (n,).
     """
 
-    case: Case
+    case: ModalTransientCase
     modes: ShearModes = field(repr=False)
     roll: WoundRoll = field(repr=False)
 
@@ -84,13 +84,13 @@ class SlipModel:
         """
         from wroll_fem.progress import SilentProgress
 
-        if case.analysis != "modal_transient":
+        if not isinstance(case, ModalTransientCase):
             remedy = "use analysis: modal_transient"
             problem = f"SlipModel needs analysis: modal_transient, got {case.analysis}"
             raise InputError(problem, key="analysis", remedy=remedy)
         progress = progress if progress is not None else SilentProgress()
         with progress.stage("winding", 1) as stage:
-            roll = wound_roll(completed(case))
+            roll = wound_roll(case.wound)
             stage.update(1)
         with progress.stage("modes and their stress", 1) as stage:
             modes = shear_modes(case)
@@ -114,12 +114,10 @@ class SlipModel:
         """
         from wroll_fem.progress import SilentProgress
 
-        case = self._same_modes(case) if case is not None else self.case
+        case = self.case if case is None else self._same_modes(case)
         progress = progress if progress is not None else SilentProgress()
-        wound, excitation = completed(case), case.excitation
-        if excitation.kind != "sine" or case.damping_ratio is None:
-            raise ValueError("the case was not checked for analysis modal_transient")
-        roll = self.roll if wound == completed(self.case) else wound_roll(wound)
+        wound, excitation = case.wound, case.excitation
+        roll = self.roll if wound == self.case.wound else wound_roll(wound)
         radius = 0.5 * case.geometry.mandrel_outer_diameter
         shape = CoilShape(radius, radius + case.coil.total_thickness, case.geometry.length)
         with progress.stage("response and slip", 1) as stage:
@@ -134,16 +132,17 @@ class SlipModel:
             progress.warning(text)
         return dataset
 
-    def _same_modes(self, case: Case) -> Case:
-        changed = [name for name in _MODES if getattr(case, name) != getattr(self.case, name)]
-        if case.analysis != self.case.analysis:
-            changed.append("analysis")
+    def _same_modes(self, case: Case) -> ModalTransientCase:
+        if not isinstance(case, ModalTransientCase):
+            changed = ["analysis"]
+        elif changed := [name for name in _MODES if getattr(case, name) != getattr(self.case, name)]:
+            pass
         elif case.excitation.direction != self.case.excitation.direction:
-            changed.append("excitation.direction")
-        if changed:
-            remedy = "solve that case: SlipModel.of(case), or run it"
-            raise InputError("has other modes than the slip model", key=", ".join(changed), remedy=remedy)
-        return case
+            changed = ["excitation.direction"]
+        else:
+            return case
+        remedy = "solve that case: SlipModel.of(case), or run it"
+        raise InputError("has other modes than the slip model", key=", ".join(changed), remedy=remedy)
 
 
 def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:

@@ -18,11 +18,13 @@ from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.transmissibility import transmissibility
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import SweepCase
     from wroll_fem.progress import Progress
 
 
-def run_sweep(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
+def run_sweep(
+    case: SweepCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
     """Time history with energy ledger, slip fields and transmissibility; damping in the attributes.
 
     Raises

@@ -15,7 +15,7 @@ from wroll_fem.signals.estimators import CurveDamping, estimate_damping, lower_b
 from wroll_fem.two_dof import DesignSpace, Response, TwoMasses, design_space, response_map
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import TwoDofCase
     from wroll_fem.case.two_dof import TwoDof
     from wroll_fem.progress import Progress
 
@@ -35,7 +35,7 @@ def two_masses(section: TwoDof) -> TwoMasses:
     )  # fmt: skip
 
 
-def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_two_dof(case: TwoDofCase, *, progress: Progress) -> xr.Dataset:
     """Curves of a case.
 
     Returns
@@ -53,7 +53,6 @@ def run_two_dof(case: Case, *, progress: Progress) -> xr.Dataset:
         When a motion is not found.
     """
     section = case.two_dof
-    assert section is not None
     model, omegas = two_masses(section), np.array(section.omega.values)
     capacities = section.friction_capacity
     started = time.perf_counter()
@@ -168,12 +167,11 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
-def estimate_two_dof(case: Case) -> dict[str, Any]:
+def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
     """Number of motions and curves, and an approximate time on this machine."""
     import os
 
     section = case.two_dof
-    assert section is not None
     motions = section.omega.points * len(section.friction_capacity)
     seconds = SECONDS_PER_MOTION[section.method] * motions
     result: dict[str, Any] = {"motions": motions}

@@ -9,12 +9,12 @@ import xarray as xr
 
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared.figures import figure
-from wroll_fem.case.winding import FIT, completed
+from wroll_fem.case.checks_winding import FIT
 from wroll_fem.results.dataset import annotate
 from wroll_fem.winding import WoundRoll, wound_roll
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import WindingCase
     from wroll_fem.case.winding import Winding
     from wroll_fem.progress import Progress
 
@@ -22,7 +22,7 @@ COARSE = 0.01
 """Estimated error of the pressure at the mandrel above which the run warns."""
 
 
-def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
+def run_winding(case: WindingCase, *, progress: Progress) -> xr.Dataset:
     """Pressure, capacity and hoop stress over the radius, on the refined grid and on the wrap grid of the thesis.
 
     Returns
@@ -31,14 +31,13 @@ def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
         `pressure_pa`, `capacity_pa`, `hoop_stress_pa`, `radial_modulus_pa`, `winding_tension_pa` over `r`, and the
         thesis's grid over `wrap` (values under each wrap; the hoop stress is the mean in it).
     """
-    section = completed(case)
+    section = case.wound
     with progress.stage("wound roll", 1) as stage:
         roll = wound_roll(section)
         stage.update(1, f"{section.wraps} wraps, {section.cells} cells")
     for text in doubts(section, roll):
         progress.warning(text)
-    wraps, mu = roll.wraps, section.mu
-    assert mu is not None
+    wraps, mu = roll.wraps, section.friction_coefficient
     dataset = xr.Dataset(
         {
             "pressure_pa": ("r", roll.pressure),
@@ -59,14 +58,13 @@ def run_winding(case: Case, *, progress: Progress) -> xr.Dataset:
 
 def main_numbers(section: Winding, roll: WoundRoll) -> dict[str, Any]:
     """Return what summary.json gets, flat and in SI."""
-    assert section.mu is not None
     first = {
         "pressure_mandrel_pa": float(roll.pressure[0]),
         "capacity_mandrel_pa": float(roll.capacity[0]),
         "mandrel_stiffness_pa": roll.mandrel_stiffness,
         "pressure_mandrel_error_estimate": roll.error_estimate,
         "pressure_mandrel_wrap_grid_pa": float(roll.wraps.pressure[0]),
-        "capacity_mandrel_wrap_grid_pa": section.mu * float(roll.wraps.pressure[0]),
+        "capacity_mandrel_wrap_grid_pa": section.friction_coefficient * float(roll.wraps.pressure[0]),
         "hoop_bound_pa": roll.hoop_bound,
         "hoop_stress_min_pa": float(roll.hoop_stress.min()),
         "tension_stress_pa": section.stress,
@@ -109,9 +107,8 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
     return found
 
 
-def estimate_winding(case: Case) -> dict[str, Any]:
+def estimate_winding(case: WindingCase) -> dict[str, Any]:
     """Wraps, cells and approximate time."""
-    assert case.winding is not None
     cells, wraps = case.winding.cells, case.winding.wraps
     return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
 

@@ -1,9 +1,9 @@
-"""The case file: one module per section, a loader and a generated JSON schema."""
+"""The case file: one module per section, one class per analysis, a loader and a generated JSON schema."""
 
 from __future__ import annotations
 
 from wroll_fem.case.base import Section
-from wroll_fem.case.case import ANALYSES, RESUMABLE, Case
+from wroll_fem.case.case import Case
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact, Friction, Normal
 from wroll_fem.case.example import example_case
@@ -11,6 +11,19 @@ from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitati
 from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.kinds import (
+    ANALYSES,
+    BackboneCase,
+    DesignMapCase,
+    DwellCase,
+    HarmonicCase,
+    ModalCase,
+    ModalTransientCase,
+    PreloadCase,
+    SweepCase,
+    TwoDofCase,
+    WindingCase,
+)
 from wroll_fem.case.loader import build_case, load_case
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.material import IsotropicMaterial
@@ -18,12 +31,16 @@ from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.output import Output
 from wroll_fem.case.preload import Preload
+from wroll_fem.case.roll import RollSections
 from wroll_fem.case.schema import schema_text
 from wroll_fem.case.solver import Solver
+from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.case.winding import Winding
 
 __all__ = [
-    "ANALYSES", "RESUMABLE", "Backbone", "Case", "ChirpExcitation", "Coil", "Contact", "DwellExcitation", "Excitation",
-    "Friction", "Geometry", "Harmonic", "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal",
-    "Output", "Preload", "Section", "Solver", "Winding", "build_case", "example_case", "load_case", "schema_text",
+    "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase",
+    "DwellCase", "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "Integrator",
+    "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
+    "OnStructure", "Output", "Preload", "PreloadCase", "RollSections", "Section", "Solver", "StructuralCase",
+    "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, SerializerFunctionWrapHandler, model_serializer
 from pydantic_core import PydanticCustomError
-
-if TYPE_CHECKING:
-    from wroll_fem.case.case import Case
 
 
 class Section(BaseModel):
@@ -17,10 +14,18 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False)
 
 
-def wrong(
+class SparseSection(Section):
+    """A section whose empty keys are not written out."""
+
+    @model_serializer(mode="wrap")
+    def _without_empty_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in dict(dump(self)).items() if value is not None}
+
+
+def validation_error(
     problem: str, *, remedy: str, key: str = "", value: Any = None, show_value: bool = True
 ) -> PydanticCustomError:
-    """Error of a check that a bound on a field cannot express.
+    """Return the error of a check that a bound on a field cannot express.
 
     Parameters
     ----------
@@ -42,47 +47,22 @@ def wrong(
 def _number(value: Any) -> Any:
     """Turn PyYAML's strings such as '1e-3' into floats; refuse booleans and text."""
     if isinstance(value, bool):
-        raise wrong("must be a number", remedy="write a number, not true or false", value=value)
+        raise validation_error("must be a number", remedy="write a number, not true or false", value=value)
     if isinstance(value, str):
         try:
             return float(value)
         except ValueError:
             remedy = "write a plain number in SI units, for example 1.5e-3"
-            raise wrong("must be a number", remedy=remedy, value=value) from None
+            raise validation_error("must be a number", remedy=remedy, value=value) from None
     return value
 
 
 def _switch(value: Any) -> Any:
     if not isinstance(value, bool):
-        raise wrong("must be true or false", remedy="write true or false", value=value)
+        raise validation_error("must be true or false", remedy="write true or false", value=value)
     return value
 
 
 Real = Annotated[float, BeforeValidator(_number)]
 Whole = Annotated[int, BeforeValidator(_number)]
 Switch = Annotated[bool, BeforeValidator(_switch)]
-
-
-def owns_section(case: Case, analysis: str, *, lacks: str, missing: str, add: str) -> bool:
-    """Whether the case runs ``analysis``, whose section of the same name no other analysis has.
-
-    Parameters
-    ----------
-    lacks, missing
-        What the others have none of, and what the section holds, for the messages.
-    add
-        The section in short, as one would write it.
-
-    Raises
-    ------
-    PydanticCustomError
-        The section is missing, or stands in the case of another analysis.
-    """
-    given = getattr(case, analysis) is not None
-    if case.analysis == analysis and not given:
-        problem = f"required section is missing: {missing}"
-        raise wrong(problem, key=analysis, show_value=False, remedy=f"add {analysis}: {add}")
-    if case.analysis != analysis and given:
-        problem, remedy = f"analysis {case.analysis} has no {lacks}", f"leave it out, or use analysis: {analysis}"
-        raise wrong(problem, key=analysis, show_value=False, remedy=remedy)
-    return case.analysis == analysis

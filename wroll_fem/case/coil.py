@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from wroll_fem.case.base import Real, Section, Switch, Whole, wrong
+from wroll_fem.case.base import Real, Section, Switch, Whole, validation_error
 from wroll_fem.case.material import IsotropicMaterial, Material
 
 #: Keys that every model of the coil except `none` needs.
@@ -20,6 +20,12 @@ def _lab_layer() -> IsotropicMaterial:
     return IsotropicMaterial(E=2.8e9, nu=0.35, rho=2000.0)
 
 
+def _written_thickness(given: dict[str, Any]) -> float:
+    """Thickness under its other name; that of the lab layer for a mandrel alone."""
+    written: float | None = given.get("thickness")
+    return 1.25e-3 if written is None else written
+
+
 class Coil(Section):
     """The wound web as concentric layers, as a homogenised solid, or as something simpler to compare with."""
 
@@ -29,13 +35,13 @@ class Coil(Section):
         "none: the mandrel alone"
     )
     layers: Whole = Field(default=1, ge=1, description="number of concentric layers (count)")
-    total_thickness: Real = Field(
-        default_factory=lambda: 1.25e-3,
-        gt=0,
-        description="thickness of all layers together, m (each is total / layers)",
-    )
     thickness: Real | None = Field(
         default=None, gt=0, description="thickness of the coil, m: another name of total_thickness, used with solid"
+    )
+    total_thickness: Real = Field(
+        default_factory=_written_thickness,
+        gt=0,
+        description="thickness of all layers together, m (each is total / layers)",
     )
     material: Material = Field(
         default_factory=_lab_layer,
@@ -51,31 +57,29 @@ class Coil(Section):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         given = self.model_fields_set
-        if self.thickness is not None:
-            if "total_thickness" in given and self.total_thickness != self.thickness:
-                raise wrong(
-                    f"differs from total_thickness = {self.total_thickness:g} m, which means the same",
-                    key="thickness", value=self.thickness, remedy="give one of them",
-                )  # fmt: skip
-            self.__dict__["total_thickness"] = self.thickness  # no field of its own: a changed thickness changes it
+        if self.thickness is not None and self.total_thickness != self.thickness:
+            raise validation_error(
+                f"differs from total_thickness = {self.total_thickness:g} m, which means the same",
+                key="thickness", value=self.thickness, remedy="give one of them",
+            )  # fmt: skip
         for key in _NEEDED:
             if self.model != "none" and key not in given and not (key == "total_thickness" and self.thickness):
                 name = "thickness" if self.model == "solid" and key == "total_thickness" else key
                 what = type(self).model_fields[name].description
                 remedy = f"add it ({what}); only model: none goes without"
-                raise wrong("required key is missing", key=name, remedy=remedy, show_value=False)
+                raise validation_error("required key is missing", key=name, remedy=remedy, show_value=False)
         return self
 
     @model_validator(mode="after")
     def _fits_the_model(self) -> Self:
         for key in _OF_SHELLS:
             if self.model == "solid" and key in self.model_fields_set:
-                raise wrong(
+                raise validation_error(
                     "belongs to layers, the solid coil has none", key=key, value=getattr(self, key),
                     remedy="leave it out (mesh.radial sets the elements through the coil), or use model: layers",
                 )  # fmt: skip
         if self.model in ("layers", "bonded") and not isinstance(self.material, IsotropicMaterial):
-            raise wrong(
+            raise validation_error(
                 f"shells (model: {self.model}) are isotropic", key="material.kind", value=self.material.kind,
                 remedy="give E, nu and rho, or use model: solid",
             )  # fmt: skip

@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, Switch, _number, wrong
+from wroll_fem.case.base import Real, Section, Switch, _number, validation_error
 from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
 from wroll_fem.contact.registry import LAWS
 
 _ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)"
-
-
-def _from_table() -> float:
-    return math.nan
 
 
 class PenaltyFriction(Section):
@@ -39,8 +35,16 @@ class RateTable(Section):
     def _admissible(self) -> Self:
         found = table_problem(self.slip_rate, self.mu)
         if found is not None:
-            raise wrong(found.problem, key=found.column, value=getattr(self, found.column), remedy=found.remedy)
+            raise validation_error(
+                found.problem, key=found.column, value=getattr(self, found.column), remedy=found.remedy
+            )
         return self
+
+
+def _at_rest(given: dict[str, Any]) -> float:
+    """Coefficient of friction at rest: the first of the table."""
+    table = given.get("rate_table")
+    return math.nan if table is None else table.mu[0]
 
 
 class RateFriction(Section):
@@ -49,20 +53,18 @@ class RateFriction(Section):
     law: Literal["rate_coulomb"] = Field(
         description="rate_coulomb: as penalty_coulomb with a coefficient that follows the slip rate"
     )
-    mu: Real = Field(
-        default_factory=_from_table,
-        description="coefficient of friction at rest, dimensionless; may be left out: the first of rate_table",
-    )
     elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
     rate_table: RateTable = Field(description="coefficient of friction over slip rate")
+    mu: Real = Field(
+        default_factory=_at_rest,
+        description="coefficient of friction at rest, dimensionless; may be left out: the first of rate_table",
+    )
 
     @model_validator(mode="after")
-    def _at_rest(self) -> Self:
+    def _first_of_table(self) -> Self:
         first = self.rate_table.mu[0]
-        if "mu" not in self.model_fields_set:
-            self.__dict__["mu"] = first  # no field of its own: a changed table changes it
-        elif self.mu != first:
-            raise wrong(
+        if self.mu != first:
+            raise validation_error(
                 f"must be the first coefficient of rate_table, {first:g}", key="mu", value=self.mu,
                 remedy="leave mu out, or change rate_table.mu too",
             )  # fmt: skip
@@ -127,7 +129,7 @@ class Normal(Section):
         remedy = "write auto, or a positive stiffness in Pa/m"
         number = _number(value) if not isinstance(value, str) else _text_number(value, remedy)
         if not isinstance(number, int | float) or not 0 < number < float("inf"):
-            raise wrong("must be auto or a positive number", remedy=remedy, value=value)
+            raise validation_error("must be auto or a positive number", remedy=remedy, value=value)
         return float(number)
 
 
@@ -135,7 +137,7 @@ def _text_number(text: str, remedy: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise wrong("must be auto or a positive number", remedy=remedy, value=text) from None
+        raise validation_error("must be auto or a positive number", remedy=remedy, value=text) from None
 
 
 class Contact(Section):

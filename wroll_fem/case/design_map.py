@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field, field_validator
 
-from wroll_fem.case.base import Section, _number, wrong
+from wroll_fem.case.base import Section, _number, validation_error
 
 
 class DesignMap(Section):
@@ -26,11 +26,11 @@ class DesignMap(Section):
     def _ascending(cls, value: Any) -> Any:
         remedy = "write lengths in m, positive and ascending, for example [0.02, 0.03, 0.04]"
         if not isinstance(value, list | tuple) or not value:
-            raise wrong("must be a list of lengths", remedy=remedy, value=value)
+            raise validation_error("must be a list of lengths", remedy=remedy, value=value)
         lengths = [_number(entry) for entry in value]
         numbers = all(isinstance(entry, int | float) for entry in lengths)
         if not numbers or lengths[0] <= 0 or any(b <= a for a, b in pairwise(lengths)):
-            raise wrong("must be positive and ascending", remedy=remedy, value=value)
+            raise validation_error("must be positive and ascending", remedy=remedy, value=value)
         return lengths
 
     @field_validator("loosest", mode="before")
@@ -40,8 +40,8 @@ class DesignMap(Section):
             return value
         remedy = "write a shear modulus in Pa, or fundamental_bending"
         if isinstance(value, str | bool) and not str(value)[:1].isdigit():
-            raise wrong("is neither a number nor fundamental_bending", remedy=remedy, value=value)
+            raise validation_error("is neither a number nor fundamental_bending", remedy=remedy, value=value)
         number = _number(value)
         if not isinstance(number, int | float) or number <= 0:
-            raise wrong("must be positive", remedy=remedy, value=value)
+            raise validation_error("must be positive", remedy=remedy, value=value)
         return number

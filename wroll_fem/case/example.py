@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from wroll_fem.case.case import Case
+from wroll_fem.case.kinds import RollDwellCase
 
 
-def example_case() -> Case:
+def example_case() -> RollDwellCase:
     """Dwell of the lab roll with one layer on a very coarse mesh: runs in seconds, not accurate."""
-    return Case.model_validate(
+    return RollDwellCase.model_validate(
         {
             "analysis": "dwell",
             "geometry": {"length": 0.300, "mandrel_outer_diameter": 0.080, "mandrel_thickness": 1.5e-3},

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, _number, wrong
+from wroll_fem.case.base import Real, Section, _number, validation_error
 
 Direction = Annotated[
     Literal["x", "y"],
@@ -33,7 +33,7 @@ class ChirpExcitation(_BaseMotion):
     @model_validator(mode="after")
     def _upwards(self) -> Self:
         if self.f_end <= self.f_start:
-            raise wrong(
+            raise validation_error(
                 f"must be above excitation.f_start = {self.f_start:g} Hz", key="f_end", value=self.f_end,
                 remedy="chirps run upwards: give f_end > f_start, in Hz",
             )  # fmt: skip
@@ -56,7 +56,7 @@ class DwellExcitation(_BaseMotion):
     @model_validator(mode="after")
     def _ramp_fits(self) -> Self:
         if self.ramp_cycles > self.cycles:
-            raise wrong(
+            raise validation_error(
                 f"the smooth start is longer than the dwell of {self.cycles:g} cycles", key="ramp_cycles",
                 value=self.ramp_cycles, remedy="use fewer ramp_cycles or more cycles",
             )  # fmt: skip
@@ -92,7 +92,7 @@ class SineExcitation(Section):
         remedy = "write positive levels in ascending order, in g, for example [1, 5, 15]"
         levels = [_positive(entry, remedy) for entry in (value if isinstance(value, list | tuple) else [value])]
         if not levels or any(b <= a for a, b in pairwise(levels)):
-            raise wrong("must be an ascending list of levels", remedy=remedy, value=value)
+            raise validation_error("must be an ascending list of levels", remedy=remedy, value=value)
         return levels
 
     @property
@@ -111,7 +111,7 @@ class SineExcitation(Section):
 def _positive(value: Any, remedy: str) -> float:
     number = _number(value)
     if not isinstance(number, int | float) or not 0 < number < math.inf:
-        raise wrong("must be a number above zero", remedy=remedy, value=value)
+        raise validation_error("must be a number above zero", remedy=remedy, value=value)
     return float(number)
 
 

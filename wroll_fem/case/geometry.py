@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from wroll_fem.case.base import Real, Section, wrong
+from wroll_fem.case.base import Real, Section, validation_error
 
 
 class Geometry(Section):
@@ -19,7 +19,7 @@ class Geometry(Section):
     @model_validator(mode="after")
     def _wall_fits(self) -> Self:
         if self.mandrel_thickness >= self.mandrel_outer_diameter / 2:
-            raise wrong(
+            raise validation_error(
                 "the wall is thicker than the radius",
                 key="mandrel_thickness",
                 value=self.mandrel_thickness,

@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from wroll_fem.case.base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Harmonic(Section):
@@ -27,7 +27,7 @@ class Harmonic(Section):
     @model_validator(mode="after")
     def _sampled(self) -> Self:
         if self.samples < 4 * self.harmonics + 4:
-            raise wrong(
+            raise validation_error(
                 f"too few samples for {self.harmonics} harmonics", key="samples", value=self.samples,
                 remedy=f"use {4 * self.harmonics + 4} or more (64 is the default)",
             )  # fmt: skip
@@ -43,7 +43,7 @@ class Backbone(Section):
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if self.tip_largest <= self.tip_smallest:
-            raise wrong(
+            raise validation_error(
                 f"must be above backbone.tip_smallest = {self.tip_smallest:g} m", key="tip_largest",
                 value=self.tip_largest, remedy="give two rising amplitudes in m",
             )  # fmt: skip

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from wroll_fem.case.base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, validation_error
 
-#: alpha of the named schemes (Table B.1 of the source); quasi_static is backward Euler and has none.
 SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}
+"""alpha of the named schemes (Table B.1 of the thesis); quasi_static is backward Euler and has none."""
+
+
+def _own_alpha(given: dict[str, Any]) -> float:
+    """Alpha of the scheme among the keys before it; that of transient_fidelity where the scheme has none of its own."""
+    return SCHEME_ALPHA.get(given.get("scheme", ""), SCHEME_ALPHA["transient_fidelity"])
 
 
 class Integrator(Section):
@@ -21,7 +26,7 @@ class Integrator(Section):
         "are named values of it; quasi_static is backward Euler",
     )
     alpha: Real = Field(
-        default=-0.05,
+        default_factory=_own_alpha,
         ge=-0.41422,
         le=0,
         description="HHT parameter, dimensionless, between -0.41421 and 0 (0: no damping)",
@@ -32,12 +37,11 @@ class Integrator(Section):
 
     @model_validator(mode="after")
     def _alpha_of_scheme(self) -> Self:
-        """Give a named scheme its own alpha, and refuse an alpha that would be ignored."""
-        own = SCHEME_ALPHA.get(self.scheme)
-        if own is None:
-            return self
-        if "alpha" in self.model_fields_set and abs(self.alpha - own) > 1e-5:
+        """Refuse an alpha that the scheme would not use."""
+        own = _own_alpha({"scheme": self.scheme})
+        if self.scheme in SCHEME_ALPHA and abs(self.alpha - own) > 1e-5:
             remedy = f"leave alpha out (it is {own:g} here) or use scheme: hht"
-            raise wrong(f"scheme {self.scheme} has its own alpha", key="alpha", value=self.alpha, remedy=remedy)
-        self.__dict__["alpha"] = own  # not marked as given: `Case.changed` may pick another scheme
+            raise validation_error(
+                f"scheme {self.scheme} has its own alpha", key="alpha", value=self.alpha, remedy=remedy
+            )
         return self

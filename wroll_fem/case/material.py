@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from wroll_fem.case.base import Real, Section, wrong
+from wroll_fem.case.base import Real, Section, validation_error
 from wroll_fem.structure.materials import CONSTANTS, CylindricalOrthotropic, violation
 
 
@@ -26,8 +27,15 @@ class IsotropicMaterial(Section):
         return CylindricalOrthotropic.isotropic(self.E, self.nu, self.rho)
 
 
-def _left_out() -> float:
-    return math.nan
+def _like(key: str) -> Callable[[dict[str, Any]], float]:
+    """Default of a constant: the value of another key that comes before it."""
+    return lambda given: given.get(key, math.nan)
+
+
+def _isotropic_shear(given: dict[str, Any]) -> float:
+    """In-plane shear modulus of a web that is isotropic in its plane, Pa."""
+    E, nu = given.get("E_theta", math.nan), given.get("nu_theta_z", math.nan)
+    return 0.0 if nu <= -1 else E / (2 * (1 + nu))
 
 
 class OrthotropicMaterial(Section):
@@ -38,7 +46,9 @@ class OrthotropicMaterial(Section):
     )
     E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
     E_z: Real = Field(
-        default_factory=_left_out, gt=0, description="Young's modulus along the roll's axis, Pa; left out: E_theta"
+        default_factory=_like("E_theta"),
+        gt=0,
+        description="Young's modulus along the roll's axis, Pa; left out: E_theta",
     )
     E_r: Real = Field(gt=0, description="Young's modulus through the stack of wraps, Pa")
     nu_theta_z: Real = Field(
@@ -49,41 +59,34 @@ class OrthotropicMaterial(Section):
     )
     nu_z_r: Real = Field(description="Poisson's ratio, dimensionless: -strain_r / strain_z under stress along z")
     G_z_theta: Real = Field(
-        default_factory=_left_out, gt=0,
+        default_factory=_isotropic_shear, gt=0,
         description="in-plane shear modulus of the web, Pa; left out: E_theta / (2 (1 + nu_theta_z)), a web isotropic "
         "in its plane",
     )  # fmt: skip
     G_r_theta: Real = Field(gt=0, description="shear modulus between wraps around the roll, Pa")
     G_r_z: Real = Field(
-        default_factory=_left_out,
+        default_factory=_like("G_r_theta"),
         gt=0,
         description="shear modulus between wraps along the axis, Pa; left out: G_r_theta",
     )
     rho: Real = Field(gt=0, description="density, kg/m^3")
 
     @model_validator(mode="after")
-    def _complete(self) -> Self:
-        given = self.model_fields_set
-        # in __dict__, not as fields that were set: a changed constant changes those that follow it
-        if "E_z" not in given:
-            self.__dict__["E_z"] = self.E_theta
-        if "G_r_z" not in given:
-            self.__dict__["G_r_z"] = self.G_r_theta
-        if "G_z_theta" not in given:
-            if self.E_z != self.E_theta:
-                raise wrong(
-                    f"required key is missing: the web is not isotropic in its plane (E_z = {self.E_z:g} Pa, "
-                    f"E_theta = {self.E_theta:g} Pa)",
-                    key="G_z_theta", show_value=False, remedy="give the in-plane shear modulus of the web, Pa",
-                )  # fmt: skip
-            self.__dict__["G_z_theta"] = self.E_theta / (2 * (1 + self.nu_theta_z)) if self.nu_theta_z > -1 else 0.0
+    def _isotropic_in_plane(self) -> Self:
+        """Ask for the in-plane shear modulus where the other constants do not decide it."""
+        if "G_z_theta" not in self.model_fields_set and self.E_z != self.E_theta:
+            raise validation_error(
+                f"required key is missing: the web is not isotropic in its plane (E_z = {self.E_z:g} Pa, "
+                f"E_theta = {self.E_theta:g} Pa)",
+                key="G_z_theta", show_value=False, remedy="give the in-plane shear modulus of the web, Pa",
+            )  # fmt: skip
         return self
 
     @model_validator(mode="after")
     def _admissible(self) -> Self:
         found = violation(self)
         if found is not None:
-            raise wrong(found.problem, key=found.key, value=found.value, remedy=found.remedy)
+            raise validation_error(found.problem, key=found.key, value=found.value, remedy=found.remedy)
         return self
 
     def solid(self) -> CylindricalOrthotropic:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer
 
-from wroll_fem.case.base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Mesh(Section):
@@ -47,14 +47,16 @@ class Mesh(Section):
     @classmethod
     def _even(cls, value: int) -> int:
         if value % 2:
-            raise wrong("must be even (symmetry plane)", remedy=f"use {value - 1} or {value + 1}", value=value)
+            raise validation_error(
+                "must be even (symmetry plane)", remedy=f"use {value - 1} or {value + 1}", value=value
+            )
         return value
 
     @field_validator("file", mode="before")
     @classmethod
     def _a_path(cls, value: Any) -> Any:
         if value is not None and not isinstance(value, str | Path):
-            raise wrong("must be the path of a .msh file", remedy="write a path, or null", value=value)
+            raise validation_error("must be the path of a .msh file", remedy="write a path, or null", value=value)
         return value
 
     @field_validator("file")
@@ -62,5 +64,5 @@ class Mesh(Section):
     def _exists(cls, value: Path | None) -> Path | None:
         if value is not None and not value.is_file():
             remedy = "give the path of a .msh file, relative to the case file, or null to mesh here"
-            raise wrong("mesh file not found", remedy=remedy, value=str(value))
+            raise validation_error("mesh file not found", remedy=remedy, value=str(value))
         return value

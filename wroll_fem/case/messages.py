@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, get_args
 
+import yaml
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from wroll_fem.case.descriptions import sections
 from wroll_fem.errors import InputError
+
+Refusal = Callable[[str], tuple[str, str] | None]
+"""Key at the top of a file -> problem and remedy, or None for a key that is unknown everywhere."""
 
 _TAGS = ("kind", "law")
 _BOUNDS = {
@@ -35,24 +40,32 @@ _KINDS = {
 
 
 def input_error(
-    error: ValidationError, model: type[BaseModel], *, file: str | None = None, overrides: Sequence[str] = ()
-) -> InputError:
+    error: ValidationError, model: type[BaseModel], *, file: str | None = None, overrides: Sequence[str] = (),
+    known: Sequence[str] = (), refusal: Refusal | None = None,
+) -> InputError:  # fmt: skip
     """Turn a validation error into one line: file, dotted key, problem, value, remedy.
 
     Parameters
     ----------
     error
-        What pydantic found; the first error is told, the others are counted.
+        What pydantic found; the message is about the first error and counts the others.
     model
         Root model, to find descriptions and the nearest known key.
     file
         File the input came from.
     overrides
         Dotted keys given with `--set`; an error in one of them names `--set key`.
+    known
+        Keys at the top in the order to name them; those of the model when empty.
+    refusal
+        Function of a key at the top that the model does not have: problem and remedy, or None for an unknown key.
     """
-    details = sorted(error.errors(include_url=False), key=lambda d: d["type"] != "extra_forbidden")
+    details = [d for d in error.errors(include_url=False) if d["type"] != "default_factory_not_called"]
+    refused = {d["loc"]: refusal(str(d["loc"][0])) if refusal and len(d["loc"]) == 1 else None for d in details}
+    details.sort(key=lambda d: d["type"] != "extra_forbidden" or refused[d["loc"]] is not None)
     first = details[0]
-    key, problem, remedy, meant = _explain(first, model)
+    reason = refused[first["loc"]] if first["type"] == "extra_forbidden" else None
+    key, problem, remedy, meant = _refused(first, *reason) if reason else _explain(first, model, known)
     others = [d for d in details[1:] if not (d["type"] == "missing" and ".".join(map(str, d["loc"])) == meant)]
     more = f" (and {len(others)} more)" if others else ""
     if any(key == given or key.startswith(f"{given}.") for given in overrides):
@@ -60,7 +73,14 @@ def input_error(
     return InputError(problem, key=key or None, remedy=f"{remedy}{more}", file=file)
 
 
-def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, str, str]:
+def _refused(detail: ErrorDetails, problem: str, remedy: str) -> tuple[str, str, str, str]:
+    """As `_explain`, for a section that this model does not have."""
+    value = detail["input"]
+    got = "" if isinstance(value, Mapping | BaseModel) else f", got {_show(value)}"
+    return str(detail["loc"][0]), f"{problem}{got}", remedy, ""
+
+
+def _explain(detail: ErrorDetails, model: type[BaseModel], known: Sequence[str]) -> tuple[str, str, str, str]:
     """Return (dotted key, problem with value, remedy, dotted key that was probably meant)."""
     kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
     keys, parent = _walk(detail["loc"], model)
@@ -71,7 +91,7 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
         got = f", got {_show(context['value'])}" if context["show_value"] else ""
         return key, f"{context['problem']}{got}", str(context["remedy"]), ""
     if kind == "extra_forbidden":
-        problem, remedy, meant = _unknown_key(keys, parent, model)
+        problem, remedy, meant = _unknown_key(keys, parent, model, known)
         return key, f"{problem}{got}", remedy, meant
     field = parent.model_fields.get(keys[-1]) if keys and parent else None
     if field is None and len(keys) > 1 and keys[-1].isdigit():  # an entry of a list has the list's description
@@ -79,7 +99,12 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
     what = field.description if field is not None and field.description else "see `wroll schema`"
     if kind == "missing":
         section = field is not None and _section_of(field.annotation) is not None
-        return key, f"required {'section' if section else 'key'} is missing", f"add it ({what})", ""
+        return (
+            key,
+            f"required {'section' if section else 'key'} is missing",
+            f"add it ({what}){_example(field, key)}",
+            "",
+        )
     if kind in ("literal_error", "union_tag_invalid"):
         options = str(context.get("expected") or context.get("expected_tags")).replace("'", "")
         if kind == "union_tag_invalid":
@@ -96,13 +121,21 @@ def _explain(detail: ErrorDetails, model: type[BaseModel]) -> tuple[str, str, st
     return key, f"{detail['msg'][:1].lower()}{detail['msg'][1:]}{got}", f"give the {what}", ""
 
 
+def _example(field: FieldInfo | None, key: str) -> str:
+    """Example of a section as it would be written, where the field has one."""
+    if field is None or not field.examples:
+        return ""
+    text = yaml.safe_dump(field.examples[0], default_flow_style=True, width=200).strip()
+    return f", for example {key}: {text}"
+
+
 def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
     """Dotted path of an error, without pydantic's union tags, and the model that holds its last key."""
     keys: list[str] = []
     parent: type[BaseModel] | None = model
     here: Any = model
     for part in loc:
-        options = _sections(here)
+        options = sections(here)
         tagged = [m for m in options if len(options) > 1 and part in _tags(m)]
         if tagged:
             here = tagged[0]
@@ -121,7 +154,7 @@ def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
         field = next((m.model_fields[key] for m in models if key in m.model_fields), None)
         if field is None:
             return None
-        models = _sections(field.annotation)
+        models = sections(field.annotation)
     return field
 
 
@@ -130,38 +163,35 @@ def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
     return next((get_args(model.model_fields[key].annotation) for key in _TAGS if key in model.model_fields), ())
 
 
-def _sections(annotation: Any) -> list[type[BaseModel]]:
-    """Models an annotation allows."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for argument in get_args(annotation) for model in _sections(argument)]
-
-
 def _section_of(annotation: Any) -> type[BaseModel] | None:
-    found = _sections(annotation)
+    found = sections(annotation)
     return found[0] if found else None
 
 
 def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
     for name, field in model.model_fields.items():
         yield f"{prefix}{name}"
-        for section in _sections(field.annotation):
+        for section in sections(field.annotation):
             yield from _all_keys(section, f"{prefix}{name}.")
 
 
-def _unknown_key(keys: list[str], parent: type[BaseModel] | None, root: type[BaseModel]) -> tuple[str, str, str]:
+def _unknown_key(
+    keys: list[str], parent: type[BaseModel] | None, root: type[BaseModel], known: Sequence[str]
+) -> tuple[str, str, str]:
     """Problem, remedy and the full key that was probably meant."""
     siblings = list(parent.model_fields) if parent else []
+    if len(keys) == 1 and known:
+        siblings = list(known)
     near = difflib.get_close_matches(keys[-1], siblings, n=1)
     if near:
         return "unknown key", f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
     elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
     elsewhere = [k for k in elsewhere if k.startswith(f"{keys[0]}.")] or elsewhere  # the same section first
     elsewhere = [k for k in elsewhere if k.count(".") == min(other.count(".") for other in elsewhere)]
-    known = f"known here: {', '.join(siblings)}"
+    here = f"known here: {', '.join(siblings)}"
     if elsewhere and ".".join(keys) not in elsewhere:
         return "unknown key", f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]
-    return "unknown key", known, ""
+    return "unknown key", here, ""
 
 
 def _show(value: Any) -> str:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pydantic import Field
 
-from wroll_fem.case.base import Section, Switch, Whole, wrong
-
-if TYPE_CHECKING:
-    from wroll_fem.case.case import Case
-
-_READ = ("sweep", "harmonic", "two_dof")  # analyses with a curve over frequency
+from wroll_fem.case.base import Section, Switch, Whole
 
 
 class Output(Section):
@@ -27,20 +22,3 @@ class Output(Section):
         default="half_power",
         description="what reads f_n and zeta from a transmissibility (sweep, harmonic, two_dof); choose: by its shape",
     )
-
-
-def damping_fits(case: Case) -> None:
-    """Only a curve over frequency can be read."""
-    method = case.output.damping
-    if method == "half_power":
-        return
-    if case.analysis not in _READ:
-        raise wrong(
-            f"analysis {case.analysis} has no curve over frequency to read", key="output.damping", value=method,
-            remedy=f"leave it out, or use one of the analyses {', '.join(_READ)}",
-        )  # fmt: skip
-    if case.two_dof is not None and case.two_dof.design_space is not None:
-        raise wrong(
-            "the map of the design space is read by half power", key="output.damping", value=method,
-            remedy="leave it out, or leave two_dof.design_space out",
-        )  # fmt: skip

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Section, Whole, _number, wrong
+from wroll_fem.case.base import SparseSection, Whole, _number, validation_error
+
+DEFAULT_STEPS = 10
+"""Load steps of the static preload."""
 
 
-class Preload(Section):
+class Preload(SparseSection):
     """Nonlinear static step before the vibration."""
 
     kind: Literal["external_pressure", "winding_tension"] = Field(
@@ -22,7 +25,7 @@ class Preload(Section):
         description="external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner "
         "first); left out with winding_tension",
     )
-    steps: Whole = Field(default=10, ge=1, description="load steps of the static preload (count)")
+    steps: Whole = Field(default=DEFAULT_STEPS, ge=1, description="load steps of the static preload (count)")
 
     @field_validator("pressure", mode="before")
     @classmethod
@@ -33,25 +36,22 @@ class Preload(Section):
             return _pressure(value)
         if not value:
             remedy = "write one pressure, or one per layer (inner first), Pa"
-            raise wrong("the list of pressures is empty", remedy=remedy, value=value)
+            raise validation_error("the list of pressures is empty", remedy=remedy, value=value)
         return [_pressure(entry) for entry in value]
 
     @model_validator(mode="after")
     def _pressure_or_winding(self) -> Self:
         if self.kind == "winding_tension" and self.pressure is not None:
-            raise wrong(
+            raise validation_error(
                 "the tension of section winding sets the pressure", key="pressure", value=self.pressure,
                 remedy="leave it out, or use kind: external_pressure",
             )  # fmt: skip
         if self.kind == "external_pressure" and self.pressure is None:
             what = "external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner first)"
-            raise wrong("required key is missing", key="pressure", show_value=False, remedy=f"add it ({what})")
+            raise validation_error(
+                "required key is missing", key="pressure", show_value=False, remedy=f"add it ({what})"
+            )
         return self
-
-    @model_serializer(mode="wrap")
-    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """No empty keys."""
-        return {key: value for key, value in dict(plain(self)).items() if value is not None}
 
     def per_layer(self, layers: int) -> list[float]:
         """External pressure on the outside of each layer, inner first, Pa, of kind external_pressure."""
@@ -66,5 +66,5 @@ def _pressure(value: Any) -> float:
     number = _number(value)
     if not isinstance(number, int | float) or not 0 <= number < float("inf"):
         remedy = "write a pressure of 0 Pa or more, or a list with one per layer"
-        raise wrong("must be a pressure that presses inwards", remedy=remedy, value=value)
+        raise validation_error("must be a pressure that presses inwards", remedy=remedy, value=value)
     return float(number)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, Switch, Whole, _number, owns_section, wrong
-
-if TYPE_CHECKING:
-    from wroll_fem.case.case import Case
+from wroll_fem.case.base import Real, Section, SparseSection, Switch, Whole, _number, validation_error
 
 
 class Span(Section):
@@ -23,7 +20,9 @@ class Span(Section):
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if self.stop <= self.start:
-            raise wrong(f"must be above start = {self.start:g}", key="stop", value=self.stop, remedy="let it rise")
+            raise validation_error(
+                f"must be above start = {self.start:g}", key="stop", value=self.stop, remedy="let it rise"
+            )
         return self
 
     @property
@@ -43,7 +42,7 @@ class TwoDofDesignSpace(Section):
     )
 
 
-class TwoDof(Section):
+class TwoDof(SparseSection):
     """Masses, springs, dashpots, friction and base motion; any consistent units, SI in the names here."""
 
     m1: Real = Field(default=1.0, gt=0, description="mass of the primary (mandrel), kg")
@@ -76,32 +75,15 @@ class TwoDof(Section):
         entries = value if isinstance(value, list | tuple) else [value]
         forces = [_number(entry) for entry in entries]
         if not forces or not all(isinstance(force, int | float) for force in forces):
-            raise wrong("must be a list of forces", remedy=remedy, value=value)
+            raise validation_error("must be a list of forces", remedy=remedy, value=value)
         if forces[0] <= 0 or any(b <= a for a, b in pairwise(forces)):
-            raise wrong("must be positive and ascending", remedy=remedy, value=value)
+            raise validation_error("must be positive and ascending", remedy=remedy, value=value)
         return forces
 
     @model_validator(mode="after")
     def _enough(self) -> Self:
         if self.omega.points < 5:
-            raise wrong("too few frequencies for a curve", key="omega.points", value=self.omega.points, remedy="use 5")
-        return self
-
-
-def two_dof_fits(case: Case) -> None:
-    """Section `two_dof` and its analysis belong together, and describe the whole structure."""
-    add = "{friction_capacity: [...], omega: {start: 0.4, stop: 2.0, points: 400}}"
-    if not owns_section(case, "two_dof", lacks="two masses", missing="the two masses", add=add):
-        return
-    for section in NOT_IN_TWO_DOF:
-        if section in case.model_fields_set:
-            raise wrong(
-                "analysis two_dof does not use it", key=section, show_value=False, remedy=f"leave {section} out"
+            raise validation_error(
+                "too few frequencies for a curve", key="omega.points", value=self.omega.points, remedy="use 5"
             )
-
-
-NOT_IN_TWO_DOF = (
-    "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation", "damping_ratio",
-    "integrator", "solver", "mesh", "modal", "harmonic", "backbone",
-)  # fmt: skip
-"""Sections that describe or solve a roll."""
+        return self

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BeforeValidator,
@@ -15,16 +15,13 @@ from pydantic import (
     model_validator,
 )
 
-from wroll_fem.case.base import Real, Section, Whole, wrong
-
-if TYPE_CHECKING:
-    from wroll_fem.case.case import Case
+from wroll_fem.case.base import Real, Section, SparseSection, Whole, validation_error
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.errors import InputError
 
 LARGEST_K2 = 1.0e4
 """A larger K2 is taken for a modulus in Pa; measured stacks of web have 10 to some 1000."""
-
-FIT = 0.01
-"""Share by which the wound roll may differ in size from geometry and coil."""
 
 
 class ConstantModulus(Section):
@@ -50,7 +47,7 @@ class PfeifferModulus(Section):
             number = math.nan
         if not number <= LARGEST_K2:
             unit = "a number without a unit" if math.isnan(number) else "not a modulus in Pa: it has no unit"
-            raise wrong(
+            raise validation_error(
                 f"K2 is {unit}", value=value,
                 remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
                 "(the source's Table 2.3 prints 40 GPa where 40 is meant)",
@@ -69,24 +66,26 @@ class TableModulus(Section):
     def _a_table(self) -> Self:
         _check_table(self.pressure, self.modulus, "pressure", "modulus", least=0.0)
         if not min(self.modulus) > 0:
-            raise wrong("must be positive", key="modulus", value=self.modulus, remedy="give moduli above 0 Pa")
+            raise validation_error(
+                "must be positive", key="modulus", value=self.modulus, remedy="give moduli above 0 Pa"
+            )
         return self
 
 
 def _check_table(x: list[float], y: list[float], name_x: str, name_y: str, *, least: float) -> None:
     if len(x) != len(y):
-        raise wrong(
+        raise validation_error(
             f"{len(y)} values for {len(x)} of {name_x}", key=name_y, value=y, remedy=f"give one value per {name_x}"
         )
     if any(b <= a for a, b in pairwise(x)) or x[0] < least:
-        raise wrong(
+        raise validation_error(
             "must rise from row to row", key=name_x, value=x, remedy=f"sort the rows by {name_x}, from {least:g} up"
         )
 
 
 def _law_named(value: Any) -> Any:
     if isinstance(value, dict) and "law" not in value:
-        raise wrong(
+        raise validation_error(
             "required key is missing", key="law", show_value=False, remedy="add law: constant, pfeiffer or table"
         )
     return value
@@ -123,7 +122,7 @@ class TableTension(Section):
     def _a_table(self) -> Self:
         _check_table(self.radius, self.factor, "radius", "factor", least=0.0)
         if not min(self.factor) > 0:
-            raise wrong(
+            raise validation_error(
                 "must be positive", key="factor", value=self.factor, remedy="a web cannot be wound without pull"
             )
         return self
@@ -156,7 +155,7 @@ class WindingMandrel(Section):
         if self.stiffness is not None:
             for key in ("wall", "E", "nu"):
                 if key in self.model_fields_set:
-                    raise wrong(
+                    raise validation_error(
                         "stands beside stiffness, which replaces it", key=key, value=getattr(self, key),
                         remedy="give wall and E, or stiffness",
                     )  # fmt: skip
@@ -164,14 +163,20 @@ class WindingMandrel(Section):
         for key in ("wall", "E"):
             if getattr(self, key) is None:
                 what = type(self).model_fields[key].description
-                raise wrong("required key is missing", key=key, show_value=False, remedy=f"add it ({what})")
-        assert self.wall is not None
-        if self.wall > self.outer_radius:
-            raise wrong(
+                raise validation_error("required key is missing", key=key, show_value=False, remedy=f"add it ({what})")
+        if self.wall is not None and self.wall > self.outer_radius:
+            raise validation_error(
                 "the wall is thicker than the radius", key="wall", value=self.wall,
                 remedy=f"use outer_radius = {self.outer_radius:g} m or less (equal: a solid core)",
             )  # fmt: skip
         return self
+
+    @property
+    def tube(self) -> tuple[float, float]:
+        """Wall thickness, m, and Young's modulus, Pa, of a mandrel that is not given by its stiffness."""
+        if self.wall is None or self.E is None:
+            raise ValueError("a mandrel given by its stiffness has no wall")
+        return self.wall, self.E
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -190,7 +195,7 @@ class Web(Section):
     radial_modulus: RadialModulus = Field(description="stiffness of the stack through its thickness")
 
 
-class Winding(Section):
+class Winding(SparseSection):
     """A web wound under tension onto a mandrel."""
 
     tension_stress: Real | None = Field(default=None, gt=0, description="tension of the web over its section, Pa")
@@ -225,114 +230,73 @@ class Winding(Section):
     def _one_tension(self) -> Self:
         if (self.tension_stress is None) == (self.tension_newton is None):
             both = self.tension_stress is not None
-            raise wrong(
+            raise validation_error(
                 "stands beside tension_stress" if both else "the tension is missing",
                 key="tension_newton" if both else "tension_stress", value=self.tension_newton, show_value=both,
                 remedy="give tension_stress in Pa, or tension_newton in N with web_width in m",
             )  # fmt: skip
         if self.tension_newton is not None and self.web_width is None:
             remedy = "add it (width of the web, m), or give tension_stress in Pa"
-            raise wrong("tension_newton needs the width", key="web_width", show_value=False, remedy=remedy)
+            raise validation_error("tension_newton needs the width", key="web_width", show_value=False, remedy=remedy)
         return self
 
     @model_validator(mode="after")
     def _thin_web(self) -> Self:
         if self.mandrel is not None and self.wrap_thickness >= self.mandrel.outer_radius:
-            raise wrong(
+            raise validation_error(
                 "the web is thicker than the roll it is wound on", key="wrap_thickness", value=self.wrap_thickness,
                 remedy=f"use less than mandrel.outer_radius = {self.mandrel.outer_radius:g} m",
             )  # fmt: skip
         return self
-
-    @model_serializer(mode="wrap")
-    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """No empty keys."""
-        return {key: value for key, value in dict(plain(self)).items() if value is not None}
 
     @property
     def stress(self) -> float:
         """Tension of the web over its section, Pa, before the profile."""
         if self.tension_stress is not None:
             return self.tension_stress
-        assert self.tension_newton is not None
-        assert self.web_width is not None
+        if self.tension_newton is None or self.web_width is None:
+            raise ValueError("a winding that was not checked has no tension")
         return self.tension_newton / (self.web_width * self.wrap_thickness)
+
+    @property
+    def core(self) -> WindingMandrel:
+        """The mandrel.
+
+        Raises
+        ------
+        InputError
+            When it was left out and `on_mandrel` has not taken it from the rest of the case.
+        """
+        if self.mandrel is None:
+            remedy = "add it (outer_radius with wall and E, or with stiffness)"
+            raise InputError("required section is missing", key="winding.mandrel", remedy=remedy)
+        return self.mandrel
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Coefficient of friction between wraps, dimensionless.
+
+        Raises
+        ------
+        InputError
+            When `mu` was left out.
+        """
+        if self.mu is None:
+            remedy = "add it (coefficient of friction between wraps)"
+            raise InputError("required key is missing", key="winding.mu", remedy=remedy)
+        return self.mu
 
     @property
     def build_up(self) -> float:
         """Thickness of all wraps together, m."""
         return self.wraps * self.wrap_thickness
 
-
-def completed(case: Case) -> Winding:
-    """Section `winding` of a case, its mandrel taken from geometry and mandrel where it was left out."""
-    winding = case.winding
-    assert winding is not None
-    if winding.mandrel is not None:
-        return winding
-    tube = WindingMandrel(
-        outer_radius=0.5 * case.geometry.mandrel_outer_diameter, wall=case.geometry.mandrel_thickness,
-        E=case.mandrel.material.E, nu=case.mandrel.material.nu,
-    )  # fmt: skip
-    return winding.model_copy(update={"mandrel": tube})
-
-
-def winding_present(case: Case) -> None:
-    """The section stands where something is computed from it."""
-    tension = case.preload.kind == "winding_tension"
-    if case.winding is None:
-        needs = {"winding": "analysis winding", "modal_transient": "the friction capacity of analysis modal_transient"}
-        reason = "preload.kind: winding_tension" if tension else needs.get(case.analysis)
-        if reason:
-            raise wrong(
-                "required section is missing", key="winding", show_value=False,
-                remedy=f"add it (how the roll was wound: tension, wraps, mandrel, web): {reason} needs it",
-            )  # fmt: skip
-        return
-    if case.winding.mu is None and case.analysis in ("winding", "modal_transient"):
-        remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
-        raise wrong("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
-    if case.winding.mu == 0.0 and case.analysis == "modal_transient":
-        remedy = "use a value above 0: without friction every point slips at any level"
-        raise wrong("nothing holds the wraps", key="winding.mu", value=0.0, remedy=remedy)
-    if case.winding.mandrel is None and not {"geometry", "mandrel"} <= case.model_fields_set:
-        remedy = "add it (outer_radius with wall and E, or with stiffness)"
-        raise wrong("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)
-
-
-def winding_fits(case: Case) -> None:
-    """The wound roll has the size of the roll that is simulated."""
-    winding = case.winding
-    if winding is None or case.structure is not None or "geometry" not in case.model_fields_set:
-        return
-    radius, wall = 0.5 * case.geometry.mandrel_outer_diameter, case.geometry.mandrel_thickness
-    if winding.mandrel is not None:
-        _same(winding.mandrel.outer_radius, radius, "mandrel.outer_radius", "geometry.mandrel_outer_diameter / 2")
-        if winding.mandrel.wall is not None:
-            _same(winding.mandrel.wall, wall, "mandrel.wall", "geometry.mandrel_thickness")
-    if winding.wrap_thickness >= radius:
-        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", "a thinner web")
-    if winding.web_width is not None and winding.web_width > (1.0 + FIT) * case.geometry.length:
-        limit = f"geometry.length = {case.geometry.length:g} m or less"
-        raise _misfit("web_width", winding.web_width, "the web is wider than the roll is long", limit)
-    if case.coil.model == "none":
-        return
-    thickness = case.coil.total_thickness
-    if winding.wrap_thickness > (1.0 + FIT) * thickness:
-        limit = f"coil.total_thickness = {thickness:g} m / wraps"
-        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", limit)
-    if abs(winding.build_up - thickness) > FIT * thickness:
-        problem = (
-            f"{winding.wraps} wraps of {winding.wrap_thickness:g} m are {winding.build_up:g} m thick, the coil is "
-        )
-        wraps = max(1, round(thickness / winding.wrap_thickness))
-        raise _misfit("wraps", winding.wraps, f"{problem}{thickness:g} m", f"wraps: {wraps}, or change the coil")
-
-
-def _same(value: float, wanted: float, key: str, name: str) -> None:
-    if abs(value - wanted) > FIT * wanted:
-        raise _misfit(key, value, f"differs from {name} = {wanted:g} m", f"{wanted:g} m, or leave winding.mandrel out")
-
-
-def _misfit(key: str, value: Any, problem: str, use: str) -> Exception:
-    return wrong(problem, key=f"winding.{key}", value=value, remedy=f"use {use}")
+    def on_mandrel(self, geometry: Geometry, mandrel: Mandrel) -> Winding:
+        """Return the section with its own mandrel, or with the one that the rest of the case describes."""
+        if self.mandrel is not None:
+            return self
+        tube = WindingMandrel(
+            outer_radius=0.5 * geometry.mandrel_outer_diameter, wall=geometry.mandrel_thickness,
+            E=mandrel.material.E, nu=mandrel.material.nu,
+        )  # fmt: skip
+        return self.model_copy(update={"mandrel": tube})

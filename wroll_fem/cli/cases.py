@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from wroll_fem.case import load_case, schema_text
+from wroll_fem.case import OnRoll, StructuralCase, load_case, schema_text
 from wroll_fem.cli.app import CaseFile, Overrides, app, reporting
 from wroll_fem.errors import InputError
 from wroll_fem.progress import TerminalProgress
@@ -63,12 +63,11 @@ def mesh(
 ) -> None:
     """Mesh a case and write it as .msh (named groups) and .vtu."""
     with reporting():
-        case = load_case(case_file, overrides or ())
+        case = _structural(case_file, overrides)
         from wroll_fem.mesh.files import write_mesh
         from wroll_fem.mesh.generate import build_mesh
 
-        _refuse_winding(case, case_file)
-        if case.structure is not None:
+        if not isinstance(case, OnRoll):
             remedy = "its file holds matrices alone: mesh the case it was exported from"
             raise InputError("leaves nothing to mesh", key="structure", file=str(case_file), remedy=remedy)
         if out.exists() and not out.is_dir():
@@ -95,8 +94,7 @@ def export(
 ) -> None:
     """Mesh, assemble and preload a case, and write its matrices and interfaces (docs/matrices.md)."""
     with reporting():
-        case = load_case(case_file, overrides or ())
-        _refuse_winding(case, case_file)
+        case = _structural(case_file, overrides)
         from wroll_fem.dynamics.system.array_file import check_suffix
 
         check_suffix(out)  # before the work
@@ -110,9 +108,12 @@ def export(
         typer.echo(f"{written}: {system.n_dofs} DOFs, {system.n_points} contact points, {size:.2g} MB")
 
 
-def _refuse_winding(case: Any, file: Path) -> None:
-    if case.analysis in ("winding", "two_dof"):
+def _structural(file: Path, overrides: list[str] | None) -> StructuralCase:
+    """Case of a file that has a mesh or matrices; raises `InputError` for another."""
+    case = load_case(file, overrides or ())
+    if not isinstance(case, StructuralCase):
         remedy = "use a case with geometry, mandrel and coil"
         raise InputError(
             f"analysis {case.analysis} has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy
         )
+    return case

@@ -19,20 +19,20 @@ from wroll_fem.structure.body import Body, Trace
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.roll import RollSections
 
 
 def assemble_bodies(
-    case: Case, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
+    roll: RollSections, meshes: CylinderMesh | None = None, *, symmetric: bool, comm: MPI.Comm = MPI.COMM_SELF
 ) -> list[Body]:
-    """Assemble the shells of a case, innermost first: mandrel, layer_01, ...
+    """Assemble the shells of a roll, innermost first: mandrel, layer_01, ...
 
     Parameters
     ----------
-    case
-        The sections geometry, mandrel, coil and mesh are used.
+    roll
+        Geometry, mandrel, coil and mesh; a case on a roll has them.
     meshes
-        Mesh with the groups of every shell; None generates or reads the mesh of the case.
+        Mesh with the groups of every shell; None generates or reads the mesh of `roll.mesh`.
     symmetric
         Keep only motions symmetric about the x-z plane (excitation along x) and contact points with theta in [0, pi].
         Matrices, forces and areas remain those of the whole roll.
@@ -48,15 +48,15 @@ def assemble_bodies(
     Raises
     ------
     InputError
-        If the mesh does not match the case, is not symmetric although `symmetric` is set, or if the base of a solid
+        If the mesh does not match the roll, is not symmetric although `symmetric` is set, or if the base of a solid
         coil is clamped and that of the mandrel free.
     ValueError
         If `comm` has more than one process.
     """
     if comm.size != 1:
         raise ValueError(f"bodies are assembled on one process, got a communicator of {comm.size}; use MPI.COMM_SELF")
-    mesh = build_mesh(case) if meshes is None else meshes
-    missing = [name for name, _, _ in shell_layout(case) if name not in mesh.groups]
+    mesh = build_mesh(roll) if meshes is None else meshes
+    missing = [name for name, _, _ in shell_layout(roll) if name not in mesh.groups]
     if missing:
         raise InputError(
             f"mesh lacks the shells {', '.join(missing)}",
@@ -64,46 +64,46 @@ def assemble_bodies(
             remedy=f"it has {', '.join(mesh.parts)}; mesh every layer of the case",
         )
     return [
-        _assemble_shell(case, index, name, radius, thickness, mesh.part(name), symmetric)
-        for index, (name, radius, thickness) in enumerate(shell_layout(case))
+        _assemble_shell(roll, index, name, radius, thickness, mesh.part(name), symmetric)
+        for index, (name, radius, thickness) in enumerate(shell_layout(roll))
     ]
 
 
-def shell_section(case: Case, index: int, thickness: float) -> ShellSection:
+def shell_section(roll: RollSections, index: int, thickness: float) -> ShellSection:
     """Shell section of the mandrel (index 0) or of a layer (index > 0) of the given thickness, m."""
     if index > 0:
-        m = case.coil.layer_material
-        return ShellSection(m.E, m.nu, m.rho, thickness, bending=1.0 if case.coil.bending else 0.0)
-    m = case.mandrel.material
+        m = roll.coil.layer_material
+        return ShellSection(m.E, m.nu, m.rho, thickness, bending=1.0 if roll.coil.bending else 0.0)
+    m = roll.mandrel.material
     extra = 0.0
-    if case.coil.model == "nonstructural_mass":
-        outer = 0.5 * case.geometry.mandrel_outer_diameter
-        radius, t = outer - 0.5 * thickness, case.coil.total_thickness
-        extra = case.coil.material.rho * t * (outer + 0.5 * t) / radius
+    if roll.coil.model == "nonstructural_mass":
+        outer = 0.5 * roll.geometry.mandrel_outer_diameter
+        radius, t = outer - 0.5 * thickness, roll.coil.total_thickness
+        extra = roll.coil.material.rho * t * (outer + 0.5 * t) / radius
     return ShellSection(m.E, m.nu, m.rho, thickness, extra_mass=extra)
 
 
-def _base_is_clamped(case: Case, index: int) -> bool:
+def _base_is_clamped(roll: RollSections, index: int) -> bool:
     if index == 0:
-        return bool(case.mandrel.base == "clamped")
-    return bool(case.coil.base == "clamped" or (case.coil.base == "inner_edge" and index == 1))
+        return bool(roll.mandrel.base == "clamped")
+    return bool(roll.coil.base == "clamped" or (roll.coil.base == "inner_edge" and index == 1))
 
 
 def _assemble_shell(
-    case: Case, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
+    roll: RollSections, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
 ) -> Body:
-    section = shell_section(case, index, thickness)
+    section = shell_section(roll, index, thickness)
     model = ShellModel(part.nodes, part.cells, radial_director)
-    rigid_tip = index == 0 and case.mandrel.tip == "rigid"
-    centre = np.array([0.0, 0.0, case.geometry.length])
+    rigid_tip = index == 0 and roll.mandrel.tip == "rigid"
+    centre = np.array([0.0, 0.0, roll.geometry.length])
     constraints = build_constraints(
         part.nodes,
-        clamped=part.groups["base"] if _base_is_clamped(case, index) else np.empty(0, np.int64),
+        clamped=part.groups["base"] if _base_is_clamped(roll, index) else np.empty(0, np.int64),
         rigid=part.groups["tip"] if rigid_tip else None,
         centre=centre,
         symmetric=symmetric,
     )
-    tip_mass = case.mandrel.tip_mass if index == 0 else 0.0
+    tip_mass = roll.mandrel.tip_mass if index == 0 else 0.0
     tip = tip_probe(constraints, part)
     nodal_mass = model.mass(section)
     if tip_mass and not rigid_tip:
@@ -130,8 +130,8 @@ def _assemble_shell(
         unknown_node=constraints.node,
         unknown_component=constraints.component,
     )
-    if index == 0 and case.coil.model == "solid":
-        return bond_coil(body, assemble_coil(case, part, constraints, symmetric=symmetric))
+    if index == 0 and roll.coil.model == "solid":
+        return bond_coil(body, assemble_coil(roll, part, constraints, symmetric=symmetric))
     return body
 
 

@@ -34,7 +34,7 @@ from wroll_fem.structure.body import Body, SolidPart
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.roll import RollSections
 
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
@@ -60,38 +60,38 @@ class CoilMatrices:
     part: SolidPart
 
 
-def coil_heights(case: Case) -> FloatArray:
+def coil_heights(roll: RollSections) -> FloatArray:
     """(2 mesh.radial + 1,) distances of the node layers of the coil from the mid-surface of the mandrel, m."""
-    wall = 0.5 * case.geometry.mandrel_thickness
-    borders = axial_stations(case.coil.total_thickness, case.mesh.radial, case.mesh.radial_grading)
+    wall = 0.5 * roll.geometry.mandrel_thickness
+    borders = axial_stations(roll.coil.total_thickness, roll.mesh.radial, roll.mesh.radial_grading)
     levels = np.zeros(2 * len(borders) - 1)
     levels[::2], levels[1::2] = borders, 0.5 * (borders[1:] + borders[:-1])
     return wall + levels
 
 
-def mesh_coil(case: Case, part: CylinderMesh) -> tuple[FloatArray, IntArray]:
+def mesh_coil(roll: RollSections, part: CylinderMesh) -> tuple[FloatArray, IntArray]:
     """Nodes (layer after layer, innermost first) and 27-node cells (basix's order) of the coil around the mandrel.
 
     `part` is the mesh of the mandrel's mid-surface.
     """
-    return thicken(part.nodes, part.cells, list(coil_heights(case)))
+    return thicken(part.nodes, part.cells, list(coil_heights(roll)))
 
 
-def coil_hexes(case: Case, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | None:
+def coil_hexes(roll: RollSections, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | None:
     """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of a solid coil for mesh files, None for other coils."""
-    if case.coil.model != "solid":
+    if roll.coil.model != "solid":
         return None
-    nodes, cells = mesh_coil(case, mesh.part("mandrel"))
+    nodes, cells = mesh_coil(roll, mesh.part("mandrel"))
     return nodes, in_vtk_order(nodes, cells)
 
 
-def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetric: bool) -> CoilMatrices:
+def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *, symmetric: bool) -> CoilMatrices:
     """Assemble stiffness and mass of the coil bonded to the mandrel.
 
     Parameters
     ----------
-    case
-        The sections geometry, mandrel, coil and mesh are used.
+    roll
+        Geometry, mandrel, coil and mesh; a case on a roll has them.
     part
         Mesh of the mandrel's mid-surface.
     shell
@@ -104,18 +104,18 @@ def assemble_coil(case: Case, part: CylinderMesh, shell: Constraints, *, symmetr
     InputError
         If the base of the coil is clamped and that of the mandrel free.
     """
-    if case.mandrel.base == "free" and case.coil.base != "free":
+    if roll.mandrel.base == "free" and roll.coil.base != "free":
         raise InputError(
-            f"the base of the coil is clamped ({case.coil.base}) but that of the mandrel is free",
+            f"the base of the coil is clamped ({roll.coil.base}) but that of the mandrel is free",
             key="coil.base",
             remedy="use coil.base: free, or mandrel.base: clamped",
         )
-    nodes, cells = mesh_coil(case, part)
+    nodes, cells = mesh_coil(roll, part)
     model = SolidModel(nodes, cells)
-    bond = wall_offset(part.nodes, 0.5 * case.geometry.mandrel_thickness) @ shell.expand
-    clamped = part.groups["base"] if case.coil.base == "clamped" else np.empty(0, np.int64)
+    bond = wall_offset(part.nodes, 0.5 * roll.geometry.mandrel_thickness) @ shell.expand
+    clamped = part.groups["base"] if roll.coil.base == "clamped" else np.empty(0, np.int64)
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
-    material = case.coil.material.solid()
+    material = roll.coil.material.solid()
     ordered = in_vtk_order(nodes, cells)
     stiffness, mass = model.orthotropic_stiffness(material), model.mass(material.rho)
     return CoilMatrices(

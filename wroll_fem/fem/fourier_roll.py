@@ -15,7 +15,7 @@ from wroll_fem.structure.materials import CylindricalOrthotropic
 from wroll_fem.typing import BoolArray, FloatArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.roll import RollSections
 
 
 _NEAR = 1e-9  # tolerance, relative to the length, for nodes on an edge of the half plane
@@ -80,8 +80,8 @@ class FourierRoll:
 
     Parameters
     ----------
-    case
-        The sections geometry, mandrel, coil and mesh are used.
+    sections
+        Geometry, mandrel, coil and mesh; a case on a roll has them.
     model
         Existing model with the same numbers of cells, which is moved to this geometry so that its forms are not
         compiled again; None builds a new one.
@@ -101,33 +101,33 @@ class FourierRoll:
     `coil.base: free` and `inner_edge` are the same for a solid coil.
     """
 
-    def __init__(self, case: Case, model: FourierModel | None = None):
-        if case.coil.model not in (*MESHED_COILS, "nonstructural_mass", "none"):
+    def __init__(self, sections: RollSections, model: FourierModel | None = None):
+        if sections.coil.model not in (*MESHED_COILS, "nonstructural_mass", "none"):
             raise InputError(
                 "friction between layers couples the circumferential harmonics", key="coil.model",
                 remedy="use solid, bonded, nonstructural_mass or none, or mesh.discretisation: three_dimensional",
             )  # fmt: skip
-        if case.coil.model in MESHED_COILS and case.mandrel.base == "free" and case.coil.base != "free":
+        if sections.coil.model in MESHED_COILS and sections.mandrel.base == "free" and sections.coil.base != "free":
             raise InputError(
-                f"the base of the coil is clamped ({case.coil.base}) but that of the mandrel is free", key="coil.base",
-                remedy="use coil.base: free, or mandrel.base: clamped",
+                f"the base of the coil is clamped ({sections.coil.base}) but that of the mandrel is free",
+                key="coil.base", remedy="use coil.base: free, or mandrel.base: clamped",
             )  # fmt: skip
-        half_plane = refined_mesh(case)
+        half_plane = refined_mesh(sections)
         if model is None:
             model = FourierModel(half_plane)
         else:
             model.move(half_plane)
-        self.case, self.model = case, model
-        wall = case.mandrel.material.solid()
-        extra = _nonstructural_mass(case) / half_plane.volume(coil=False)
+        self.sections, self.model = sections, model
+        wall = sections.mandrel.material.solid()
+        extra = _nonstructural_mass(sections) / half_plane.volume(coil=False)
         model.set_material(WALL, wall.stiffness(), wall.rho + extra)
-        self.mass_total = case.mandrel.tip_mass + (wall.rho + extra) * half_plane.volume(coil=False)
-        if case.coil.model in MESHED_COILS:
-            coil = case.coil.material.solid()
+        self.mass_total = sections.mandrel.tip_mass + (wall.rho + extra) * half_plane.volume(coil=False)
+        if sections.coil.model in MESHED_COILS:
+            coil = sections.coil.material.solid()
             self.set_coil(coil)
             self.mass_total += coil.rho * half_plane.volume(coil=True)
         self._nodes = model.nodes
-        self._tip_share: FloatArray | None = None if case.mandrel.tip == "rigid" else model.tip_weights()
+        self._tip_share: FloatArray | None = None if sections.mandrel.tip == "rigid" else model.tip_weights()
 
     def set_coil(self, material: CylindricalOrthotropic) -> None:
         """Replace the material of the coil; the density must stay the same.
@@ -143,7 +143,7 @@ class FourierRoll:
         """Assemble the matrices of a symmetry class and eliminate the supports."""
         m, r = symmetry.wave_number, self._nodes[:, 0]
         clamped, tip = self._clamped(), self._tip_nodes()
-        rigid = self.case.mandrel.tip == "rigid"
+        rigid = self.sections.mandrel.tip == "rigid"
         free = np.zeros((len(r), 3), bool)
         free[:, list(symmetry.components)] = True
         free[clamped] = False
@@ -164,26 +164,26 @@ class FourierRoll:
                 mean = np.outer(self._tip_share, _translation(symmetry) / np.abs(_translation(symmetry)).sum()).ravel()
                 probe = np.asarray(expand.T @ mean)
         mass = expand.T @ self._nodal_mass(m) @ expand
-        if rigid and symmetry.direction is not None and self.case.mandrel.tip_mass:
-            mass = mass + sp.diags(self.case.mandrel.tip_mass * probe)
+        if rigid and symmetry.direction is not None and self.sections.mandrel.tip_mass:
+            mass = mass + sp.diags(self.sections.mandrel.tip_mass * probe)
         stiffness = expand.T @ self.model.stiffness(m) @ expand
         return SymmetryClassMatrices(_symmetric(stiffness), _symmetric(mass), expand, influence, probe)
 
     def _nodal_mass(self, m: int) -> sp.csr_matrix:
         mass = self.model.mass(m)
-        if self._tip_share is not None and self.case.mandrel.tip_mass:
-            per_node = self.case.mandrel.tip_mass * self._tip_share * angular_weight(m) / (2 * np.pi)
+        if self._tip_share is not None and self.sections.mandrel.tip_mass:
+            per_node = self.sections.mandrel.tip_mass * self._tip_share * angular_weight(m) / (2 * np.pi)
             mass = mass + sp.diags(np.repeat(per_node, 3))
         return mass
 
     def _clamped(self) -> BoolArray:
         """(n_nodes,) mask of the nodes that move with the base."""
-        half_plane, coil = self.model.half_plane, self.case.coil
+        half_plane, coil = self.model.half_plane, self.sections.coil
         near = _NEAR * half_plane.length
         r, z = self._nodes.T
         base = z < half_plane.heights[0] + near
         clamped = np.zeros(len(r), bool)
-        if self.case.mandrel.base == "clamped":
+        if self.sections.mandrel.base == "clamped":
             clamped |= base & (r < half_plane.wall_radius + near)
         if coil.model in MESHED_COILS:
             outside = base & (r > half_plane.wall_radius - near)
@@ -226,12 +226,12 @@ def _rigid_tip(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> Floa
     return motions
 
 
-def _nonstructural_mass(case: Case) -> float:
+def _nonstructural_mass(sections: RollSections) -> float:
     """Mass of a coil without stiffness that is carried by the wall, kg."""
-    if case.coil.model != "nonstructural_mass":
+    if sections.coil.model != "nonstructural_mass":
         return 0.0
-    outer, t = 0.5 * case.geometry.mandrel_outer_diameter, case.coil.total_thickness
-    return float(case.coil.material.rho * np.pi * t * (2 * outer + t) * case.geometry.length)
+    outer, t = 0.5 * sections.geometry.mandrel_outer_diameter, sections.coil.total_thickness
+    return float(sections.coil.material.rho * np.pi * t * (2 * outer + t) * sections.geometry.length)
 
 
 def _symmetric(matrix: sp.spmatrix) -> sp.csr_matrix:

@@ -13,7 +13,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from wroll_fem.case import Case, load_case
-from wroll_fem.case.base import Real, Section, Whole, wrong
+from wroll_fem.case.base import Real, Section, Whole, validation_error
 from wroll_fem.case.loader import read_yaml
 from wroll_fem.case.messages import input_error
 from wroll_fem.errors import InputError
@@ -37,15 +37,15 @@ class Range(Section):
         if not isinstance(value, list | tuple):
             return value
         if len(value) != 2:
-            raise wrong("is not a range", remedy="write [low, high]", value=value)
+            raise validation_error("is not a range", remedy="write [low, high]", value=value)
         return {"low": value[0], "high": value[1]}
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not self.low < self.high:
-            raise wrong("the ends are not in order", remedy="write [low, high]", value=[self.low, self.high])
+            raise validation_error("the ends are not in order", remedy="write [low, high]", value=[self.low, self.high])
         if self.scale == "log" and self.low <= 0.0:
-            raise wrong("a logarithmic range starts above 0", remedy="use scale: linear", value=self.low)
+            raise validation_error("a logarithmic range starts above 0", remedy="use scale: linear", value=self.low)
         return self
 
     def at(self, share: float) -> float:
@@ -68,7 +68,7 @@ class Samples(Section):
     @classmethod
     def _some(cls, value: dict[str, Range]) -> dict[str, Range]:
         if not value:
-            raise wrong(
+            raise validation_error(
                 "there is nothing to sample", remedy="write ranges: {dotted.key: [low, high]}", show_value=False
             )
         return value
@@ -105,15 +105,17 @@ class GridFile(Section):
     @classmethod
     def _lists(cls, value: Any) -> Any:
         if not isinstance(value, Mapping):
-            raise wrong("must be dotted keys with lists of values", remedy="write key: [value, value]", value=value)
+            raise validation_error(
+                "must be dotted keys with lists of values", remedy="write key: [value, value]", value=value
+            )
         for key, values in value.items():
             if not isinstance(values, list) or not values:
                 problem = "is an empty list" if isinstance(values, list) else "is not a list"
-                raise wrong(
+                raise validation_error(
                     f"{key} {problem}", remedy=f"write the values in brackets, {key}: [value, ...]", value=values
                 )
             if len({json.dumps(json_types(v)) for v in values}) < len(values):
-                raise wrong(f"{key} holds a value twice", remedy="write each value once", value=values)
+                raise validation_error(f"{key} holds a value twice", remedy="write each value once", value=values)
         return value
 
     @field_validator("figure")
@@ -122,23 +124,23 @@ class GridFile(Section):
         names = [value] if isinstance(value, str) else value
         for name in names:
             if name not in STUDY_FIGURES:
-                raise wrong("no such figure", remedy=f"use one of: {', '.join(STUDY_FIGURES)}", value=name)
+                raise validation_error("no such figure", remedy=f"use one of: {', '.join(STUDY_FIGURES)}", value=name)
         return names
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if (self.base is None) == (not self.cases):
             problem = "is missing" if self.base is None else "is given beside cases"
-            raise wrong(
+            raise validation_error(
                 problem, key="base", show_value=False, remedy="give one case file as base, or a list of them as cases"
             )
         both = set(self.grid) & set(self.samples.ranges if self.samples else ())
         if both:
             remedy = "give each key in one of the two"
-            raise wrong(f"{min(both)} is in grid too", key="samples.ranges", show_value=False, remedy=remedy)
+            raise validation_error(f"{min(both)} is in grid too", key="samples.ranges", show_value=False, remedy=remedy)
         if not self.grid and not self.cases and self.samples is None:
             remedy = "write grid: {dotted.key: [value, ...]}"
-            raise wrong("is empty: there is nothing to vary", key="grid", show_value=False, remedy=remedy)
+            raise validation_error("is empty: there is nothing to vary", key="grid", show_value=False, remedy=remedy)
         return self
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.roll import RollSections
 
 
 WALL_CELLS = 1
@@ -123,14 +123,14 @@ def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> 
     return np.concatenate([heights[:1], heights[0] + first[::-1], heights[1:-1], heights[-1] - last, heights[-1:]])
 
 
-def refined_mesh(case: Case) -> AxisymmetricMesh:
+def refined_mesh(roll: RollSections) -> AxisymmetricMesh:
     """Mesh on which a case is solved: `unrefined_mesh`, refined towards the clamp, the tip and the wall.
 
     The cells at both ends are split down to half the wall thickness. Fourier elements are cheap enough to make the
     result almost independent of the numbers of cells in the case.
     """
-    unrefined = unrefined_mesh(case)
-    heights = split_ends(unrefined.heights, 0.5 * case.geometry.mandrel_thickness)
+    unrefined = unrefined_mesh(roll)
+    heights = split_ends(unrefined.heights, 0.5 * roll.geometry.mandrel_thickness)
     w = unrefined.wall_cells
     if len(unrefined.radii) == w + 1:
         return AxisymmetricMesh(unrefined.radii, heights, w)
@@ -139,14 +139,14 @@ def refined_mesh(case: Case) -> AxisymmetricMesh:
     return AxisymmetricMesh(radii, heights, w)
 
 
-def unrefined_mesh(case: Case) -> AxisymmetricMesh:
+def unrefined_mesh(roll: RollSections) -> AxisymmetricMesh:
     """Mesh with the numbers of cells of the case: `mesh.axial` along the axis, `mesh.radial` through a solid coil.
 
     A bonded coil has one cell per layer.
     """
     from wroll_fem.mesh.generate import axial_stations
 
-    g, coil, mesh = case.geometry, case.coil, case.mesh
+    g, coil, mesh = roll.geometry, roll.coil, roll.mesh
     outer = 0.5 * g.mandrel_outer_diameter
     radii = [np.linspace(outer - g.mandrel_thickness, outer, WALL_CELLS + 1)]
     if coil.model == "solid":

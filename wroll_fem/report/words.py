@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from wroll_fem.analyses.registry import MODULES, find_analysis
-from wroll_fem.case import Case
+from wroll_fem.case.case import case_sections
 from wroll_fem.case.descriptions import meaning_of, name_of, sections, unit_of
 from wroll_fem.report.values import quantity
 
@@ -60,25 +61,27 @@ def case_rows(data: Plain) -> list[CaseRow]:
     """Keys of the sections that the analysis uses, in the order of the case file."""
     analysis = data.get("analysis")
     rows: list[CaseRow] = []
+    known = case_sections()
     for key, value in data.items():
         if key in ("analysis", "output") or value is None or (key in _SETTINGS and key != analysis):
             continue
         if key in ("integrator", "solver") and analysis in _WITHOUT_STEPS:
             continue
         title = key.replace("_", " ").capitalize()
-        rows += [CaseRow(title, *rest) for rest in _rows(Case, key, value, key, "")]
+        rows += [CaseRow(title, *rest) for rest in _rows(known, key, value, key, "")]
     return rows
 
 
 def _rows(
-    model: type[BaseModel] | None, name: str, value: Any, key: str, unit_around: str
+    fields: Mapping[str, FieldInfo], name: str, value: Any, key: str, unit_around: str
 ) -> Iterator[tuple[str, str, str]]:
     """Name, value and dotted key of a key, or of all keys of a section."""
-    field = model.model_fields.get(name) if model is not None else None
+    field = fields.get(name)
     words = (field.description or "") if field is not None else ""
     unit = unit_around if _AS_AROUND in words else unit_of(words)
     if isinstance(value, Mapping):
-        inner = _model(sections(field.annotation) if field is not None else [], value)
+        model = _model(sections(field.annotation) if field is not None else [], value)
+        inner = {} if model is None else model.model_fields
         for one in sorted(value, key=lambda name: name not in _TAGS):
             if value[one] is not None and one not in _NOT_PHYSICS:
                 yield from _rows(inner, one, value[one], f"{key}.{one}", unit)

@@ -28,6 +28,5 @@ def mandrel_stiffness(section: WindingMandrel) -> float:
     """Stiffness K_m of the mandrel of the case section `winding`, Pa."""
     if section.stiffness is not None:
         return section.stiffness
-    assert section.E is not None
-    assert section.wall is not None
-    return tube_stiffness(section.E, section.nu, section.outer_radius, section.wall)
+    wall, E = section.tube
+    return tube_stiffness(E, section.nu, section.outer_radius, wall)

@@ -7,30 +7,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.case.winding import completed
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 from wroll_fem.winding.stress import wound_roll
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case.preload import Preload
+    from wroll_fem.case.roll import RollSections
+    from wroll_fem.case.winding import Winding
 
 
-def target_pressures(case: Case) -> FloatArray:
+def target_pressures(winding: Winding, layers: int) -> FloatArray:
     """(layers,) pressure of the wound roll at the radius of each interface, innermost first, Pa.
 
     Raises
     ------
     InputError
-        If the section `winding` of the case is incomplete.
+        If the section `winding` has no mandrel.
     """
-    section = completed(case)
-    assert section.mandrel is not None
-    radii = section.mandrel.outer_radius + np.arange(case.coil.layers) / case.coil.layers * section.build_up
-    return wound_roll(section).pressure_at(radii)
+    radii = winding.core.outer_radius + np.arange(layers) / layers * winding.build_up
+    return wound_roll(winding).pressure_at(radii)
 
 
-def ring_split(case: Case) -> FloatArray:
+def ring_split(roll: RollSections) -> FloatArray:
     """Pressure at each interface per unit external pressure on each layer, for thin rings without end effects.
 
     All rings have the same radial displacement, so each carries the fraction of the load given by its stiffness
@@ -41,24 +40,29 @@ def ring_split(case: Case) -> FloatArray:
     -------
     (layers, layers) row: interface, column: loaded layer, innermost first
     """
-    n, radius = case.coil.layers, 0.5 * case.geometry.mandrel_outer_diameter
-    core = case.mandrel.material.E * case.geometry.mandrel_thickness / radius**2
-    ring = case.coil.layer_material.E * case.coil.layer_thickness / radius**2
+    n, radius = roll.coil.layers, 0.5 * roll.geometry.mandrel_outer_diameter
+    core = roll.mandrel.material.E * roll.geometry.mandrel_thickness / radius**2
+    ring = roll.coil.layer_material.E * roll.coil.layer_thickness / radius**2
     outside = np.arange(n, 0, -1)
     return np.triu(np.ones((n, n))) - (outside * ring / (core + n * ring))[:, None]
 
 
-def external_pressures(case: Case) -> list[float]:
+def external_pressures(roll: RollSections, preload: Preload, winding: Winding | None = None) -> list[float]:
     """External pressure on each layer, innermost first, Pa; for `winding_tension` estimated with thin rings.
+
+    Parameters
+    ----------
+    winding
+        How the roll was wound, with its mandrel; used by `preload.kind: winding_tension` alone.
 
     Raises
     ------
     InputError
         If the section `winding` is incomplete, or if a layer would need a negative external pressure.
     """
-    if case.preload.kind != "winding_tension":
-        return case.preload.per_layer(case.coil.layers)
-    pressures = np.linalg.solve(ring_split(case), target_pressures(case)).tolist()
+    if preload.kind != "winding_tension" or winding is None:
+        return preload.per_layer(roll.coil.layers)
+    pressures = np.linalg.solve(ring_split(roll), target_pressures(winding, roll.coil.layers)).tolist()
     refuse_pull(pressures)
     return pressures
 

@@ -127,17 +127,13 @@ def wound_roll(section: Winding) -> WoundRoll:
     Raises
     ------
     InputError
-        If the section has no mandrel (`case.winding.completed` takes it from the other sections of a case).
+        If the section has no mandrel (`Winding.on_mandrel` takes it from geometry and mandrel of a case).
 
     References
     ----------
     Thesis, section 2.2; Hakiel, Tappi J. 70(5), 1987.
     """
-    if section.mandrel is None:
-        raise InputError(
-            "required section is missing", key="winding.mandrel", remedy="add it (outer_radius, wall, E, nu)"
-        )
-    stiffness = mandrel_stiffness(section.mandrel)
+    stiffness = mandrel_stiffness(section.core)
     modulus = RadialModulus.from_case(section.web.radial_modulus)
     core = section.web.E_theta / stiffness + section.web.nu_theta
     if section.growth == "continuous":
@@ -174,8 +170,7 @@ def _laid(section: Winding, cells: int, core: float, modulus: RadialModulus) -> 
 
 def _grown(section: Winding, cells: int, core: float, modulus: RadialModulus) -> FloatArray:
     """(3, nodes) radius, pressure and hoop stress of a roll that grows continuously."""
-    assert section.mandrel is not None
-    inner = section.mandrel.outer_radius
+    inner = section.core.outer_radius
     radius = inner * (1.0 + section.build_up / inner) ** np.linspace(0.0, 1.0, cells + 1)
     tension = tension_stress(section, radius)
     pressure = kernels.accrete(radius, tension, section.web.E_theta, core, *modulus.knots)
@@ -186,8 +181,7 @@ def _grown(section: Winding, cells: int, core: float, modulus: RadialModulus) ->
 
 def _under_wraps(section: Winding) -> tuple[FloatArray, FloatArray]:
     """(wraps + 1,) inner radius of each wrap and radius of the free surface, m, and the tension stress there, Pa."""
-    assert section.mandrel is not None
-    radius = section.mandrel.outer_radius + section.wrap_thickness * np.arange(section.wraps + 1)
+    radius = section.core.outer_radius + section.wrap_thickness * np.arange(section.wraps + 1)
     return radius, tension_stress(section, radius)
 
 

@@ -33,6 +33,5 @@ def tension_stress(section: Winding, radius: FloatArray) -> FloatArray:
     if profile.kind == "table":
         return whole * np.interp(radius, profile.radius, profile.factor)
     if profile.kind == "taper":
-        assert section.mandrel is not None
-        return whole * (1.0 - profile.taper * (radius - section.mandrel.outer_radius) / section.build_up)
+        return whole * (1.0 - profile.taper * (radius - section.core.outer_radius) / section.build_up)
     return np.full(np.shape(radius), whole)

@@ -89,7 +89,7 @@ def test_rings_share_the_pressure_by_their_hoop_stiffness():
     r, t_m, t_l = 0.5 * case.geometry.mandrel_outer_diameter, case.geometry.mandrel_thickness, case.coil.layer_thickness
     soft_m = (r - 0.5 * t_m) / (case.mandrel.material.E * t_m)
     soft_l = (r + 0.5 * t_l) / (case.coil.material.E * t_l)
-    split = (r + t_l) * soft_l / (r * soft_l + r * soft_m + 1.0 / normal_penalty(case))
+    split = (r + t_l) * soft_l / (r * soft_l + r * soft_m + 1.0 / normal_penalty(case, case.contact.normal))
     height = system.interfaces[0].points[:, 1]
     middle = np.abs(height - 0.5 * case.geometry.length) < 0.2 * case.geometry.length
     pressure = state.pressure[middle]

@@ -7,36 +7,45 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wroll_fem.case.contact import Friction, Normal
+from wroll_fem.case.kinds import ModalCase
 from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
+from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
 
 if TYPE_CHECKING:
-    from wroll_fem.case.case import Case
+    from wroll_fem.case.roll import RollSections
+    from wroll_fem.case.structural import OnRoll, StructuralCase
+    from wroll_fem.case.winding import Winding
 
 DIRECTIONS = {"x": 0, "y": 1}
 
 
-def normal_penalty(case: Case) -> float:
-    """Normal contact stiffness in Pa/m: the case's, or the through-thickness one of the facing half shells.
+UNUSED_LAW = PenaltyCoulomb(0.0, 1e-6)
+"""Friction of interfaces whose tangential law does not enter: linear modes of a case without `contact`."""
+
+
+def normal_penalty(roll: RollSections, normal: Normal) -> float:
+    """Normal contact stiffness in Pa/m: the case's, or the through-thickness one of the matched half shells.
 
     ``auto`` is physical: two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is some
     thousand times the hoop stiffness E t / R^2 of a lab layer, so that the pressure split does not feel it.
     """
-    penalty = case.contact.normal.penalty
-    if not isinstance(penalty, str):
-        return float(penalty)
-    mandrel, layer = case.mandrel.material.E, case.coil.layer_material.E
-    return 2.0 / (case.geometry.mandrel_thickness / mandrel + case.coil.layer_thickness / layer)
+    if not isinstance(normal.penalty, str):
+        return float(normal.penalty)
+    mandrel, layer = roll.mandrel.material.E, roll.coil.layer_material.E
+    return 2.0 / (roll.geometry.mandrel_thickness / mandrel + roll.coil.layer_thickness / layer)
 
 
-def uses_symmetry(case: Case) -> bool:
+def uses_symmetry(case: StructuralCase) -> bool:
     """Half the circumference suffices: allowed by the case, excitation along x; the mesh decides the rest."""
-    return bool(case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full")
+    return bool(case.solver.symmetry and case.direction == "x" and case.solver.method != "full")
 
 
-def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
+def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
     """Mesh and assemble the bodies of a case, inner first.
 
     A user's mesh that is not symmetric about the x-z plane is taken whole.
@@ -52,34 +61,48 @@ def build_bodies(case: Case, *, symmetric: bool | None = None) -> list[Body]:
     return assemble_bodies(case, mesh, symmetric=half)
 
 
-def friction_law(case: Case) -> FrictionLaw:
+def friction_law(friction: Friction) -> FrictionLaw:
     """Tangential law of every interface."""
-    friction = case.contact.friction
     return BY_NAME[friction.law].from_section(friction)
 
 
-def build_system(case: Case, bodies: Sequence[Body]) -> System:
+def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     """Stack the bodies and their interfaces with the laws and loads of the case.
 
     With ``preload.kind: winding_tension`` the load is found here, by static solutions, where the analysis needs it.
+
+    Raises
+    ------
+    InputError
+        When shells meet and the case does not say how, in an analysis that follows their contact.
     """
     from wroll_fem.winding.interface import external_pressures
 
-    layers = len(bodies) - 1
+    direction = DIRECTIONS[case.direction]
+    if len(bodies) == 1:
+        return System.from_bodies(bodies, direction=direction)
+    linear = isinstance(case, ModalCase) and case.modal.interface != "stuck"
+    contact, preload = case.contact, case.preload
+    if contact is None and not isinstance(case, ModalCase):
+        raise InputError(
+            "required section is missing", key="contact",
+            remedy=f"add it: analysis {case.analysis} follows the contact between all shells (coil.model: solid is "
+            "one body with the mandrel)",
+        )  # fmt: skip
+    normal = Normal() if contact is None else contact.normal
     system = System.from_bodies(
         bodies,
-        direction=DIRECTIONS[case.excitation.direction],
-        friction=friction_law(case) if layers else None,
-        normal=NormalPenalty(normal_penalty(case), case.contact.normal.separation) if layers else None,
-        pressures=external_pressures(case) if layers else (),
+        direction=direction,
+        friction=UNUSED_LAW if contact is None else friction_law(contact.friction),
+        normal=NormalPenalty(normal_penalty(case, normal), normal.separation),
+        pressures=() if preload is None else external_pressures(case, preload, case.wound),
     )
-    unpressed = case.analysis == "modal" and case.modal.interface != "stuck"
-    if not layers or case.preload.kind != "winding_tension" or unpressed:
+    if preload is None or preload.kind != "winding_tension" or case.wound is None or linear:
         return system
-    return _wound(case, bodies, system)
+    return _wound(case, case.wound, bodies, system)
 
 
-def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
+def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:
     """System whose mean interface pressures are those of the wound roll."""
     from wroll_fem.dynamics.statics.pressure_matching import press_to
     from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
@@ -88,6 +111,7 @@ def _wound(case: Case, bodies: Sequence[Body], system: System) -> System:
     for load, body in zip(unit_loads, bodies[1:], strict=True):
         load[end : end + body.n_dofs] = body.pressure_force
         end += body.n_dofs
-    pressed = press_to(system, unit_loads, target_pressures(case), ring_split(case), steps=case.preload.steps)
+    targets = target_pressures(winding, case.coil.layers)
+    pressed = press_to(system, unit_loads, targets, ring_split(case), steps=case.preload_steps)
     refuse_pull(pressed.pressures)
     return pressed

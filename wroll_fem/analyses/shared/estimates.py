@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
+
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import DwellCase, RollSections, SweepCase
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
 """Time per step: `reduced` x points, `condensed` x points x modes per wave number, `full` x DOFs; one 2.5 GHz core."""
@@ -21,22 +23,22 @@ SECONDS_PER_FOURIER_DOF = 3.0e-5
 """Time per DOF of one wave number and eigenproblem, on the same core."""
 
 
-def estimate_roll(case: Case) -> dict[str, Any]:
+def estimate_roll(case: StructuralCase) -> dict[str, Any]:
     """DOFs, contact points and time of an analysis that may use the symmetry plane."""
-    half = case.solver.symmetry and case.excitation.direction == "x" and case.solver.method != "full"
+    half = case.solver.symmetry and case.direction == "x" and case.solver.method != "full"
     return _estimate(case, half=half)
 
 
-def estimate_modes(case: Case) -> dict[str, Any]:
+def estimate_modes(case: StructuralCase) -> dict[str, Any]:
     """DOFs, contact points and time of an analysis that needs all modes: the whole roll, or one wave number of it."""
-    if case.structure is None and case.mesh.discretisation == "fourier":
+    if isinstance(case, OnRoll) and case.mesh.discretisation == "fourier":
         dofs = fourier_dofs(case)
         seconds = 2.0 + 12 * SECONDS_PER_FOURIER_DOF * dofs
         return {"dofs": dofs, "interface_points": 0, "estimated_seconds": seconds}
     return _estimate(case, half=False)
 
 
-def estimate_history(case: Case) -> dict[str, Any]:
+def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
     """As `estimate_roll`, with steps, step (s) and duration (s) of the time history."""
     from wroll_fem.signals.base_motion import base_motion
 
@@ -45,12 +47,12 @@ def estimate_history(case: Case) -> dict[str, Any]:
     duration = base_motion(case.excitation).duration
     steps = math.ceil(duration / case.time_step - 1e-9)
     found |= {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}
-    if seconds is None:
+    if seconds is None or not isinstance(case, OnRoll):
         return found
     around, method = case.mesh.circumferential, case.solver.method
     per_harmonic = 2.0 * found["dofs"] / around
     if method != "full":
-        half = case.solver.symmetry and case.excitation.direction == "x"
+        half = case.solver.symmetry and case.direction == "x"
         blocks, size = (0.5 * around, per_harmonic) if half else (around, 0.5 * per_harmonic)
         seconds += SECONDS_PER_EIGENPROBLEM * blocks * size**3
     points = found["interface_points"]
@@ -59,27 +61,28 @@ def estimate_history(case: Case) -> dict[str, Any]:
     return found | {"estimated_seconds": seconds}
 
 
-def fourier_dofs(case: Case) -> int:
+def fourier_dofs(roll: RollSections) -> int:
     """DOFs of one circumferential wave number."""
     from wroll_fem.mesh.axisymmetric import refined_mesh
 
-    n_r, n_z = refined_mesh(case).shape
+    n_r, n_z = refined_mesh(roll).shape
     return int(3 * (3 * n_r + 1) * (3 * n_z + 1))
 
 
-def _estimate(case: Case, *, half: bool) -> dict[str, Any]:
+def _estimate(case: StructuralCase, *, half: bool) -> dict[str, Any]:
     """Size, and for a roll the time of mesh, assembly and linear solutions."""
-    if case.structure is not None:
+    if isinstance(case, OnStructure):
         from wroll_fem.dynamics.system.io import system_size
 
         dofs, points = system_size(case.structure.file)
         return {"dofs": dofs, "interface_points": points}
-    model = case.coil.model
-    shells = 1 + (case.coil.layers if model in ("layers", "bonded") else 0)
-    around, along = case.mesh.circumferential, case.mesh.axial
+    roll = case.expect(OnRoll)
+    model = roll.coil.model
+    shells = 1 + (roll.coil.layers if model in ("layers", "bonded") else 0)
+    around, along = roll.mesh.circumferential, roll.mesh.axial
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
-    dofs = 6 * nodes * shells + (6 * nodes * case.mesh.radial if model == "solid" else 0)
+    dofs = 6 * nodes * shells + (6 * nodes * roll.mesh.radial if model == "solid" else 0)
     points = columns * (along + 1) * (shells - 1) if model == "layers" else 0
     seconds = 4.0 + (SECONDS_PER_SOLID_DOF if model == "solid" else 7e-5) * dofs
     return {"dofs": dofs, "interface_points": points, "estimated_seconds": seconds}

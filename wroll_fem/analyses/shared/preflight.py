@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
+
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
+    from wroll_fem.case import Friction, HarmonicCase, RollSections, SweepCase
     from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
 
 
-def beam_frequency(case: Case, *, bonded: bool, added_mass: bool = True) -> float:
+def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
 
     The end mass takes 33/140 of the beam's mass. Good to some per cent: for warnings, not for results.
     """
-    g, m, coil = case.geometry, case.mandrel, case.coil
+    g, m, coil = roll.geometry, roll.mandrel, roll.coil
     radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
     tubes: list[tuple[IsotropicMaterial | OrthotropicMaterial, float, float, bool]] = [
         (m.material, radius, g.mandrel_thickness, True)
@@ -44,13 +46,13 @@ def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[fl
     return material.E, material.E / (2 * (1 + material.nu))
 
 
-def buckling_pressure(case: Case) -> float:
+def buckling_pressure(roll: RollSections) -> float:
     """Linear hoop-buckling pressure in Pa of mandrel plus layers, each a short tube with round ends.
 
     Windenburg and Trilling's formula, p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)), summed.
     """
-    g, coil = case.geometry, case.coil
-    tubes = [(case.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
+    g, coil = roll.geometry, roll.coil
+    tubes = [(roll.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
     if coil.bending:
         tubes.append(
             (coil.layer_material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
@@ -64,16 +66,18 @@ def buckling_pressure(case: Case) -> float:
     return total
 
 
-def interface_pressures(case: Case) -> list[float]:
+def interface_pressures(case: OnRoll) -> list[float]:
     """Estimated pressure in Pa at each interface, inner first: rings that move alike share the load by E t / R^2.
 
     Thin concentric rings without end effects; an interface that this would pull apart has none.
     """
     g, coil = case.geometry, case.coil
-    if case.preload.kind == "winding_tension":
+    if case.preload is None:
+        return [0.0] * coil.layers
+    if case.preload.kind == "winding_tension" and case.wound is not None:
         from wroll_fem.winding.interface import target_pressures
 
-        return target_pressures(case).tolist()
+        return target_pressures(case.wound, coil.layers).tolist()
     pressures = case.preload.per_layer(coil.layers)
     core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
     ring = coil.layer_material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
@@ -81,27 +85,26 @@ def interface_pressures(case: Case) -> list[float]:
     return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
 
 
-def shear_lag_length(case: Case, pressure: float) -> float:
+def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
     """Length in m over which friction hands axial force from layer to mandrel, sqrt((E t)_series / k_t)."""
-    mandrel = case.mandrel.material.E * case.geometry.mandrel_thickness
-    layer = case.coil.layer_material.E * case.coil.layer_thickness
-    friction = case.contact.friction
+    mandrel = roll.mandrel.material.E * roll.geometry.mandrel_thickness
+    layer = roll.coil.layer_material.E * roll.coil.layer_thickness
     if friction.law == "smoothed_coulomb":  # sticks nowhere
         return math.inf
     stick = friction.mu * pressure / friction.elastic_slip
     return math.sqrt(mandrel * layer / (mandrel + layer) / stick) if stick > 0 else math.inf
 
 
-def root_element_height(case: Case) -> float:
+def root_element_height(roll: RollSections) -> float:
     """Height in m of the element row at the base of the generated mesh."""
-    n, grading = case.mesh.axial, case.mesh.grading
+    n, grading = roll.mesh.axial, roll.mesh.grading
     if n < 2 or grading == 1:
-        return case.geometry.length / n
+        return roll.geometry.length / n
     ratio = grading ** (1 / (n - 1))
-    return case.geometry.length * (ratio - 1) / (ratio**n - 1)
+    return roll.geometry.length * (ratio - 1) / (ratio**n - 1)
 
 
-def scheme_warnings(case: Case) -> list[str]:
+def scheme_warnings(case: StructuralCase) -> list[str]:
     """Integration schemes that dissipate visibly."""
     scheme = case.integrator.scheme
     if scheme not in ("moderate_dissipation", "quasi_static"):
@@ -112,7 +115,7 @@ def scheme_warnings(case: Case) -> list[str]:
     ]
 
 
-def structure_warnings(case: Case) -> list[str]:
+def structure_warnings(case: StructuralCase) -> list[str]:
     """What is doubtful in the file of `structure`; nothing for a roll.
 
     Raises
@@ -120,7 +123,7 @@ def structure_warnings(case: Case) -> list[str]:
     InputError
         When the file is wrong.
     """
-    if case.structure is None:
+    if not isinstance(case, OnStructure):
         return []
     from wroll_fem.analyses.shared.preparation import read_structure
 
@@ -143,13 +146,13 @@ def structure_warnings(case: Case) -> list[str]:
     return warnings
 
 
-def missed_resonance(case: Case) -> list[str]:
+def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     """A chirp whose band does not hold the expected resonance of the roll."""
-    if case.structure is not None:
+    if not isinstance(case, OnRoll):
         return []
     low = beam_frequency(case, bonded=False)
     high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
-    start, end = case.excitation.f_start, case.excitation.f_end  # type: ignore[union-attr]
+    start, end = case.excitation.f_start, case.excitation.f_end
     if start < 1.05 * high and end > 0.95 * low:
         return []
     return [
@@ -158,15 +161,15 @@ def missed_resonance(case: Case) -> list[str]:
     ]
 
 
-def contact_warnings(case: Case) -> list[str]:
+def contact_warnings(case: StructuralCase) -> list[str]:
     """Mesh against shear lag, friction law, buckling and low pressure of a roll with layers under pressure."""
-    if case.structure is not None or case.coil.model != "layers":
+    if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None:
         return []
     pressures = interface_pressures(case)
     if not any(pressures):
         return []
     warnings = []
-    lag, height = shear_lag_length(case, max(pressures)), root_element_height(case)
+    lag, height = shear_lag_length(case, case.friction, max(pressures)), root_element_height(case)
     if case.mesh.file is None and height > lag:
         need = math.ceil(case.mesh.axial * height / lag)
         warnings.append(
@@ -174,14 +177,14 @@ def contact_warnings(case: Case) -> list[str]:
             f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
             f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
         )
-    if case.contact.friction.law == "smoothed_coulomb":
+    if case.friction.law == "smoothed_coulomb":
         warnings.append(
             "contact.friction.law smoothed_coulomb holds nothing at rest: the preload is frictionless, and below "
             "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
     from wroll_fem.winding.interface import external_pressures
 
-    total, limit = sum(external_pressures(case)), buckling_pressure(case)
+    total, limit = sum(external_pressures(case, case.preload, case.wound)), buckling_pressure(case)
     if total > limit:
         warnings.append(
             f"the external pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, "

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
+from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system
@@ -17,28 +18,29 @@ from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
 
-def prepare(case: Case, progress: Progress) -> tuple[System, ContactState]:
+def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactState]:
     """System of a case and its state under preload; reports the interface pressure.
 
     The one door for every analysis that starts from the preloaded system, whether the case describes a roll
     (mesh, assemble, preload) or names a file of matrices (`structure`).
     """
-    if case.structure is None:
+    if isinstance(case, OnRoll):
         with progress.stage("mesh and matrices", 2) as stage:
             bodies = build_bodies(case)
             stage.update(1, "bodies assembled")
             system = build_system(case, bodies)
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
-        state, steps = None, case.preload.steps
-    else:
+        state, steps = None, case.preload_steps
+    elif isinstance(case, OnStructure):
         with progress.stage("matrices", 1) as stage:
             system, state = read_structure(case)
             stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} contact points")
-        steps = case.structure.preload_steps
+        steps = case.preload_steps
+    else:
+        raise TypeError(f"a {type(case).__name__} has neither a roll nor matrices")
     if state is None:
         with progress.stage("preload", steps, "load steps") as stage:
             state = solve_preload(system, steps=steps, progress=lambda done: stage.update(done))
@@ -59,7 +61,7 @@ def _pressures(system: System, state: ContactState) -> list[tuple[str, float, fl
     return rows
 
 
-def read_structure(case: Case) -> tuple[System, ContactState | None]:
+def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     """System of `structure.file` with the laws of `contact` where written, and its preload state.
 
     The state is None when it has to be solved: the file holds none, or `contact` changes a law and the file
@@ -71,17 +73,16 @@ def read_structure(case: Case) -> tuple[System, ContactState | None]:
         From `load_system`, for a preload that presses nothing, and for a singular mass matrix with a method
         that needs its inverse.
     """
-    assert case.structure is not None
     path = case.structure.file
-    written = "contact" in case.model_fields_set
-    if not written:
+    contact = case.contact
+    if contact is None:
         system, state = load_system(path)
     else:
-        normal = case.contact.normal if "normal" in case.contact.model_fields_set else None
+        normal = contact.normal if "normal" in contact.model_fields_set else None
         stiffness = None if normal is None or isinstance(normal.penalty, str) else normal.penalty
         separation = None if normal is None else normal.separation
         system, state = load_system(
-            path, friction=friction_law(case), normal_stiffness=stiffness, separation=separation
+            path, friction=friction_law(contact.friction), normal_stiffness=stiffness, separation=separation
         )
     if state is None:
         _check_pressing(system, str(path))
@@ -112,11 +113,10 @@ def _check_pressing(system: System, file: str) -> None:
         )  # fmt: skip
 
 
-def _check_mass(case: Case, system: System) -> None:
+def _check_mass(case: OnStructure, system: System) -> None:
     """Modes need a regular mass matrix; time steps of the whole structure do not."""
     if case.analysis == "preload" or case.solver.method == "full" or not is_singular(sp.csr_matrix(system.mass)):
         return
-    assert case.structure is not None
     count = massless_dofs(sp.csr_matrix(system.mass))
     raise InputError(
         f"is singular: {count} DOFs carry no mass" if count else "is singular", key="M",

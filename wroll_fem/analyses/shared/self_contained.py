@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from wroll_fem.case import OnRoll, StructuralCase, build_case
 from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,13 +24,10 @@ def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     """
     attrs: dict[str, Any] = {"analysis": case.analysis}
     if "component" in dataset.dims:
-        attrs["excitation_direction"] = case.excitation.direction
+        attrs["excitation_direction"] = case.expect(StructuralCase).direction
     if "snapshot_time" in dataset.dims:
         attrs["output_every"] = case.output.every
-    if case.preload.kind == "winding_tension" and case.coil.model == "layers":
-        from wroll_fem.winding.interface import target_pressures
-
-        attrs["winding_pressure_pa"] = target_pressures(case).tolist()
+    attrs |= _wound_pressure(case)
     return dataset.assign_attrs(attrs | dataset.attrs)
 
 
@@ -54,9 +52,17 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
         "output_every": (given.get("output") or {}).get("every", 0),
     }
     if (given.get("preload") or {}).get("kind") == "winding_tension":
-        from wroll_fem.case import build_case
-        from wroll_fem.winding.interface import target_pressures
-
         with suppress(InputError):  # without its mesh file the entry is left out
-            attrs["winding_pressure_pa"] = target_pressures(build_case(given)).tolist()
+            attrs |= _wound_pressure(build_case(given))
     return dataset.assign_attrs(attrs | dataset.attrs)
+
+
+def _wound_pressure(case: Case) -> dict[str, Any]:
+    """Pressure of the wound roll at the interfaces whose preload it decides; empty for other cases."""
+    if not isinstance(case, OnRoll) or case.preload is None or case.wound is None or case.coil.model != "layers":
+        return {}
+    if case.preload.kind != "winding_tension":
+        return {}
+    from wroll_fem.winding.interface import target_pressures
+
+    return {"winding_pressure_pa": target_pressures(case.wound, case.coil.layers).tolist()}

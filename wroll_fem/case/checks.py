@@ -1,0 +1,203 @@
+"""Checks between sections of a case. Each takes the sections that it compares and raises when they do not fit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wroll_fem.case.base import validation_error
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.design_map import DesignMap
+from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
+from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.mesh import Mesh
+from wroll_fem.case.modal import Modal
+from wroll_fem.case.output import Output
+from wroll_fem.case.preload import Preload
+from wroll_fem.case.solver import Solver
+from wroll_fem.case.two_dof import TwoDof
+
+FEWEST_STEPS_PER_CYCLE = 20
+"""Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed."""
+
+WITH_CURVE = ("sweep", "harmonic", "two_dof")
+"""Analyses with a curve over frequency, from which damping can be estimated."""
+
+FOURIER = ("modal", "modal_transient", "design_map")
+"""Analyses that can use `mesh.discretisation: fourier`."""
+
+FOURIER_COILS = ("solid", "bonded", "nonstructural_mass", "none")
+"""Coil models without friction, which does not couple the circumferential harmonics."""
+
+_ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}
+
+
+def check_motion(excitation: Any, wanted: str, analysis: str) -> None:
+    """Refuse a base motion of another kind than the analysis needs, before its keys are read.
+
+    Parameters
+    ----------
+    excitation
+        Section as it is written, or a model of it.
+    wanted
+        The kind that the analysis needs.
+    """
+    kind = excitation.get("kind", wanted) if isinstance(excitation, dict) else getattr(excitation, "kind", wanted)
+    if kind != wanted and kind in _ANALYSIS_OF_MOTION:
+        raise validation_error(
+            f"analysis {analysis} needs a {wanted}", key="kind", value=kind,
+            remedy=f"use excitation.kind: {wanted}, or analysis: {_ANALYSIS_OF_MOTION[kind]}",
+        )  # fmt: skip
+    if kind != wanted:
+        raise validation_error(
+            "is not one of the choices", key="kind", value=kind, remedy=f"use {', '.join(_ANALYSIS_OF_MOTION)}"
+        )
+    if isinstance(excitation, dict) and "kind" not in excitation:
+        remedy = f"add it (motion of the base): {wanted}"
+        raise validation_error("required key is missing", key="kind", show_value=False, remedy=remedy)
+
+
+def check_direction_of_file(excitation: Excitation | None) -> None:
+    """Refuse a direction beside matrices from a file, whose influence vector decides it."""
+    if excitation is not None and "direction" in excitation.model_fields_set:
+        raise validation_error(
+            "the influence vector of structure.file sets the direction", key="excitation.direction",
+            value=excitation.direction, remedy="leave it out (`wroll export` writes the direction of its case)",
+        )  # fmt: skip
+
+
+def check_base(mandrel: Mandrel, analysis: str) -> None:
+    """Refuse a free mandrel where the base moves or loads it: only modes can be free."""
+    if mandrel.base == "free" and analysis != "modal":
+        raise validation_error(
+            f"analysis {analysis} needs a held mandrel", key="mandrel.base", value="free",
+            remedy="use mandrel.base: clamped, or analysis: modal",
+        )  # fmt: skip
+
+
+def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
+    """Ask for contact and preload where the coil has interfaces that the analysis needs.
+
+    Parameters
+    ----------
+    written
+        Names of the sections that the case gives.
+    """
+    stuck = analysis == "modal" and modal.interface == "stuck"
+    if coil.model != "layers" or (analysis == "modal" and not stuck):
+        return
+    reason = "modal.interface stuck follows the preloaded contact" if stuck else "coil.model layers has interfaces"
+    sections = {"contact": "between matched interfaces", "preload": "what presses the layers onto the mandrel"}
+    for section, what in sections.items():
+        if section not in written:
+            remedy = f"add it ({what}): {reason}"
+            raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
+
+
+def check_layers(coil: Coil) -> None:
+    """Refuse the analysis preload without layers to press."""
+    if coil.model != "layers":
+        problem = "analysis preload presses layers"
+        raise validation_error(problem, key="coil.model", value=coil.model, remedy="use layers")
+
+
+def check_pressures(preload: Preload, layers: int) -> None:
+    """Ask for one pressure per layer, or one number."""
+    pressure = preload.pressure
+    if isinstance(pressure, list) and len(pressure) != layers:
+        raise validation_error(
+            f"{len(pressure)} pressures for {layers} layer{'s' if layers > 1 else ''}", key="preload.pressure",
+            value=pressure, remedy=f"give {layers} (inner first), or one number for the outermost layer",
+        )  # fmt: skip
+
+
+def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integrator, solver: Solver) -> None:
+    """Refuse too few time steps per cycle, unless `solver.allow_coarse` accepts them."""
+    steps = integrator.steps_per_cycle
+    if solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
+        return
+    f = excitation.highest_frequency_hz
+    raise validation_error(
+        f"too few steps per cycle: dt = {1 / (f * steps):.3g} s at the highest frequency, {f:g} Hz",
+        key="integrator.steps_per_cycle", value=steps,
+        remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more (dt <= {1 / (f * FEWEST_STEPS_PER_CYCLE):.3g} s; "
+        "40 is the default) or set solver.allow_coarse: true",
+    )  # fmt: skip
+
+
+def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None = None) -> None:
+    """Refuse to estimate damping where there is no curve over frequency."""
+    method = output.damping
+    if method == "half_power":
+        return
+    if analysis not in WITH_CURVE:
+        raise validation_error(
+            f"analysis {analysis} has no curve over frequency to read", key="output.damping", value=method,
+            remedy=f"leave it out, or use one of the analyses {', '.join(WITH_CURVE)}",
+        )  # fmt: skip
+    if two_dof is not None and two_dof.design_space is not None:
+        raise validation_error(
+            "the map of the design space is read by half power", key="output.damping", value=method,
+            remedy="leave it out, or leave two_dof.design_space out",
+        )  # fmt: skip
+
+
+def check_solid_coil(coil: Coil) -> None:
+    """Refuse shear stress of anything but a solid coil."""
+    if coil.model != "solid":
+        raise validation_error(
+            "analysis modal_transient recovers the stress of a solid coil", key="coil.model", value=coil.model,
+            remedy="use coil.model: solid; for layers use analysis: dwell",
+        )  # fmt: skip
+
+
+def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
+    """Refuse `mesh.discretisation: fourier` for what couples the circumferential harmonics."""
+    if mesh.discretisation != "fourier":
+        return
+    three = "or leave out mesh.discretisation"
+    if analysis not in FOURIER:
+        raise validation_error(
+            f"analysis {analysis} couples the circumferential harmonics", key="mesh.discretisation", value="fourier",
+            remedy=f"use three_dimensional, or one of the analyses {', '.join(FOURIER)}",
+        )  # fmt: skip
+    if coil.model not in FOURIER_COILS:
+        raise validation_error(
+            "friction between layers couples the circumferential harmonics", key="coil.model", value=coil.model,
+            remedy=f"use {', '.join(FOURIER_COILS)}, {three}",
+        )  # fmt: skip
+    if mesh.file is not None:
+        raise validation_error(
+            "semi-analytical (Fourier) elements use a mesh of the r-z half plane, made here", key="mesh.file",
+            value=str(mesh.file), remedy=f"leave it out, {three}",
+        )  # fmt: skip
+
+
+def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
+    """Check that the coil can be softened, and that every mandrel of the map is a tube."""
+    if coil.model != "solid":
+        raise validation_error(
+            "analysis design_map softens a solid coil", key="coil.model", value=coil.model, remedy="use solid"
+        )
+    if coil.material.kind != "cylindrical_orthotropic":
+        raise validation_error(
+            "analysis design_map changes the shear moduli between wraps", key="coil.material.kind",
+            value=coil.material.kind, remedy="use cylindrical_orthotropic",
+        )  # fmt: skip
+    if mesh.discretisation != "fourier":
+        raise validation_error(
+            "analysis design_map uses semi-analytical (Fourier) elements", key="mesh.discretisation",
+            value=mesh.discretisation, remedy="use mesh.discretisation: fourier",
+        )  # fmt: skip
+    stiffest = min(coil.material.G_r_theta, coil.material.G_r_z)
+    if not isinstance(design_map.loosest, str) and design_map.loosest >= stiffest:
+        raise validation_error(
+            "the loosest coil is not looser than the case's", key="design_map.loosest", value=design_map.loosest,
+            remedy=f"use less than its shear moduli between wraps, {stiffest:g} Pa",
+        )  # fmt: skip
+    wall, radius = max(design_map.mandrel_thickness), min(design_map.mandrel_radius)
+    if wall >= radius:
+        raise validation_error(
+            f"the thickest wall, {wall:g} m, fills the smallest mandrel", key="design_map.mandrel_radius", value=radius,
+            remedy=f"start above {wall:g} m",
+        )  # fmt: skip

@@ -1,0 +1,76 @@
+"""Checks of section `winding` against the sections that describe the roll."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wroll_fem.case.base import validation_error
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.preload import Preload
+from wroll_fem.case.winding import Winding
+
+FIT = 0.01
+"""Share by which the wound roll may differ in size from geometry and coil."""
+
+
+def check_winding_given(winding: Winding | None, preload: Preload | None) -> None:
+    """Ask for the section where the preload is computed from it."""
+    if winding is None and preload is not None and preload.kind == "winding_tension":
+        raise validation_error(
+            "required section is missing", key="winding", show_value=False,
+            remedy="add it (how the roll was wound: tension, wraps, mandrel, web): preload.kind: winding_tension "
+            "needs it",
+        )  # fmt: skip
+
+
+def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
+    """Ask for the friction between wraps; ``positive`` where nothing would hold the wraps without it."""
+    if winding.mu is None:
+        remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
+        raise validation_error("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
+    if winding.mu == 0.0 and positive:
+        remedy = "use a value above 0: without friction every point slips at any level"
+        raise validation_error("nothing holds the wraps", key="winding.mu", value=0.0, remedy=remedy)
+
+
+def check_winding_mandrel(winding: Winding | None, *, described: bool) -> None:
+    """Ask for the mandrel where geometry and mandrel do not describe it."""
+    if winding is not None and winding.mandrel is None and not described:
+        remedy = "add it (outer_radius with wall and E, or with stiffness)"
+        raise validation_error("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)
+
+
+def check_winding_size(winding: Winding, geometry: Geometry, coil: Coil | None) -> None:
+    """Check that the wound roll has the size of the roll that is simulated."""
+    radius, wall = 0.5 * geometry.mandrel_outer_diameter, geometry.mandrel_thickness
+    if winding.mandrel is not None:
+        _check_same(winding.mandrel.outer_radius, radius, "mandrel.outer_radius", "geometry.mandrel_outer_diameter / 2")
+        if winding.mandrel.wall is not None:
+            _check_same(winding.mandrel.wall, wall, "mandrel.wall", "geometry.mandrel_thickness")
+    if winding.wrap_thickness >= radius:
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", "a thinner web")
+    if winding.web_width is not None and winding.web_width > (1.0 + FIT) * geometry.length:
+        limit = f"geometry.length = {geometry.length:g} m or less"
+        raise _misfit("web_width", winding.web_width, "the web is wider than the roll is long", limit)
+    if coil is None or coil.model == "none":
+        return
+    thickness = coil.total_thickness
+    if winding.wrap_thickness > (1.0 + FIT) * thickness:
+        limit = f"coil.total_thickness = {thickness:g} m / wraps"
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", limit)
+    if abs(winding.build_up - thickness) > FIT * thickness:
+        problem = (
+            f"{winding.wraps} wraps of {winding.wrap_thickness:g} m are {winding.build_up:g} m thick, the coil is "
+        )
+        wraps = max(1, round(thickness / winding.wrap_thickness))
+        raise _misfit("wraps", winding.wraps, f"{problem}{thickness:g} m", f"wraps: {wraps}, or change the coil")
+
+
+def _check_same(value: float, wanted: float, key: str, name: str) -> None:
+    if abs(value - wanted) > FIT * wanted:
+        raise _misfit(key, value, f"differs from {name} = {wanted:g} m", f"{wanted:g} m, or leave winding.mandrel out")
+
+
+def _misfit(key: str, value: Any, problem: str, use: str) -> Exception:
+    return validation_error(problem, key=f"winding.{key}", value=value, remedy=f"use {use}")

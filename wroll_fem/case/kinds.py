@@ -1,0 +1,285 @@
+"""One class of case per analysis; analyses of a structure have two, for a roll and for matrices from a file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from wroll_fem.case.base import Real
+from wroll_fem.case.case import Case, case_kind
+from wroll_fem.case.checks import (
+    check_damping_method,
+    check_design_map,
+    check_layers,
+    check_motion,
+    check_solid_coil,
+    check_steps,
+)
+from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.contact import Contact
+from wroll_fem.case.design_map import DesignMap
+from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation, SineExcitation
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.harmonic import Backbone, Harmonic
+from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.mesh import Mesh
+from wroll_fem.case.modal import Modal
+from wroll_fem.case.preload import Preload
+from wroll_fem.case.solver import Solver
+from wroll_fem.case.structural import (
+    BACKBONE,
+    CONTACT,
+    EXCITATION,
+    HARMONIC,
+    INTEGRATOR,
+    MODAL,
+    PRELOAD,
+    SOLVER,
+    WINDING,
+    OnRoll,
+    OnStructure,
+    StructuralCase,
+)
+from wroll_fem.case.two_dof import TwoDof
+from wroll_fem.case.winding import Winding
+
+ANALYSIS = "what to compute"
+
+
+def _motion(wanted: str, analysis: str) -> BeforeValidator:
+    def check(value: Any) -> Any:
+        check_motion(value, wanted, analysis)
+        return value
+
+    return BeforeValidator(check)
+
+
+class SweepCase(StructuralCase):
+    """Time history of a sine sweep of the base."""
+
+    analysis: Literal["sweep"] = Field(description=ANALYSIS)
+    excitation: Annotated[ChirpExcitation, _motion("chirp", "sweep")] = Field(description=EXCITATION)
+
+    def _check(self) -> None:
+        super()._check()
+        check_steps(self.excitation, self.integrator, self.solver)
+
+
+@case_kind
+class RollSweepCase(SweepCase, OnRoll):
+    """Sine sweep of a roll."""
+
+
+@case_kind
+class StructureSweepCase(SweepCase, OnStructure):
+    """Sine sweep of matrices from a file."""
+
+
+class DwellCase(StructuralCase):
+    """Time history of a sine of the base at one frequency."""
+
+    analysis: Literal["dwell"] = Field(description=ANALYSIS)
+    excitation: Annotated[DwellExcitation, _motion("dwell", "dwell")] = Field(description=EXCITATION)
+
+    def _check(self) -> None:
+        super()._check()
+        check_steps(self.excitation, self.integrator, self.solver)
+
+
+@case_kind
+class RollDwellCase(DwellCase, OnRoll):
+    """Dwell of a roll."""
+
+
+@case_kind
+class StructureDwellCase(DwellCase, OnStructure):
+    """Dwell of matrices from a file."""
+
+
+class HarmonicCase(StructuralCase):
+    """Periodic response to a sine of the base over frequency, by harmonic balance."""
+
+    analysis: Literal["harmonic"] = Field(description=ANALYSIS)
+    excitation: Annotated[ChirpExcitation, _motion("chirp", "harmonic")] = Field(description=EXCITATION)
+    harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
+
+
+@case_kind
+class RollHarmonicCase(HarmonicCase, OnRoll):
+    """Periodic response of a roll."""
+
+
+@case_kind
+class StructureHarmonicCase(HarmonicCase, OnStructure):
+    """Periodic response of matrices from a file."""
+
+
+class BackboneCase(StructuralCase):
+    """Periodic motion at resonance over its amplitude."""
+
+    analysis: Literal["backbone"] = Field(description=ANALYSIS)
+    harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
+    backbone: Backbone = Field(default_factory=Backbone, description=BACKBONE)
+
+
+@case_kind
+class RollBackboneCase(BackboneCase, OnRoll):
+    """Backbone of a roll."""
+
+
+@case_kind
+class StructureBackboneCase(BackboneCase, OnStructure):
+    """Backbone of matrices from a file."""
+
+
+class ModalCase(StructuralCase):
+    """Natural frequencies and mode shapes."""
+
+    analysis: Literal["modal"] = Field(description=ANALYSIS)
+
+
+@case_kind
+class RollModalCase(ModalCase, OnRoll):
+    """Modes of a roll."""
+
+
+@case_kind
+class StructureModalCase(ModalCase, OnStructure):
+    """Modes of matrices from a file."""
+
+
+@case_kind
+class ModalTransientCase(OnRoll):
+    """Solid coil under a steady sine of the base: where shear exceeds the friction capacity."""
+
+    analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
+    winding: Winding = Field(description=WINDING)
+    excitation: Annotated[SineExcitation, _motion("sine", "modal_transient")] = Field(description=EXCITATION)
+    damping_ratio: Real = Field(
+        ge=1e-3,
+        lt=1,
+        description="share of critical damping of every mode, dimensionless (modal_transient; the thesis takes 0.02)",
+    )
+
+    def _check(self) -> None:
+        super()._check()
+        check_winding_friction(self.winding, positive=True)
+        check_solid_coil(self.coil)
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        if key == "structure":
+            return "holds matrices alone, without stresses", "describe the roll by geometry, mandrel and coil"
+        return super()._refusal(key)
+
+    @property
+    def wound(self) -> Winding:
+        """How the roll was wound, onto the mandrel of the case where the section leaves it out."""
+        return self.winding.on_mandrel(self.geometry, self.mandrel)
+
+
+class PreloadCase(StructuralCase):
+    """Static contact pressure under the preload."""
+
+    analysis: Literal["preload"] = Field(description=ANALYSIS)
+
+
+@case_kind
+class RollPreloadCase(PreloadCase, OnRoll):
+    """Preload of a roll with layers."""
+
+    def _check(self) -> None:
+        super()._check()
+        check_layers(self.coil)
+
+
+@case_kind
+class StructurePreloadCase(PreloadCase, OnStructure):
+    """Preload of matrices from a file."""
+
+
+@case_kind
+class WindingCase(Case):
+    """Stress in the wound roll: pressure between the wraps and friction capacity.
+
+    Sections of a roll may be written: geometry and mandrel describe the mandrel under the web, and the wound roll has
+    to have the size of the coil. The other sections have no effect here.
+    """
+
+    analysis: Literal["winding"] = Field(description=ANALYSIS)
+    winding: Winding = Field(description=WINDING)
+    geometry: Geometry | None = Field(default=None, description="the mandrel's tube")
+    mandrel: Mandrel | None = Field(default=None, description="material and end conditions of the mandrel")
+    coil: Coil | None = Field(default=None, description="how the wound web is modelled")
+    contact: Contact | None = Field(default=None, description=CONTACT)
+    preload: Preload | None = Field(default=None, description=PRELOAD)
+    excitation: Excitation | None = Field(default=None, description=EXCITATION)
+    integrator: Integrator | None = Field(default=None, description=INTEGRATOR)
+    solver: Solver | None = Field(default=None, description=SOLVER)
+    mesh: Mesh | None = Field(default=None, description="element counts or a mesh file")
+    modal: Modal | None = Field(default=None, description=MODAL)
+    harmonic: Harmonic | None = Field(default=None, description=HARMONIC)
+    backbone: Backbone | None = Field(default=None, description=BACKBONE)
+
+    def _check(self) -> None:
+        check_winding_friction(self.winding)
+        check_winding_mandrel(self.winding, described=self.geometry is not None and self.mandrel is not None)
+        if self.geometry is not None:
+            check_winding_size(self.winding, self.geometry, self.coil)
+        super()._check()
+
+    @property
+    def wound(self) -> Winding:
+        """Section `winding`, on the mandrel of the case where the section leaves it out."""
+        if self.geometry is None or self.mandrel is None:
+            return self.winding
+        return self.winding.on_mandrel(self.geometry, self.mandrel)
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        if key == "structure":
+            return "analysis winding has no matrices", "leave it out: section winding describes the roll"
+        return super()._refusal(key)
+
+
+@case_kind
+class DesignMapCase(OnRoll):
+    """Frequencies of the softest and the stiffest coil over mandrel radius and wall."""
+
+    analysis: Literal["design_map"] = Field(description=ANALYSIS)
+    design_map: DesignMap = Field(
+        description="mandrels of the map between softest and stiffest coil",
+        examples=[{"mandrel_radius": [0.03, 0.04], "mandrel_thickness": [1.5e-3, 2.0e-3]}],
+    )
+
+    def _check(self) -> None:
+        super()._check()
+        check_design_map(self.design_map, self.coil, self.mesh)
+
+
+@case_kind
+class TwoDofCase(Case):
+    """Two masses with friction between them on a shaken base."""
+
+    analysis: Literal["two_dof"] = Field(description=ANALYSIS)
+    two_dof: TwoDof = Field(
+        description="two masses that rub, in place of a roll",
+        examples=[{"friction_capacity": [1.0, 10.0], "omega": {"start": 0.4, "stop": 2.0, "points": 400}}],
+    )
+
+    def _check(self) -> None:
+        check_damping_method(self.output, self.analysis, self.two_dof)
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        problem = super()._refusal(key)
+        return None if problem is None else ("analysis two_dof does not use it", f"leave {key} out")
+
+
+ANALYSES = (
+    "sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map", "two_dof",
+)  # fmt: skip
+"""Names of the analyses: the values of `analysis`."""

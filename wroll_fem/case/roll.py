@@ -1,0 +1,26 @@
+"""The sections that describe a roll, together."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from wroll_fem.case.base import Section
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.geometry import Geometry
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.mesh import Mesh
+
+ROLL = ("geometry", "mandrel", "coil")
+"""Sections that describe a roll."""
+
+
+class RollSections(Section):
+    """Geometry, mandrel, coil and mesh: what meshes and finite elements of a roll are made from.
+
+    Every case on a roll is one; it can also be made from the four sections alone.
+    """
+
+    geometry: Geometry = Field(description="the mandrel's tube")
+    mandrel: Mandrel = Field(description="material and end conditions of the mandrel")
+    coil: Coil = Field(description="how the wound web is modelled")
+    mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")

@@ -1,0 +1,154 @@
+"""What cases of structural analyses share: a roll or matrices from a file, contact, excitation, solution."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from wroll_fem.case.case import Case
+from wroll_fem.case.checks import check_base, check_direction_of_file, check_fourier, check_interfaces, check_pressures
+from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
+from wroll_fem.case.contact import Contact, Friction
+from wroll_fem.case.excitation import Excitation
+from wroll_fem.case.harmonic import Backbone, Harmonic
+from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.mesh import Mesh
+from wroll_fem.case.modal import Modal
+from wroll_fem.case.preload import DEFAULT_STEPS, Preload
+from wroll_fem.case.roll import ROLL, RollSections
+from wroll_fem.case.solver import Solver
+from wroll_fem.case.structure import Structure
+from wroll_fem.case.winding import Winding
+from wroll_fem.errors import InputError
+
+CONTACT = "between matched interfaces"
+PRELOAD = "what presses the layers onto the mandrel"
+WINDING = "how the roll was wound: tension, wraps, mandrel, web"
+EXCITATION = "motion of the base"
+INTEGRATOR = "time integration"
+SOLVER = "how a step is solved"
+MODAL = "the eigenvalue analysis"
+HARMONIC = "periodic motions by harmonic balance"
+BACKBONE = "range of the backbone"
+
+_OF_ROLL = (*ROLL, "mesh", "preload")
+"""Sections that matrices from a file replace."""
+
+
+class StructuralCase(Case):
+    """A case with a structure that is deformed: a roll, or matrices from a file.
+
+    Sections that the analysis does not use may be written, so that one file serves several analyses.
+    """
+
+    contact: Contact | None = Field(default=None, description=CONTACT)
+    winding: Winding | None = Field(default=None, description=WINDING)
+    excitation: Excitation | None = Field(default=None, description=EXCITATION)
+    integrator: Integrator = Field(default_factory=Integrator, description=INTEGRATOR)
+    solver: Solver = Field(default_factory=Solver, description=SOLVER)
+    modal: Modal = Field(default_factory=Modal, description=MODAL)
+    harmonic: Harmonic | None = Field(default=None, description=HARMONIC)
+    backbone: Backbone | None = Field(default=None, description=BACKBONE)
+
+    ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*Case.ALWAYS_WRITTEN, "integrator", "solver", "modal")
+
+    @property
+    def friction(self) -> Friction:
+        """Friction law of the interfaces.
+
+        Raises
+        ------
+        InputError
+            When the case has no section `contact`.
+        """
+        if self.contact is None:
+            remedy = f"add it ({CONTACT})"
+            raise InputError("required section is missing", key="contact", remedy=remedy)
+        return self.contact.friction
+
+    @property
+    def direction(self) -> Literal["x", "y"]:
+        """Direction of the base motion; x where none is written."""
+        return "x" if self.excitation is None else self.excitation.direction
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s: `integrator.steps_per_cycle` per cycle of the highest excitation frequency, else of 1 Hz."""
+        highest = 1.0 if self.excitation is None else self.excitation.highest_frequency_hz
+        return 1.0 / (highest * self.integrator.steps_per_cycle)
+
+
+class OnRoll(StructuralCase, RollSections):
+    """A case on a roll, described by geometry, mandrel and coil."""
+
+    preload: Preload | None = Field(default=None, description=PRELOAD)
+
+    ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*StructuralCase.ALWAYS_WRITTEN, *ROLL, "mesh")
+
+    def _check(self) -> None:
+        check_interfaces(self.coil, self.modal, self.analysis, self.model_fields_set)
+        check_base(self.mandrel, self.analysis)
+        if self.preload is not None:
+            check_pressures(self.preload, self.coil.layers)
+        check_winding_given(self.winding, self.preload)
+        if self.winding is not None:
+            check_winding_size(self.winding, self.geometry, self.coil)
+        check_fourier(self.coil, self.mesh, self.analysis)
+        super()._check()
+
+    @property
+    def preload_steps(self) -> int:
+        """Load steps of the static preload."""
+        return DEFAULT_STEPS if self.preload is None else self.preload.steps
+
+    @property
+    def wound(self) -> Winding | None:
+        """How the roll was wound, onto the mandrel of the case where the section leaves it out."""
+        return None if self.winding is None else self.winding.on_mandrel(self.geometry, self.mandrel)
+
+    def resolved(self) -> dict[str, Any]:
+        """As `Case.resolved`; keys that this model of the coil does not use stay out unless they were written."""
+        data = super().resolved()
+        if self.coil.model != "solid":
+            for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
+                del data["mesh"][key]
+        if self.coil.model == "none":
+            for key in {"total_thickness", "material"} - self.coil.model_fields_set:
+                data["coil"].pop(key, None)
+        return data
+
+
+class OnStructure(StructuralCase):
+    """A case on matrices from a file, which also holds interfaces, preload and the influence of the base motion."""
+
+    structure: Structure = Field(
+        description="matrices from a file, in place of geometry, mandrel, coil, mesh and preload"
+    )
+
+    ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*StructuralCase.ALWAYS_WRITTEN, "structure")
+
+    def _check(self) -> None:
+        check_direction_of_file(self.excitation)
+        check_winding_mandrel(self.winding, described=False)
+        super()._check()
+
+    @property
+    def preload_steps(self) -> int:
+        """Load steps of the static preload."""
+        return self.structure.preload_steps
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        if key in _OF_ROLL:
+            return "stands beside structure, whose file replaces it", f"leave {key} out, or leave structure out"
+        return super()._refusal(key)
+
+    def resolved(self) -> dict[str, Any]:
+        """As `Case.resolved`; what the file decides stays out unless it was written."""
+        data = super().resolved()
+        if "excitation" in data:
+            del data["excitation"]["direction"]
+        if self.contact is not None and "normal" not in self.contact.model_fields_set:
+            del data["contact"]["normal"]
+        return data
