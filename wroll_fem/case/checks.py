@@ -32,7 +32,7 @@ FOURIER_COILS = ("solid", "bonded", "nonstructural_mass", "none")
 _ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}
 
 
-def check_motion(excitation: Any, wanted: str, analysis: str) -> None:
+def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
     """Refuse a base motion of another kind than the analysis needs, before its keys are read.
 
     Parameters
@@ -40,20 +40,22 @@ def check_motion(excitation: Any, wanted: str, analysis: str) -> None:
     excitation
         Section as it is written, or a model of it.
     wanted
-        The kind that the analysis needs.
+        The kinds that the analysis can use.
     """
-    kind = excitation.get("kind", wanted) if isinstance(excitation, dict) else getattr(excitation, "kind", wanted)
-    if kind != wanted and kind in _ANALYSIS_OF_MOTION:
+    names = " or ".join(wanted)
+    usual = wanted[0]
+    kind = excitation.get("kind", usual) if isinstance(excitation, dict) else getattr(excitation, "kind", usual)
+    if kind not in wanted and kind in _ANALYSIS_OF_MOTION:
         raise validation_error(
-            f"analysis {analysis} needs a {wanted}", key="kind", value=kind,
-            remedy=f"use excitation.kind: {wanted}, or analysis: {_ANALYSIS_OF_MOTION[kind]}",
+            f"analysis {analysis} needs a {names}", key="kind", value=kind,
+            remedy=f"use excitation.kind: {names}, or analysis: {_ANALYSIS_OF_MOTION[kind]}",
         )  # fmt: skip
-    if kind != wanted:
+    if kind not in wanted:
         raise validation_error(
             "is not one of the choices", key="kind", value=kind, remedy=f"use {', '.join(_ANALYSIS_OF_MOTION)}"
         )
     if isinstance(excitation, dict) and "kind" not in excitation:
-        remedy = f"add it (motion of the base): {wanted}"
+        remedy = f"add it (motion of the base): {names}"
         raise validation_error("required key is missing", key="kind", show_value=False, remedy=remedy)
 
 

@@ -49,9 +49,9 @@ from wroll_fem.case.winding import Winding
 ANALYSIS = "what to compute"
 
 
-def _motion(wanted: str, analysis: str) -> BeforeValidator:
+def _motion(analysis: str, *wanted: str) -> BeforeValidator:
     def check(value: Any) -> Any:
-        check_motion(value, wanted, analysis)
+        check_motion(value, analysis, *wanted)
         return value
 
     return BeforeValidator(check)
@@ -61,7 +61,7 @@ class SweepCase(StructuralCase):
     """Time history of a sine sweep of the base."""
 
     analysis: Literal["sweep"] = Field(description=ANALYSIS)
-    excitation: Annotated[ChirpExcitation, _motion("chirp", "sweep")] = Field(description=EXCITATION)
+    excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
 
     def _check(self) -> None:
         super()._check()
@@ -103,7 +103,7 @@ class HarmonicCase(StructuralCase):
     """Periodic response to a sine of the base over frequency, by harmonic balance."""
 
     analysis: Literal["harmonic"] = Field(description=ANALYSIS)
-    excitation: Annotated[ChirpExcitation, _motion("chirp", "harmonic")] = Field(description=EXCITATION)
+    excitation: Annotated[ChirpExcitation, _motion("harmonic", "chirp")] = Field(description=EXCITATION)
     harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
 
 
@@ -157,7 +157,7 @@ class ModalTransientCase(OnRoll):
 
     analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
     winding: Winding = Field(description=WINDING)
-    excitation: Annotated[SineExcitation, _motion("sine", "modal_transient")] = Field(description=EXCITATION)
+    excitation: Annotated[SineExcitation, _motion("modal_transient", "sine")] = Field(description=EXCITATION)
     damping_ratio: Real = Field(
         ge=1e-3,
         lt=1,
