@@ -1,4 +1,4 @@
-"""The checklist: every claim of the thesis, where it stands, and when it counts as met."""
+"""The checklist: every claim of the thesis, its place in the thesis, and the criterion."""
 
 from __future__ import annotations
 

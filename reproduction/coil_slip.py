@@ -216,7 +216,7 @@ def inputs(evidence: Evidence) -> str:
     rows = []
     for name, data in {
         "as given, E_r = 40 (1 kPa + P)": given,
-        "the same, the thesis's grid": on_wraps,
+        "the same, grid of the thesis": on_wraps,
         "constant E_r = 0.1 GPa (that of the solid)": soft,
         "constant E_r = 1 GPa": hard,
         "constant E_r = 40 GPa (K2 as printed)": rigid,

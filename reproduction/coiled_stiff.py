@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from reproduction.evidence import Evidence
-from reproduction.symmetry import SymmetryClass, study_figure
+from reproduction.family import Family, study_figure
 from reproduction.verdict import Verdict
 from reproduction.words import numbers
 from wroll_fem.errors import InputError
@@ -27,7 +27,7 @@ OPEN = {
     "2700 to 2800 kg/m^3": "mandrel.material.rho=2800",
     "tip mass of 0.05 kg": "mandrel.tip_mass=0.05",
 }
-"""What the thesis leaves open of its case study -> a value other than the shipped one."""
+"""Input of the case study that the thesis does not state -> a value other than the shipped one."""
 
 
 def bending_index(data: xr.Dataset) -> int:
@@ -49,7 +49,7 @@ def frequencies(evidence: Evidence, cases: Sequence[Sequence[str]]) -> list[floa
 
 
 def alone(members: Sequence[SeriesMember]) -> float:
-    """Bending frequency of the case that stands beside a study, Hz."""
+    """Bending frequency of the reference case of a study, Hz."""
     return next(bending(m.data) for m in members if m.reference)
 
 
@@ -65,7 +65,7 @@ def c14(evidence: Evidence) -> Verdict:
         evidence, [(STIFF, SOLID), (STIFF, HARMONICS), *((STIFF, change) for change in OPEN.values())]
     )
     said = ", ".join(f"{words} {other:.1f}" for words, other in zip(OPEN, others, strict=True))
-    value = f"f_n = {f:.2f} Hz; harmonics around the axis {independent:.2f} Hz; what the thesis leaves open: {said} Hz"
+    value = f"f_n = {f:.2f} Hz; Fourier elements {independent:.2f} Hz; inputs not stated in the thesis: {said} Hz"
     return Verdict(value, 95.0 <= f <= 105.0)
 
 
@@ -115,7 +115,7 @@ def isotropic(modulus: float) -> float:
 
 
 def softest(evidence: Evidence, modulus: float) -> float:
-    """Lowest shear stiffness with a fundamental bending mode, Pa, from the model in harmonics."""
+    """Lowest shear modulus with a fundamental bending mode, Pa, from Fourier elements."""
     case = evidence.roll(*kapton(modulus, isotropic(modulus)), HARMONICS)
 
     def search() -> xr.Dataset:
@@ -189,7 +189,7 @@ def c32(evidence: Evidence) -> Verdict:
     return Verdict(value, exact and abs(material.E_r - 0.01 * 4e9) < 1.0 and round(isotropic(4e9) / 1e9, 2) == 1.48)
 
 
-FAMILY = SymmetryClass(
+FAMILY = Family(
     {"C14": c14, "C15": c15, "C16": c16, "C17": c17, "C28": c28, "C29": c29, "C30": c30, "C31": c31, "C32": c32},
     figures={
         "shear_stiffness": (

@@ -29,7 +29,7 @@ def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command
     Parameters
     ----------
     command
-        What made it; stands at the top.
+        Command that wrote the page, for its head.
 
     Returns
     -------

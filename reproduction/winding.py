@@ -154,7 +154,7 @@ def c7(evidence: Evidence) -> Verdict:
     thesis = roll.wraps.pressure[0]
     thin = wound_roll(winding.model_copy(update={"growth": "continuous"})).pressure[0]
     value = (
-        f"thesis's grid: P = {1e-6 * thesis:.3f} MPa, mu P = {1e-6 * 0.48 * thesis:.3f} MPa; refined: P = "
+        f"grid of the thesis: P = {1e-6 * thesis:.3f} MPa, mu P = {1e-6 * 0.48 * thesis:.3f} MPa; refined: P = "
         f"{1e-6 * roll.pressure[0]:.3f} MPa, mu P = {1e-6 * roll.capacity[0]:.3f} MPa, {100 * change:.3f} % on halving "
         f"the step; infinitely thin wraps: {1e-6 * thin:.3f} MPa; nu_theta 0.3, nu_m 0.33 ({inputs(winding)})"
     )
@@ -184,7 +184,7 @@ def c8(evidence: Evidence) -> Verdict:
     ends = roll.pressure[-1] == 0 and roll.wraps.pressure[-1] == 0
     value = (
         f"falls from wrap to wrap on both grids, 0 outside; under the last wrap {1e-3 * under:.1f} kPa (refined), "
-        f"{1e-3 * roll.wraps.pressure[-2]:.1f} kPa (thesis's grid), T_w h/r = {1e-3 * limit:.1f} kPa"
+        f"{1e-3 * roll.wraps.pressure[-2]:.1f} kPa (grid of the thesis), T_w h/r = {1e-3 * limit:.1f} kPa"
     )
     return Verdict(value, falls and bool(ends) and under <= limit and roll.wraps.pressure[-2] <= limit * (1 + 1e-12))
 
@@ -250,7 +250,7 @@ def c61(evidence: Evidence) -> Verdict:
         found = [roll.pressure[0], roll.wraps.pressure[0]]
         holds &= 10e3 <= found[0] <= roll.hoop_bound <= 300e3 and found[1] <= sums
         parts.append(
-            f"{tension:g} N: P = {1e-3 * found[0]:.1f} kPa (thesis's grid {1e-3 * found[1]:.1f}), hoop bound "
+            f"{tension:g} N: P = {1e-3 * found[0]:.1f} kPa (grid of the thesis {1e-3 * found[1]:.1f}), hoop bound "
             f"{1e-3 * roll.hoop_bound:.1f} kPa"
         )
     return Verdict("; ".join(parts) + "; 10 kPa lies below, 300 kPa far above even the bound", bool(holds))
