@@ -10,7 +10,7 @@ from reproduction.evidence import Evidence
 from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.plotting import plot_design_map
+from wroll_fem.plotting.design_map import plot_design_map
 from wroll_fem.typing import FloatArray
 
 MAP = "design_map"

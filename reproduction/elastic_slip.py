@@ -19,8 +19,8 @@ from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, read
-from wroll_fem.plotting.transmissibility import magnitude
 from wroll_fem.results.energy import energy_balance_error
+from wroll_fem.signals.transmissibility import magnitude
 
 SLIP = "contact.friction.elastic_slip"
 LOW, REDUCED, TIED = "elastic_slip_low", "elastic_slip_reduced", "elastic_slip_tied"
@@ -128,7 +128,9 @@ def plot_curves(series: str, evidence: Evidence) -> Axes:
     ax = style.axes(None, 4.6)
     for m, colour, dash in zip(members(evidence, series), style.LINES, ("-", "--", "-.", ":"), strict=False):
         text = rf"$\gamma^*$ = {1e6 * float(m.values[SLIP]):g} µm"
-        ax.plot(m.data["frequency"].values, np.asarray(magnitude(m.data)), color=colour, lw=1.5, ls=dash, label=text)
+        ax.plot(
+            m.data["frequency"].values, np.asarray(magnitude(m.data).values), color=colour, lw=1.5, ls=dash, label=text
+        )
     ax.set_yscale("log")
     ax.set_ylim(bottom=1.0)
     ax.set_xlabel("Frequency (Hz)")

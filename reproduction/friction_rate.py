@@ -7,11 +7,12 @@ import numpy as np
 from reproduction.evidence import Evidence
 from reproduction.family import Family, study_figure
 from reproduction.verdict import Verdict
-from wroll_fem.plotting.study import PRESSURE, Reading, is_sweep, read
+from wroll_fem.plotting.study import PRESSURE, is_sweep, read
+from wroll_fem.results.resonance import Resonance
 
 
 def c125(evidence: Evidence) -> Verdict:
-    files: dict[float, dict[str, Reading]] = {}
+    files: dict[float, dict[str, Resonance]] = {}
     for m in evidence.study("friction_laws"):
         if is_sweep(m):
             files.setdefault(float(m.values[PRESSURE]), {})[m.values["case"]] = read(m)

@@ -18,7 +18,7 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import SeriesMember, read
-from wroll_fem.plotting.transmissibility import magnitude
+from wroll_fem.signals.transmissibility import magnitude
 
 STUDY, SCHEME = "integrators_source", "integrator.scheme"
 NAMES = ("no_damping", "transient_fidelity", "moderate_dissipation", "quasi_static")
@@ -141,7 +141,9 @@ def plot_schemes(evidence: Evidence) -> Axes:
     found = by_scheme(evidence)
     lines = {**found, "reference: a quarter of the step": reference(evidence)}
     for (name, m), colour, dash in zip(lines.items(), style.LINES, ("-", "--", "-.", ":", "-"), strict=False):
-        ax.plot(m.data["frequency"].values, np.asarray(magnitude(m.data)), color=colour, lw=1.5, ls=dash, label=name)
+        ax.plot(
+            m.data["frequency"].values, np.asarray(magnitude(m.data).values), color=colour, lw=1.5, ls=dash, label=name
+        )
     ax.set_xlim(110, 180)
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")

@@ -11,7 +11,7 @@ from reproduction.reproduce import Judged, count, families
 from reproduction.verdict import NOT_MET, THESIS_ERROR
 from reproduction.words import table
 from wroll_fem.errors import WrollError
-from wroll_fem.plotting import save_figure
+from wroll_fem.plotting.style import save_figure
 
 
 def unexplained(judged: Sequence[Judged]) -> list[str]:

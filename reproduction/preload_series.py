@@ -11,8 +11,8 @@ from reproduction.family import Family, study_figure
 from reproduction.lab_studies import beside, sweeps
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, listed, monotone, rank_correlation
-from wroll_fem.plotting.history import chirp_law
 from wroll_fem.plotting.study import SeriesMember, friction_work, natural_frequency, read
+from wroll_fem.signals.base_motion import chirp_law
 
 Members = Sequence[SeriesMember]
 

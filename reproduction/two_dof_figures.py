@@ -14,6 +14,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
 from wroll_fem.plotting.two_dof import plot_two_dof
+from wroll_fem.signals.transmissibility import magnitude
 from wroll_fem.two_dof import TwoMasses
 from wroll_fem.typing import FloatArray
 
@@ -49,7 +50,7 @@ def plot_both_models(evidence: Evidence) -> Axes:
     shades = plt.get_cmap("coolwarm")(np.where(share < 0.5, 0.84 * share, 0.58 + 0.84 * (share - 0.5)))
     for member in sorted(members, key=lambda m: float(m.values[PRESSURE])):
         pressure, data = float(member.values[PRESSURE]), member.data
-        size_of = np.hypot(data["transmissibility_real"].values, data["transmissibility_imag"].values)
+        size_of = magnitude(data).values
         shade = shades[pressures.index(pressure)]
         left.plot(data["frequency"].values / alone, size_of, color=shade, lw=1.5, label=f"{1e-3 * pressure:g} kPa")
     plot_two_dof(study.series(evidence), right)

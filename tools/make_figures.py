@@ -117,22 +117,22 @@ def mesh_table(summaries: dict[str, dict]) -> str:
 
 def comparison(path: Path, base: str) -> None:
     """Transmissibility of all preloads of one base condition."""
-    from wroll_fem.plotting import plot_comparison, save_figure
+    from wroll_fem.plotting.names import comparison, save
     from wroll_fem.results.dataset import load_dataset
 
     runs = {label: load_dataset(RUNS / f"{base}_{label.replace(' ', '')}" / "results.nc") for label in PRESSURES}
-    save_figure(plot_comparison(runs), path)
+    save(comparison(runs), path)
 
 
 def studies() -> None:
     """Figures of studies that no claim is judged on."""
     from reproduction import Evidence
     from reproduction.family import study_figure
-    from wroll_fem.plotting import save_figure
+    from wroll_fem.plotting.names import save
 
     with Evidence(ROOT / "runs" / "reproduce", workers=WORKERS) as evidence:
         for name, (study, figure) in STUDIES.items():
-            print(save_figure(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
+            print(save(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
 
 
 def main() -> None:

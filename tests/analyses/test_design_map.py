@@ -7,7 +7,7 @@ from wroll_fem import analyses
 from wroll_fem.case import Case
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.generate import build_mesh
-from wroll_fem.plotting import plot_design_map
+from wroll_fem.plotting.design_map import plot_design_map
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
 

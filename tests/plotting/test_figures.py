@@ -17,11 +17,14 @@ from matplotlib.image import imread
 from support import synthetic_roll
 
 from wroll_fem import load_case, plotting
+from wroll_fem import plot as figures
 from wroll_fem.analyses import write_figures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import cylinder, style
 from wroll_fem.plotting.cylinder import slip_surface
+from wroll_fem.plotting.series import FIGURES
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.results.resonance import resonance
 from wroll_fem.signals.damping import half_power
 
 
@@ -106,13 +109,13 @@ def test_cylinder_surface_closes_at_the_seam(thin):
 
 def test_missing_field_or_interface_is_named(sweep):
     with pytest.raises(InputError, match="cumulative_slip"):
-        plotting.plot_slip_map(sweep.drop_vars("cumulative_slip"))
+        figures.slip_map(sweep.drop_vars("cumulative_slip"))
     with pytest.raises(InputError, match="no interface 2"):
-        plotting.plot_slip_map(sweep, interface=2)
+        figures.slip_map(sweep, interface=2)
     with pytest.raises(InputError, match="transmissibility_real"):
-        plotting.plot_transmissibility(sweep.drop_vars("transmissibility_real"))
+        figures.transmissibility(sweep.drop_vars("transmissibility_real"))
     with pytest.raises(InputError, match="contact_energy"):
-        plotting.plot_energy_ledger(sweep.drop_vars("contact_energy"))
+        figures.energy_ledger(sweep.drop_vars("contact_energy"))
 
 
 # --- figures ----------------------------------------------------------------------------------------------------
@@ -121,13 +124,13 @@ def test_missing_field_or_interface_is_named(sweep):
 @pytest.mark.parametrize(
     "draw",
     [
-        plotting.plot_transmissibility,
-        lambda ds, ax: plotting.plot_comparison({"30 kPa": ds}, ax),
-        plotting.plot_response,
-        plotting.plot_energy_ledger,
-        lambda ds, ax: plotting.plot_slip_map(ds, 0, ax),
-        lambda ds, ax: plotting.plot_peak_slip_vectors(ds, 1, ax),
-        lambda _, ax: plotting.plot_modes(synthetic_roll.modes(), ax),
+        figures.transmissibility,
+        lambda ds, ax: figures.comparison({"30 kPa": ds}, ax),
+        figures.response,
+        figures.energy_ledger,
+        lambda ds, ax: figures.slip_map(ds, 0, ax),
+        lambda ds, ax: figures.peak_slip_vectors(ds, 1, ax),
+        lambda _, ax: figures.modes(synthetic_roll.modes(), ax),
     ],
 )
 def test_figures_draw_into_the_axes_given_label_them_and_show_nothing(draw, sweep, monkeypatch):
@@ -142,51 +145,76 @@ def test_figures_draw_into_the_axes_given_label_them_and_show_nothing(draw, swee
 
 
 def test_transmissibility_figure_states_the_half_power_reading(sweep):
-    ax = plotting.plot_transmissibility(sweep)
+    ax = figures.transmissibility(sweep)
     size = np.hypot(sweep["transmissibility_real"], sweep["transmissibility_imag"])
     read = half_power(sweep["frequency"], size)
     for number in (f"{read.f_n:.2f} Hz", f"{100 * read.zeta:.2f} %", f"{read.peak:.2f}", f"{read.skewness:+.2f}"):
         assert number in ax.texts[0].get_text()
-    assert f"{100 * read.zeta:.2f} % damping" in texts(ax)
+    assert f"damping ratio {100 * read.zeta:.2f} % (half power)" in texts(ax)
     marks = [line for line in ax.lines if line.get_label() == "half power"]
     np.testing.assert_allclose(marks[0].get_xdata(), [read.f_low, read.f_high])
 
 
-def test_transmissibility_figure_says_when_damping_cannot_be_read(sweep):
-    peak = plotting.transmissibility.reading(sweep).f_n
-    ax = plotting.plot_transmissibility(sweep.isel(frequency=sweep["frequency"].values < peak + 0.3))
-    assert "cannot be read: no half-power point between the peak" in texts(ax)
+def test_transmissibility_figure_gives_the_reason_for_no_damping_estimate(sweep):
+    peak = resonance(sweep).f_n
+    ax = figures.transmissibility(
+        synthetic_roll.estimated(sweep.isel(frequency=sweep["frequency"].values < peak + 0.3))
+    )
+    assert "no damping estimate: no half-power point between the peak" in texts(ax)
+
+
+def test_transmissibility_figure_shows_the_estimate_of_the_results_and_computes_none(sweep):
+    text = texts(figures.transmissibility(sweep.assign_attrs(zeta=0.1234, zeta_method="rational fraction, envelope")))
+    assert "damping ratio 12.34 % (rational fraction)" in text
+    with pytest.raises(
+        InputError, match=r"no resonance \(attributes f_n_hz, .*add one: dataset.assign_attrs\(wf.half_po"
+    ):
+        figures.transmissibility(sweep.drop_attrs(deep=False))
+
+
+def test_every_figure_has_one_name_and_the_old_spellings_work():
+    assert set(FIGURES) <= set(figures.__all__)
+    assert all(getattr(figures, name) is draw for name, draw in FIGURES.items())
+    for old in ("plot_slip_map", "plot_comparison", "plot_mode_shapes", "plot_two_dof_readings", "write_slip_vtu"):
+        assert getattr(plotting, old) is getattr(figures, old) is getattr(figures, old.removeprefix("plot_"))
+    assert plotting.save_figure is figures.save
+    assert figures.family is figures.curves
+    assert figures.frequency_over_shear_stiffness is figures.shear_stiffness
+    with pytest.raises(AttributeError, match="no attribute 'plot_nothing'; it has backbone, comparison"):
+        figures.plot_nothing  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        plotting.nothing  # noqa: B018
 
 
 def test_comparison_names_the_ends_of_the_range():
     runs = {name: synthetic_roll.sweep(slip_limit=limit) for name, limit in (("10 kPa", 3.0), ("300 kPa", 12.0))}
-    ax = plotting.plot_comparison(runs)
-    reads = {name: plotting.transmissibility.reading(ds) for name, ds in runs.items()}
+    ax = figures.comparison(runs)
+    reads = {name: resonance(ds) for name, ds in runs.items()}
     assert f"{reads['10 kPa'].f_n:.1f} Hz (10 kPa) to {reads['300 kPa'].f_n:.1f} Hz (300 kPa)" in texts(ax)
     with pytest.raises(InputError, match="no runs"):
-        plotting.plot_comparison({})
+        figures.comparison({})
 
 
 def test_response_reads_the_sweep_frequency_on_its_second_axis(sweep):
-    ax = plotting.plot_response(sweep)
+    ax = figures.response(sweep)
     ax.figure.canvas.draw()
     (top,) = (child for child in ax.child_axes if child.get_xlabel() == "Frequency of the base (Hz)")
     np.testing.assert_allclose(top.get_xlim(), synthetic_roll.MOTION.frequency(np.array(ax.get_xlim())), rtol=1e-9)
     tip = np.abs(sweep["tip_acceleration"] + sweep["base_acceleration"])
     assert f"{float(synthetic_roll.MOTION.frequency(sweep['time'][int(tip.values.argmax())])):.1f} Hz" in texts(ax)
-    partial = plotting.plot_response(sweep.isel(time=slice(0, 9000)))  # a run that stopped keeps its frequencies
+    partial = figures.response(sweep.isel(time=slice(0, 9000)))  # a run that stopped keeps its frequencies
     partial.figure.canvas.draw()
     expected = synthetic_roll.MOTION.frequency(np.array(partial.get_xlim()))
     np.testing.assert_allclose(partial.child_axes[0].get_xlim(), expected, rtol=1e-9)
 
 
 def test_ledger_figure_states_shares_that_add_up(sweep):
-    ax = plotting.plot_energy_ledger(sweep)
+    ax = figures.energy_ledger(sweep)
     share = float(sweep["friction_energy"][-1] / sweep["input_work"][-1])
     assert f"friction takes {100 * share:.1f} %" in texts(ax)
     assert "closes to rounding" in texts(ax)
     leak = sweep.assign(numerical_dissipation=sweep["numerical_dissipation"] + 0.02 * sweep["input_work"])
-    assert "off by 2 %" in texts(plotting.plot_energy_ledger(leak))
+    assert "off by 2 %" in texts(figures.energy_ledger(leak))
 
 
 def test_a_long_line_keeps_its_extremes_and_ends_when_thinned():
@@ -214,7 +242,7 @@ def test_long_histories_keep_their_extremes_when_thinned(sweep):
 
 
 def test_slip_map_shows_colour_only_where_it_slipped_near_the_root_along_x(sweep):
-    ax = plotting.plot_slip_map(sweep)
+    ax = figures.slip_map(sweep)
     (picture,) = (c for c in ax.collections if c.get_array() is not None and c.get_array().ndim == 2)
     shown = np.ma.filled(np.ma.masked_invalid(picture.get_array()), np.nan)
     rows, columns = np.nonzero(np.isfinite(shown))
@@ -230,20 +258,20 @@ def test_slip_map_shows_colour_only_where_it_slipped_near_the_root_along_x(sweep
 
 
 def test_axes_say_which_faces_the_excitation_hits(sweep):
-    assert "0° and ±180° face the excitation" in plotting.plot_slip_map(sweep).get_xlabel()
+    assert "0° and ±180° face the excitation" in figures.slip_map(sweep).get_xlabel()
     across = sweep.assign_attrs(excitation_direction="y")
-    assert "±90° face the excitation" in plotting.plot_peak_slip_vectors(across).get_xlabel()
+    assert "±90° face the excitation" in figures.peak_slip_vectors(across).get_xlabel()
 
 
 def test_slip_map_of_a_stuck_interface_says_so():
     stuck = synthetic_roll.contact_points()
     stuck["slipped"][:] = False
     stuck["cumulative_slip"][:] = 0.0
-    assert "Nothing slipped between layer 1 and layer 2" in texts(plotting.plot_slip_map(stuck, 1))
+    assert "Nothing slipped between layer 1 and layer 2" in texts(figures.slip_map(stuck, 1))
 
 
 def test_peak_slip_vectors_point_axially_and_oppositely_on_both_faces(sweep):
-    ax = plotting.plot_peak_slip_vectors(sweep)
+    ax = figures.peak_slip_vectors(sweep)
     (arrows,) = (c for c in ax.collections if hasattr(c, "U"))
     at_0, at_180 = (np.flatnonzero((np.abs(arrows.X - x) < 1e-6) & (arrows.Y == 0.0)) for x in (0.0, -180.0))
     assert arrows.V[at_0] == pytest.approx(3.0)
@@ -253,7 +281,7 @@ def test_peak_slip_vectors_point_axially_and_oppositely_on_both_faces(sweep):
 
 
 def test_modes_are_named_with_frequency_and_mass():
-    ax = plotting.plot_modes(synthetic_roll.modes())
+    ax = figures.modes(synthetic_roll.modes())
     assert "402.7 Hz" in texts(ax)
     assert "148.3 Hz, 71 % of the mass along x" in texts(ax)
     assert "first bending at 148.3 Hz" in texts(ax)
@@ -271,13 +299,13 @@ def test_numbers_in_titles_are_short():
 
 
 def test_saved_figure_is_readable_at_readme_width_and_closed(sweep, tmp_path):
-    path = plotting.save_figure(plotting.plot_transmissibility(sweep), tmp_path / "figures" / "t.png")
+    path = figures.save(figures.transmissibility(sweep), tmp_path / "figures" / "t.png")
     assert imread(path).shape[1] == pytest.approx(1080, abs=2)
     assert plt.get_fignums() == []
 
 
 def test_slip_vtu_holds_every_interface_in_si(sweep, tmp_path):
-    mesh = meshio.read(plotting.write_slip_vtu(sweep, tmp_path / "fields" / "slip.vtu"))
+    mesh = meshio.read(figures.write_slip_vtu(sweep, tmp_path / "fields" / "slip.vtu"))
     assert set(np.unique(mesh.point_data["interface"])) == {0.0, 1.0}
     inner = mesh.point_data["interface"] == 0.0
     assert mesh.point_data["cumulative_slip"][inner].max() == float(sweep["cumulative_slip"][0].max())
@@ -299,7 +327,7 @@ def quad9_tube(around=12, along=6, radius=0.04, height=0.3):
 
 
 def test_slip_on_the_cylinder_is_drawn_grey_where_it_stuck(tmp_path):
-    picture = imread(plotting.plot_slip_on_cylinder(synthetic_roll.contact_points(half=True), tmp_path / "c.png"))
+    picture = imread(figures.slip_on_cylinder(synthetic_roll.contact_points(half=True), tmp_path / "c.png"))
     assert picture.shape[1] == 1080
     coloured = np.ptp(picture[..., :3], axis=2) > 0.15
     assert 0.02 < coloured[: int(0.85 * len(coloured))].mean() < 0.3  # slip near the root of each view, the rest grey
@@ -338,10 +366,10 @@ def test_mode_shapes_are_rendered_and_arrays_checked(tmp_path):
     pytest.importorskip("pyvista")
     points, cells = quad9_tube()
     shapes = np.array([np.outer((points[:, 2] / 0.3) ** 2, axis) for axis in np.eye(3)[:2]])
-    picture = imread(plotting.plot_mode_shapes(points, cells, shapes, ["1  bending", "2  bending"], tmp_path / "m.png"))
+    picture = imread(figures.mode_shapes(points, cells, shapes, ["1  bending", "2  bending"], tmp_path / "m.png"))
     assert (np.ptp(picture[: int(0.7 * len(picture)), :, :3], axis=2) > 0.15).mean() > 0.05  # above the colour bar
     with pytest.raises(InputError, match="titles and shapes"):
-        plotting.plot_mode_shapes(points, cells, shapes[:, :-1], ["a", "b"], tmp_path / "m.png")
+        figures.mode_shapes(points, cells, shapes[:, :-1], ["a", "b"], tmp_path / "m.png")
 
 
 def test_missing_pyvista_names_the_extra_to_install(tmp_path, monkeypatch):
@@ -354,9 +382,9 @@ def test_missing_pyvista_names_the_extra_to_install(tmp_path, monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", without)
     points, cells = quad9_tube()
-    plotting.plot_slip_on_cylinder(synthetic_roll.contact_points(), tmp_path / "c.png")  # does without
+    figures.slip_on_cylinder(synthetic_roll.contact_points(), tmp_path / "c.png")  # does without
     with pytest.raises(InputError, match=r"wroll-fem\[view\]"):
-        plotting.plot_mode_shapes(points, cells, np.zeros((1, *points.shape)), ["1"], tmp_path / "m.png")
+        figures.mode_shapes(points, cells, np.zeros((1, *points.shape)), ["1"], tmp_path / "m.png")
 
 
 # ---- pressure --------------------------------------------------------------------------------------
@@ -365,9 +393,12 @@ def test_missing_pyvista_names_the_extra_to_install(tmp_path, monkeypatch):
 @pytest.mark.parametrize("half", [False, True])
 def test_pressure_of_a_preload_run_is_drawn(half, root, tmp_path):  # its results hold no slip
     points = synthetic_roll.contact_points(half=half)[["pressure", "area"]]
-    ax = plotting.plot_pressure_map(points, interface=1)
+    ax = figures.pressure_map(points, interface=1)
     assert "Pressure between layer 1 and layer 2: 50 kPa in the mean, 45 kPa to 55 kPa" in texts(ax)
     drawn = ax.collections[0].get_array()
     assert (drawn.min(), drawn.max()) == pytest.approx((45.0, 55.0), rel=1e-3)
     case = load_case(root / "configs" / "tiny.yaml", ["analysis=preload"])
-    assert [path.name for path in write_figures(points, case, tmp_path)] == ["pressure_01.png", "pressure_02.png"]
+    assert [path.name for path in write_figures(points.assign_attrs(case_yaml=case.resolved_yaml()), tmp_path)] == [
+        "pressure_01.png",
+        "pressure_02.png",
+    ]

@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 from wroll_fem.errors import InputError
-from wroll_fem.plotting import save_figure
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.style import save_figure
 
 PRESSURES, COEFFICIENTS, LEVELS = (1e5, 2e4, 5e4), (0.45, 0.15), (5.0, 2.5)
 

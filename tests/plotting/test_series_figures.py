@@ -15,16 +15,17 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgb
 from matplotlib.quiver import Quiver
 from support.paths import ROOT
-from support.synthetic_roll import contact_points, modes, sweep
+from support.synthetic_roll import contact_points, estimated, modes, sweep
 
 from wroll_fem.analyses.modal import tip_participation
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
-from wroll_fem.plotting import save_figure, style
+from wroll_fem.plotting import style
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import SeriesMember, friction_work, read, shown, undamped_curve
-from wroll_fem.plotting.transmissibility import magnitude
+from wroll_fem.plotting.style import save_figure
+from wroll_fem.signals.transmissibility import magnitude
 
 PRESSURES = (1e4, 3e4, 1e5)
 LIMITS = dict(zip(PRESSURES, (3.0, 8.0, 20.0), strict=True))  # the slider of the synthetic roll grows with preload
@@ -49,7 +50,7 @@ def reference() -> SeriesMember:
 def steady(data: xr.Dataset) -> xr.Dataset:
     """A curve without a history, as harmonic balance leaves it."""
     names = ["transmissibility_real", "transmissibility_imag"]
-    return data[names].drop_dims("time", errors="ignore") * 0.97
+    return estimated(data[names].drop_dims("time", errors="ignore") * 0.97)
 
 
 def by_preload(runs: dict[float, xr.Dataset], **extra: object) -> list[SeriesMember]:
@@ -86,7 +87,7 @@ def test_preload_family_draws_every_curve_from_blue_to_red_and_the_mandrel_dashe
     lines = [line for line in panels[0].lines if "kPa" in str(line.get_label())]
     assert len(lines) == len(runs)
     for line, data in zip(lines, runs.values(), strict=True):
-        np.testing.assert_array_equal(line.get_ydata(), magnitude(data))
+        np.testing.assert_array_equal(line.get_ydata(), magnitude(data).values)
     colours = [to_rgb(line.get_color()) for line in lines]
     assert colours[0][2] > colours[0][0]
     assert colours[-1][0] > colours[-1][2]

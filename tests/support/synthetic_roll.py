@@ -11,7 +11,8 @@ import xarray as xr
 
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import Chirp
-from wroll_fem.signals.transmissibility import transmissibility
+from wroll_fem.signals.damping import half_power
+from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
 MOTION = Chirp(5.0, 125.0, 175.0, 6.0, ramp_cycles=10.0)
 
@@ -121,4 +122,10 @@ def modes() -> xr.Dataset:
 def sweep(*, half: bool = False, **options: float) -> xr.Dataset:
     """Everything a sweep leaves behind, annotated."""
     run = history(**options)
-    return annotate(xr.merge([run, contact_points(half=half), transmissibility(run, MOTION)], combine_attrs="override"))
+    data = xr.merge([run, contact_points(half=half), transmissibility(run, MOTION)], combine_attrs="override")
+    return estimated(annotate(data))
+
+
+def estimated(dataset: xr.Dataset) -> xr.Dataset:
+    """Results with the damping estimate that the analysis stores."""
+    return dataset.assign_attrs(half_power(dataset["frequency"].values, magnitude(dataset).values).as_attrs())

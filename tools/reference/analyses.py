@@ -6,14 +6,14 @@ from pathlib import Path
 
 from tools.reference.markdown import code, table
 from wroll_fem.analyses.registry import Analysis, all_analyses
+from wroll_fem.plotting.series import FIGURES
 
 BEGIN, END = "<!-- Table made by `make schema` from the registry of analyses. -->\n", "\n<!-- End of table. -->"
 
 _STUDIES = (
     "a list from `run_series`, `load_series`",
     "`member.values`, `member.data`",
-    "`family`, `damping_over_frequency`, `friction_over_preload`, `friction_over_damping`, "
-    "`frequency_over_shear_stiffness`, `study_figure(name, members)`",
+    f"`curves`, {', '.join(map(code, FIGURES))}, `study_figure(name, members)`",
 )
 _WRITES_A_FILE = ("slip_on_cylinder", "slip_in_coil")
 

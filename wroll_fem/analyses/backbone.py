@@ -112,7 +112,7 @@ ANALYSIS = Analysis(
     sections=("geometry", "mandrel", "coil", "contact", "preload"),
     run=run_backbone,
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip),
-    figures=(figures.figure("backbone", "plot_backbone"), figures.slip_maps, figures.slip_in_space),
+    figures=(figures.figure("backbone", "backbone"), figures.slip_maps, figures.slip_in_space),
     fields=(figures.write_slip,),
     variables={
         "tip_amplitude": (

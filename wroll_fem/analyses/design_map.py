@@ -156,7 +156,7 @@ ANALYSIS = Analysis(
     sections=("geometry", "mandrel", "coil", "design_map", "mesh"),
     run=run_design_map,
     summary=(summarise_design_map,),
-    figures=(figure("design_map", "plot_design_map"),),
+    figures=(figure("design_map", "design_map"),),
     variables={
         "mandrel_radius, mandrel_thickness": (
             "frequency_tightest", "frequency_loosest", "frequency_disparity", "frequency_mandrel", "limit_kind",

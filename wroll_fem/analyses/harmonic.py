@@ -178,7 +178,7 @@ ANALYSIS = Analysis(
     run=run_harmonic,
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip),
     figures=(
-        figures.figure("transmissibility", "plot_harmonic_response"),
+        figures.figure("transmissibility", "harmonic_response"),
         figures.slip_maps,
         figures.slip_in_space,
     ),

@@ -31,8 +31,8 @@ LARGE_REDUCTION_ERROR = 0.01
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
 FIGURES = (
-    figures.figure("response", "plot_response"),
-    figures.figure("energy_ledger", "plot_energy_ledger"),
+    figures.figure("response", "response"),
+    figures.figure("energy_ledger", "energy_ledger"),
     figures.slip_maps,
     figures.slip_in_space,
 )

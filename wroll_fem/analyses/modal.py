@@ -210,7 +210,7 @@ ANALYSIS = Analysis(
     sections=("geometry", "mandrel", "coil"),
     run=run_modal,
     summary=(summary.interfaces, summary.modes),
-    figures=(figures.figure("modes", "plot_modes"), figures.mode_shapes),
+    figures=(figures.figure("modes", "modes"), figures.mode_shapes),
     fields=(figures.write_modes,),
     variables={
         "mode": ("mode_frequency", "mode_kind", "mode_harmonic", "tip_participation"),

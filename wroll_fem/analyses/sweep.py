@@ -50,7 +50,7 @@ ANALYSIS = Analysis(
     sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
     run=run_sweep,
     summary=SUMMARY,
-    figures=(figure("transmissibility", "plot_transmissibility", needs="transmissibility_real"), *FIGURES),
+    figures=(figure("transmissibility", "transmissibility", needs="transmissibility_real"), *FIGURES),
     fields=FIELDS,
     variables=VARIABLES | {"frequency": ("transmissibility_real", "transmissibility_imag")},
     plots=("transmissibility", "comparison", *PLOTS),

@@ -189,9 +189,9 @@ ANALYSIS = Analysis(
     run=run_two_dof,
     summary=(summarise_two_dof,),
     figures=(
-        figure("two_dof", "plot_two_dof"),
-        figure("two_dof_readings", "plot_two_dof_readings"),
-        figure("two_dof_design_space", "plot_two_dof_design_space", needs="zeta_max"),
+        figure("two_dof", "two_dof"),
+        figure("two_dof_readings", "two_dof_readings"),
+        figure("two_dof_design_space", "two_dof_design_space", needs="zeta_max"),
     ),
     variables={
         "friction_capacity, omega": ("transmissibility", "friction_work_per_cycle"),

@@ -118,7 +118,7 @@ ANALYSIS = Analysis(
     sentence="Stress in the wound roll: pressure between the wraps and friction capacity.",
     sections=("winding",),
     run=run_winding,
-    figures=(figure("winding", "plot_winding"),),
+    figures=(figure("winding", "winding"),),
     variables={
         "r": ("pressure_pa", "capacity_pa", "hoop_stress_pa", "radial_modulus_pa", "winding_tension_pa"),
         "wrap": ("wrap_pressure_pa", "wrap_capacity_pa", "wrap_hoop_stress_pa"),

@@ -307,10 +307,10 @@ def draw_figures(grid: Grid, out: str | Path) -> list[Path]:
     InputError
         When the results lack what a figure needs.
     """
-    from wroll_fem.plotting import save_figure
+    from wroll_fem.plotting.names import save
     from wroll_fem.plotting.series import FIGURES
 
     finished = load_series(grid, out, lazy=True)
     if not any(not member.reference for member in finished):
         return []
-    return [save_figure(FIGURES[name](finished), Path(out) / "figures" / f"{name}.png") for name in grid.figures]
+    return [save(FIGURES[name](finished), Path(out) / "figures" / f"{name}.png") for name in grid.figures]

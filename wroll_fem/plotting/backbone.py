@@ -9,6 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.signals.transmissibility import magnitude
 
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -34,7 +35,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     style.require(dataset, ("frequency", "transmissibility_real", "transmissibility_imag", "stable"), "response curve")
     ax = style.axes(ax)
     frequency, stable = dataset["frequency"].values, dataset["stable"].values.astype(bool)
-    size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+    size = magnitude(dataset).values
     ax.plot(frequency, np.where(stable, size, np.nan), ".-", color=style.BLUE, lw=1.6, ms=4, label="harmonic balance")
     if not stable.all():
         between = ~stable | np.append(~stable[1:], False) | np.insert(~stable[:-1], 0, False)

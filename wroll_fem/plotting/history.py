@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, log
+from math import exp
 
 import numpy as np
 import numpy.typing as npt
@@ -12,25 +12,10 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.signals.base_motion import chirp_law
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
 _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_STORED)
-
-
-def chirp_law(dataset: xr.Dataset) -> tuple[float, float] | None:
-    """Return f_start (Hz) and g (1/s) of f(t) = f_start exp(g t), from the attributes; None for other motions.
-
-    Uses `f_start_hz` and `rate_oct_per_min`; without the rate, `f_end_hz` is taken to be reached at the last time.
-    """
-    attrs = dataset.attrs
-    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:
-        return None
-    start = float(attrs["f_start_hz"])
-    if "rate_oct_per_min" in attrs:
-        return start, float(attrs["rate_oct_per_min"]) * log(2.0) / 60.0
-    if "f_end_hz" in attrs:
-        return start, log(float(attrs["f_end_hz"]) / start) / float(dataset["time"].values[-1])
-    return None
 
 
 def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:

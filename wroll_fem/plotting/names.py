@@ -1,8 +1,7 @@
-"""Figures by short names: `wf.plot.slip_map(result)`.
+"""Figures by name: `wf.plot.slip_map(result)`.
 
-Each takes a Dataset (those of a study a list of `SeriesMember`) and where it draws one panel the `ax` to draw in, and
-returns the `ax`; nothing is shown or computed again. `save(ax, path)` writes at 150 dpi and closes. The same functions
-stand under their long names in `wroll_fem.plotting`.
+Each takes a Dataset (those of a study a list of `SeriesMember`) and, where it draws one panel, the `ax` to draw in. It
+returns the `ax`; nothing is shown or computed again. `save(ax, path)` writes at 150 dpi and closes.
 """
 
 from __future__ import annotations
@@ -10,58 +9,63 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from wroll_fem import plotting
 from wroll_fem.errors import InputError
-from wroll_fem.plotting import coil_slip, coil_slip_space, scene, series, shear_stiffness, study, style
-from wroll_fem.plotting import two_dof as _two_dof
+from wroll_fem.plotting.backbone import plot_backbone as backbone
+from wroll_fem.plotting.backbone import plot_harmonic_response as harmonic_response
+from wroll_fem.plotting.coil_slip import plot_root_section as root_section
+from wroll_fem.plotting.coil_slip import plot_root_sections as root_sections
+from wroll_fem.plotting.coil_slip import plot_shear_along as shear_along
+from wroll_fem.plotting.coil_slip import plot_shear_distribution as shear_distribution
+from wroll_fem.plotting.coil_slip import plot_slip_zone as slip_zone
+from wroll_fem.plotting.coil_slip import plot_steady_response as steady_response
+from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil as slip_in_coil
+from wroll_fem.plotting.cylinder import plot_slip_on_cylinder as slip_on_cylinder
+from wroll_fem.plotting.cylinder import write_slip_vtu
+from wroll_fem.plotting.design_map import plot_design_map as design_map
+from wroll_fem.plotting.history import plot_energy_ledger as energy_ledger
+from wroll_fem.plotting.history import plot_response as response
+from wroll_fem.plotting.mode_shapes import plot_mode_shapes as mode_shapes
+from wroll_fem.plotting.modes import plot_modes as modes
+from wroll_fem.plotting.scene import jupyter_backend, slip_scene
+from wroll_fem.plotting.series import FIGURES
+from wroll_fem.plotting.series import plot_curves as curves
+from wroll_fem.plotting.slip import plot_peak_slip_vectors as peak_slip_vectors
+from wroll_fem.plotting.slip import plot_pressure_map as pressure_map
+from wroll_fem.plotting.slip import plot_slip_map as slip_map
+from wroll_fem.plotting.style import save_figure as save
+from wroll_fem.plotting.transmissibility import plot_comparison as comparison
+from wroll_fem.plotting.transmissibility import plot_transmissibility as transmissibility
+from wroll_fem.plotting.two_dof import plot_two_dof as two_dof
+from wroll_fem.plotting.two_dof import plot_two_dof_arrangements as two_dof_arrangements
+from wroll_fem.plotting.two_dof import plot_two_dof_design_space as two_dof_design_space
+from wroll_fem.plotting.two_dof import plot_two_dof_readings as two_dof_readings
+from wroll_fem.plotting.winding import plot_winding as winding
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-save = style.save_figure
+    from wroll_fem.plotting.study import SeriesMember
 
-# vibration
-transmissibility = plotting.plot_transmissibility
-comparison = plotting.plot_comparison
-harmonic_response = plotting.plot_harmonic_response
-backbone = plotting.plot_backbone
-response = plotting.plot_response
-energy_ledger = plotting.plot_energy_ledger
-modes = plotting.plot_modes
+_OLD = {
+    "save_figure": "save",
+    "family": "curves",
+    "frequency_over_shear_stiffness": "shear_stiffness",
+    "frequency_over_shear_stiffness_band": "shear_stiffness_band",
+}
+"""Earlier name -> name."""
 
-# slip between layers
-slip_map = plotting.plot_slip_map
-peak_slip_vectors = plotting.plot_peak_slip_vectors
-pressure_map = plotting.plot_pressure_map
-slip_on_cylinder = plotting.plot_slip_on_cylinder
-slip_scene = scene.slip_scene
-jupyter_backend = scene.jupyter_backend
-
-# solid coil
-winding = plotting.plot_winding
-steady_response = coil_slip.plot_steady_response
-shear_along = coil_slip.plot_shear_along
-root_section = coil_slip.plot_root_section
-slip_zone = coil_slip.plot_slip_zone
-slip_in_coil = coil_slip_space.plot_slip_in_coil
-design_map = plotting.plot_design_map
-
-# two masses
-two_dof = plotting.plot_two_dof
-two_dof_readings = plotting.plot_two_dof_readings
-two_dof_design_space = plotting.plot_two_dof_design_space
-two_dof_arrangements = _two_dof.plot_two_dof_arrangements
-
-# studies
-family = series.plot_family
-damping_over_frequency = series.plot_damping_over_frequency
-friction_over_preload = series.plot_friction_over_preload
-friction_over_damping = series.plot_friction_over_damping
-frequency_over_shear_stiffness = shear_stiffness.plot_shear_stiffness
-frequency_over_shear_stiffness_band = shear_stiffness.plot_shear_stiffness_band
+__all__ = [
+    "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "jupyter_backend",
+    "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "response", "root_section", "root_sections", "save",
+    "shear_along", "shear_distribution", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_zone",
+    "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements", "two_dof_design_space",
+    "two_dof_readings", "winding", "write_slip_vtu",
+]  # fmt: skip
+globals().update(FIGURES)  # figures of a study, by the names that a grid file gives them
+__all__ += FIGURES
 
 
-def study_figure(name: str, members: Sequence[study.SeriesMember]) -> Axes:
+def study_figure(name: str, members: Sequence[SeriesMember]) -> Axes:
     """Draw a figure of a study by the name that a grid file gives it.
 
     Raises
@@ -69,19 +73,9 @@ def study_figure(name: str, members: Sequence[study.SeriesMember]) -> Axes:
     InputError
         For a name that is not known, or members that lack what the figure needs.
     """
-    if name not in series.FIGURES:
-        raise InputError(f"no figure {name!r}", key="figure", remedy=f"use one of: {', '.join(series.FIGURES)}")
-    return series.FIGURES[name](members)
-
-
-__all__ = [
-    "backbone", "comparison", "damping_over_frequency", "design_map", "energy_ledger", "family",
-    "frequency_over_shear_stiffness", "frequency_over_shear_stiffness_band", "friction_over_damping",
-    "friction_over_preload", "harmonic_response", "jupyter_backend", "modes", "peak_slip_vectors", "pressure_map",
-    "response", "root_section", "save", "shear_along", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene",
-    "slip_zone", "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements",
-    "two_dof_design_space", "two_dof_readings", "winding",
-]  # fmt: skip
+    if name not in FIGURES:
+        raise InputError(f"no figure {name!r}", key="figure", remedy=f"use one of: {', '.join(FIGURES)}")
+    return FIGURES[name](members)
 
 
 def __dir__() -> list[str]:
@@ -89,8 +83,9 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> object:
-    """Long names of `wroll_fem.plotting` work here too."""
-    try:
-        return getattr(plotting, name)
-    except AttributeError:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}") from None
+    """Old spellings: `plot_slip_map` for `slip_map`, and the names in `_OLD`."""
+    short = name.removeprefix("plot_")
+    short = _OLD.get(short, short)
+    if short == name or short not in globals():
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(sorted(__all__))}")
+    return globals()[short]

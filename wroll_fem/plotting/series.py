@@ -43,9 +43,9 @@ from wroll_fem.plotting.study import (
     undamped_curve,
     values_of,
 )  # fmt: skip
-from wroll_fem.plotting.transmissibility import magnitude
 from wroll_fem.plotting.winding import TENSION, plot_pressure_over_tension, plot_soft_and_hard
 from wroll_fem.results.dataset import label
+from wroll_fem.signals.transmissibility import magnitude
 
 _BLUE_TO_RED = LinearSegmentedColormap.from_list("preload", ["#0072B2", "#3E9CC4", "#9A86A8", "#E08A4A", "#B3380F"])
 
@@ -67,13 +67,13 @@ def _panels(count: int, height: float) -> list[Axes]:
     return [style.axes(ax) for ax in panels[:, 0]]
 
 
-def plot_family(
+def plot_curves(
     members: Sequence[SeriesMember],
     *,
     colour: str,
     panel: str | None = None,
     sentence: Callable[[Sequence[SeriesMember]], str] | None = None,
-    figure: str = "family",
+    figure: str = "curves",
 ) -> Axes:
     """Plot transmissibility curves of a study: one colour per value of a key, one panel per value of another.
 
@@ -119,13 +119,13 @@ def plot_family(
 
 
 def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Sequence[Any]) -> float:
-    """Draw one panel of `plot_family`; returns the highest point of its curves."""
+    """Draw one panel of `plot_curves`; returns the highest point of its curves."""
     top = 0.0
     swept = any(is_sweep(m) for m in members)
     dash = (0, (3, 1.5))
     for value, shade in zip(values, _colours(len(values)), strict=True):
         for m in having(members, key, value):
-            found, size = read(m), magnitude(m.data)
+            found, size = read(m), magnitude(m.data).values
             damping = "rings" if found.rings else f"ζ = {percent(found.zeta)}"
             text = f"{shown(key, value)}: {found.f_n:.1f} Hz, {damping}"
             if is_sweep(m) or not swept:
@@ -304,7 +304,7 @@ def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
             text += f"; backward Euler (quasi static) leaves {100 * peaks['quasi_static'] / max(hht.values()):.0f} %"
         return text + " of the highest" if "quasi_static" in peaks else text
 
-    return plot_family(members, colour=key, sentence=sentence, figure="integrators")
+    return plot_curves(members, colour=key, sentence=sentence, figure="integrators")
 
 
 def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
@@ -319,11 +319,11 @@ def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
         names = " and ".join(str(name).replace("_", " ") for name in files)
         return f"The peaks of {names} differ by at most {100 * worst:.1f} % at any preload"
 
-    return plot_family(members, colour=PRESSURE, panel="case", sentence=sentence, figure="friction_laws")
+    return plot_curves(members, colour=PRESSURE, panel="case", sentence=sentence, figure="friction_laws")
 
 
 def _preload(members: Sequence[SeriesMember]) -> Axes:
-    return plot_family(members, colour=PRESSURE, panel=_base_key(members), figure="transmissibility_over_preload")
+    return plot_curves(members, colour=PRESSURE, panel=_base_key(members), figure="transmissibility_over_preload")
 
 
 FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
@@ -337,12 +337,12 @@ FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "slip_vectors": plot_slip_vectors,
     "layer_count": partial(plot_damping_over_frequency, line="coil.layers"),
     "layer_modulus": partial(plot_damping_over_frequency, line="coil.material.E"),
-    "elastic_slip": partial(plot_family, colour="contact.friction.elastic_slip", panel=PRESSURE, figure="elastic_slip"),
+    "elastic_slip": partial(plot_curves, colour="contact.friction.elastic_slip", panel=PRESSURE, figure="elastic_slip"),
     "integrators": plot_integrators,
     "mesh_friction": plot_friction_convergence,
     "mesh_frequency": plot_frequency_convergence,
     "friction_laws": plot_friction_laws,
-    "transmissibility_over_tension": partial(plot_family, colour=TENSION, figure="transmissibility_over_tension"),
+    "transmissibility_over_tension": partial(plot_curves, colour=TENSION, figure="transmissibility_over_tension"),
     "shear_stiffness": plot_shear_stiffness,
     "shear_stiffness_band": plot_shear_stiffness_band,
     "winding_hardness": plot_soft_and_hard,

@@ -12,7 +12,8 @@ import xarray as xr
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.transmissibility import reading
+from wroll_fem.results.resonance import Resonance, resonance
+from wroll_fem.signals.transmissibility import undamped
 from wroll_fem.typing import FloatArray
 
 PRESSURE, LAYER_BASE = "preload.pressure", "coil.base"
@@ -58,31 +59,9 @@ class SeriesMember:
     reference: bool = False
 
 
-@dataclass(frozen=True)
-class Reading:
-    """What is read from one curve: f_n in Hz, peak, zeta and skewness (nan when not readable).
-
-    `rings`: the curve rises above half power again, as that of a roll does that rings after an upward sweep; zeta
-    is then the width of the highest ripple, no damping.
-    """
-
-    f_n: float
-    peak: float
-    zeta: float
-    skewness: float
-    rings: bool = False
-
-
-def read(member: SeriesMember) -> Reading:
-    """Half-power reading of a case: that of its results, or else of its curve."""
-    attrs = member.data.attrs
-    if "f_n_hz" in attrs and "peak_transmissibility" in attrs:
-        rest = (attrs.get("zeta"), attrs.get("skewness"))
-        zeta, skewness = (np.nan if value is None else float(value) for value in rest)
-        rings = np.isfinite(zeta) and bool(attrs.get("half_power_reason"))
-        return Reading(float(attrs["f_n_hz"]), float(attrs["peak_transmissibility"]), zeta, skewness, rings)
-    found = reading(member.data)
-    return Reading(found.f_n, found.peak, found.zeta, found.skewness, found.complete and bool(found.note))
+def read(member: SeriesMember) -> Resonance:
+    """Resonance and damping that the results of a case hold."""
+    return resonance(member.data)
 
 
 def natural_frequency(member: SeriesMember) -> float:
@@ -92,12 +71,9 @@ def natural_frequency(member: SeriesMember) -> float:
 
 
 def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
-    """|T| of the modes of a modal analysis, (n,), without any damping: |1 + sum of p f^2 / (f_n^2 - f^2)|."""
+    """|T| of the modes of a modal analysis without damping, (n,)."""
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
-    natural = member.data["mode_frequency"].values[:, None]
-    share = member.data["tip_participation"].values
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.abs(1.0 + share @ (frequency**2 / (natural**2 - frequency**2))))
+    return undamped(frequency, member.data["mode_frequency"].values, member.data["tip_participation"].values)
 
 
 def friction_work(member: SeriesMember) -> float:

@@ -1,4 +1,4 @@
-"""Transmissibility curves: one run with its half-power reading, or several runs together."""
+"""Transmissibility curves: one run with its damping estimate, or several runs together."""
 
 from __future__ import annotations
 
@@ -12,42 +12,28 @@ from matplotlib.axes import Axes
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
-from wroll_fem.signals.damping import HalfPower, half_power
-from wroll_fem.typing import FloatArray
+from wroll_fem.results.resonance import Resonance, resonance
+from wroll_fem.signals.transmissibility import magnitude
 
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")
 
 
-def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> FloatArray:
-    """|T| of a curve, (n_frequency,)."""
-    return np.hypot(dataset[f"{stem}_real"].values, dataset[f"{stem}_imag"].values)
-
-
-def reading(dataset: xr.Dataset) -> HalfPower:
-    """Half-power reading of the demodulated curve."""
-    style.require(dataset, _PARTS, "transmissibility curve")
-    return half_power(dataset["frequency"].values, magnitude(dataset))
-
-
-def _box(read: HalfPower, dataset: xr.Dataset) -> str:
+def _box(read: Resonance) -> str:
     lines = [f"$f_n$ = {read.f_n:.2f} Hz", f"$T_{{pk}}$ = {read.peak:.2f}"]
-    if read.complete:
-        lines += [rf"$\zeta$ = {100 * read.zeta:.2f} % (half power)", f"skewness = {read.skewness:+.2f}"]
-    else:
-        lines += [r"$\zeta$: not readable"]
-    method, zeta = str(dataset.attrs.get("zeta_method", "")).split(",")[0], dataset.attrs.get("zeta")
-    if method not in ("", "half power") and zeta is not None and np.isfinite(zeta):  # what the summary holds
-        lines.append(rf"$\zeta$ = {100 * zeta:.2f} % ({method})")
+    lines.append(rf"$\zeta$ = {100 * read.zeta:.2f} % ({read.method})" if read.damped else r"$\zeta$: no estimate")
+    if np.isfinite(read.skewness):
+        lines.append(f"skewness = {read.skewness:+.2f}")
     return "\n".join(lines)
 
 
 def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| over frequency with peak, half-power points and what they read.
+    """Plot |T| over frequency with its peak, its half-power points and the damping estimate.
 
     Parameters
     ----------
     dataset
-        Has `transmissibility_real/_imag` over `frequency`; `transmissibility_spectrum_real/_imag` is drawn if there.
+        Has `transmissibility_real/_imag` over `frequency`, and the estimate in its attributes (`results.resonance`);
+        `transmissibility_spectrum_real/_imag` is drawn if there.
     ax
         Axes to draw in; a new figure without.
 
@@ -59,14 +45,15 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        When the Dataset holds no transmissibility.
+        When the Dataset holds no transmissibility or no estimate.
     """
-    read = reading(dataset)
+    style.require(dataset, _PARTS, "transmissibility curve")
+    read = resonance(dataset)
     ax = style.axes(ax)
-    frequency, size = dataset["frequency"].values, magnitude(dataset)
+    frequency, size = dataset["frequency"].values, magnitude(dataset).values
     top = float(size.max())
     if "transmissibility_spectrum_real" in dataset:
-        spectrum = magnitude(dataset, "transmissibility_spectrum")
+        spectrum = magnitude(dataset, "transmissibility_spectrum").values
         top = max(top, min(float(np.nanmax(spectrum)), 1.6 * top))
         ax.plot(frequency, spectrum, color=style.GREY, lw=1.0, ls=":", label="spectrum ratio (FFT)")
     ax.plot(frequency, size, color=style.BLUE, lw=1.8, label="demodulated envelope")
@@ -82,7 +69,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.text(
         x,
         0.97,
-        _box(read, dataset),
+        _box(read),
         transform=ax.transAxes,
         va="top",
         ha=side,
@@ -96,12 +83,13 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlabel(label("frequency"))
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(loc=f"center {side}", fontsize=8, framealpha=0.9)
-    if read.complete:
-        lean = "leaning right" if read.skewness > 0.1 else "leaning left" if read.skewness < -0.1 else "symmetric"
-        found = f"half power reads {100 * read.zeta:.2f} % damping, the peak is {lean}"
-    else:
-        found = f"damping cannot be read: {read.reason}"
-    style.title(ax, f"Tip moves {read.peak:.1f} times the base at {read.f_n:.1f} Hz; {found}")
+    found = f"no damping estimate: {read.reason}"
+    if read.damped:
+        found = f"damping ratio {100 * read.zeta:.2f} % ({read.method})"
+        if np.isfinite(read.skewness):
+            lean = "leans right" if read.skewness > 0.1 else "leans left" if read.skewness < -0.1 else "is symmetric"
+            found += f"; the peak {lean}"
+    style.title(ax, f"Peak transmissibility {read.peak:.1f} at {read.f_n:.1f} Hz; {found}")
     return ax
 
 
@@ -131,14 +119,15 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     ax = style.axes(ax, 4.6)
     count = len(runs)
     shades = colormaps["viridis"](np.linspace(0.0, 0.88, count)) if count > 3 else np.array(style.LINES)[:count]
-    reads: dict[str, HalfPower] = {}
+    reads: dict[str, Resonance] = {}
     for (name, dataset), colour, dash in zip(
         runs.items(), shades, ("-", "--", "-.", (0, (5, 1))) * count, strict=False
     ):
-        read = reads[name] = reading(dataset)
-        damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.complete else r"$\zeta$ not readable"
+        style.require(dataset, _PARTS, "transmissibility curve")
+        read = reads[name] = resonance(dataset)
+        damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.damped else r"no $\zeta$"
         text = f"{name}: {read.f_n:.1f} Hz, {damping}"
-        ax.plot(dataset["frequency"].values, magnitude(dataset), color=colour, lw=1.6, ls=dash, label=text)
+        ax.plot(dataset["frequency"].values, magnitude(dataset).values, color=colour, lw=1.6, ls=dash, label=text)
         ax.plot(read.f_n, read.peak, "o", color=colour, ms=4.5, mec="black", mew=0.5)
     ax.set_ylim(bottom=0.0)
     ax.margins(x=0.0)
@@ -150,5 +139,5 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     if low != high:
         text += f" to {reads[high].f_n:.1f} Hz ({high})"
     tall = max(reads, key=lambda n: reads[n].peak)
-    style.title(ax, f"{text}; largest amplification {reads[tall].peak:.1f} ({tall})")
+    style.title(ax, f"{text}; largest peak {reads[tall].peak:.1f} ({tall})")
     return ax

@@ -8,6 +8,7 @@ import xarray as xr
 from wroll_fem.report.html import Markup, paragraph, table
 from wroll_fem.report.values import quantity
 from wroll_fem.results.dataset import field
+from wroll_fem.signals.transmissibility import magnitude
 
 _SPENT = (
     "friction_energy", "viscous_energy", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",
@@ -32,8 +33,7 @@ def energy_ledger(dataset: xr.Dataset) -> Markup:
         if "modal_damping" in dataset:
             at, where = int(dataset["modal_damping"].values.argmax()), "where the damping is largest"
         else:
-            size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
-            at, where = int(size.argmax()), "where the response is largest"
+            at, where = int(magnitude(dataset).values.argmax()), "where the response is largest"
         taken = [name for name in _CYCLE if name in dataset]
         values = {name: float(dataset[name].values[at]) for name in taken}
         rows = _rows(float(dataset["input_work_per_cycle"].values[at]), values, "input_work_per_cycle")

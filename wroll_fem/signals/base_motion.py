@@ -18,13 +18,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, log, log2, pi
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 TWO_PI = 2.0 * pi
 
@@ -297,3 +300,20 @@ def sweep_rate_limit(f_n: float, zeta: float) -> float:
     peak; see the table in `wroll_fem.signals.transmissibility`.
     """
     return 78.0 * f_n * (2.0 * zeta) ** 2
+
+
+def chirp_law(dataset: xr.Dataset) -> tuple[float, float] | None:
+    """Start frequency (Hz) and growth rate g (1/s) of a chirp, f(t) = f_start exp(g t); None for other motions.
+
+    Read from the attributes `f_start_hz` and `rate_oct_per_min` of results. Without the rate, `f_end_hz` is taken to be
+    reached at the last time.
+    """
+    attrs = dataset.attrs
+    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:
+        return None
+    start = float(attrs["f_start_hz"])
+    if "rate_oct_per_min" in attrs:
+        return start, float(attrs["rate_oct_per_min"]) * log(2.0) / 60.0
+    if "f_end_hz" in attrs:
+        return start, log(float(attrs["f_end_hz"]) / start) / float(dataset["time"].values[-1])
+    return None

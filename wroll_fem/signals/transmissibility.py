@@ -342,3 +342,19 @@ def dwell_response(
         "residual": float(np.sqrt(2.0 * np.mean(left**2)) / size) if size > 0.0 else 0.0,
         "drift": abs(late - early) / size if size > 0.0 else 0.0,
     }
+
+
+def undamped(frequency: FloatArray, natural: FloatArray, participation: FloatArray) -> FloatArray:
+    """|T| of undamped modes, |1 + sum of p f^2 / (f_n^2 - f^2)|.
+
+    Parameters
+    ----------
+    frequency
+        (n,) Hz.
+    natural
+        (n_modes,) natural frequencies, Hz.
+    participation
+        (n_modes,) p: displacement of the tip in the mode times the mode's base participation factor.
+    """
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.abs(1.0 + participation @ (frequency**2 / (natural[:, None] ** 2 - frequency**2))))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -13,28 +12,29 @@ import xarray as xr
 from wroll_fem.results.interface_slip import has_surface
 
 
-def figure(stem: str, function: str, module: str = "", *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
-    """Part that draws a figure by a function of `wroll_fem.plotting`, or of a module in it.
+def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
+    """Part that draws a figure of `wroll_fem.plot`.
 
     Parameters
     ----------
     stem
         Name of the file without .png.
+    name
+        Name of the figure.
     needs
         Variable without which there is nothing to draw.
     """
 
     def part(dataset: xr.Dataset, folder: Path) -> list[Path]:
-        return [_save(stem, function, dataset, folder, module)] if not needs or needs in dataset else []
+        return [_save(stem, name, dataset, folder)] if not needs or needs in dataset else []
 
     return part
 
 
-def _save(stem: str, function: str, dataset: xr.Dataset, folder: Path, module: str = "", **options: Any) -> Path:
-    from wroll_fem import plotting
+def _save(stem: str, name: str, dataset: xr.Dataset, folder: Path, **options: Any) -> Path:
+    from wroll_fem.plotting import names
 
-    home = import_module(f"wroll_fem.plotting.{module}") if module else plotting
-    return plotting.save_figure(getattr(home, function)(dataset, **options), folder / f"{stem}.png")
+    return names.save(getattr(names, name)(dataset, **options), folder / f"{stem}.png")
 
 
 def _surfaces(dataset: xr.Dataset) -> list[int]:
@@ -45,7 +45,7 @@ def _surfaces(dataset: xr.Dataset) -> list[int]:
 
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip of every interface: map, and vectors at its largest."""
-    kinds = (("slip_map", "plot_slip_map"), ("peak_slip", "plot_peak_slip_vectors"))
+    kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
     return [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
         for number in _surfaces(dataset)
@@ -56,23 +56,23 @@ def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
 def pressure_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Pressure on every interface."""
     return [
-        _save(f"pressure_{number + 1:02d}", "plot_pressure_map", dataset, folder, interface=number)
+        _save(f"pressure_{number + 1:02d}", "pressure_map", dataset, folder, interface=number)
         for number in _surfaces(dataset)
     ]
 
 
 def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip of the innermost interface on the roll, when there was any."""
-    from wroll_fem import plotting
+    from wroll_fem.plotting.names import slip_on_cylinder
 
     if 0 not in _surfaces(dataset) or not float(dataset["cumulative_slip"].max()) > 0:
         return []
-    return [plotting.plot_slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
+    return [slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
 
 
 def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """First ten mode shapes in space; matrices from a file have none."""
-    from wroll_fem import plotting
+    from wroll_fem.plotting.names import mode_shapes as draw
 
     if "mode_shape" not in dataset or find_spec("pyvista") is None:
         return []
@@ -82,31 +82,31 @@ def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
         for f, kind in zip(first["mode_frequency"].values, first["mode_kind"].values, strict=True)
     ]
     nodes, cells, shapes = (first[name].values for name in ("node_position", "cell_nodes", "mode_shape"))
-    return [plotting.plot_mode_shapes(nodes, cells, shapes, titles, folder / "mode_shapes.png")]
+    return [draw(nodes, cells, shapes, titles, folder / "mode_shapes.png")]
 
 
 def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Root section and slip zone of a coil whose points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
 
-    kinds = (("root_section", "plot_root_sections"), ("slip_zone", "plot_slip_zone"))
-    return [_save(*kind, dataset, folder, "coil_slip") for kind in kinds] if has_grid(dataset) else []
+    kinds = (("root_section", "root_sections"), ("slip_zone", "slip_zone"))
+    return [_save(*kind, dataset, folder) for kind in kinds] if has_grid(dataset) else []
 
 
 def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Slip in the coil, cut open, when its points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
-    from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil
+    from wroll_fem.plotting.names import slip_in_coil
 
     wanted = find_spec("pyvista") is not None and has_grid(dataset)
-    return [plot_slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
+    return [slip_in_coil(dataset, folder / "slip_in_coil.png")] if wanted else []
 
 
 def write_slip(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Write slip.vtu (all interfaces), and slip_<step>.vtu for kept fields."""
     if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
         return []
-    from wroll_fem.plotting import write_slip_vtu
+    from wroll_fem.plotting.names import write_slip_vtu
 
     written = [write_slip_vtu(dataset, folder / "slip.vtu")]
     for number in range(dataset.sizes.get("snapshot_time", 0)):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.results.summary import SUMMARY
+from wroll_fem.signals.transmissibility import magnitude
 from wroll_fem.structure.mode_shapes import main_bending
 
 
@@ -41,7 +41,7 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
     if "modal_damping" in dataset:
         at = int(dataset["modal_damping"].values.argmax())
     else:
-        at = int(np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values).argmax())
+        at = int(magnitude(dataset).values.argmax())
     names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
     found: dict[str, Any] = {f"{name}_j": float(dataset[name].values[at]) for name in names}
     return found | {"energy_balance_error": dataset.attrs.get("energy_balance_error")}

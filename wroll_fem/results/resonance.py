@@ -1,0 +1,82 @@
+"""Resonance of a transmissibility curve, as the analysis has stored it in the attributes of its results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import Any
+
+import xarray as xr
+
+from wroll_fem.errors import InputError
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """Peak of a transmissibility curve and the damping estimated from it.
+
+    Attributes
+    ----------
+    f_n, peak
+        Natural frequency, Hz, and largest transmissibility.
+    f_low, f_high
+        Half-power frequencies, Hz; nan for a side that the band does not hold.
+    zeta, method
+        Damping ratio, nan where there is none, and the estimator it comes from.
+    skewness
+        (f_high - f_n) / (f_n - f_low) - 1; nan without both half-power points.
+    reason
+        Why there is no damping ratio, or what makes it doubtful; "" otherwise.
+    """
+
+    f_n: float
+    peak: float
+    f_low: float
+    f_high: float
+    zeta: float
+    method: str
+    skewness: float
+    reason: str
+
+    @property
+    def damped(self) -> bool:
+        """Whether there is a damping ratio."""
+        return isfinite(self.zeta)
+
+    @property
+    def rings(self) -> bool:
+        """Whether the curve rises above half power again, as after an upward sweep across a lightly damped resonance.
+
+        The damping ratio is then the width of the highest ripple.
+        """
+        return self.damped and bool(self.reason)
+
+
+def resonance(dataset: xr.Dataset) -> Resonance:
+    """Resonance in the attributes of results.
+
+    Raises
+    ------
+    InputError
+        When the results hold none.
+    """
+    attrs: Mapping[str, Any] = dataset.attrs
+    if "f_n_hz" not in attrs or "peak_transmissibility" not in attrs:
+        remedy = "add one: dataset.assign_attrs(wf.half_power(frequency, magnitude).as_attrs())"
+        raise InputError("the results hold no resonance (attributes f_n_hz, peak_transmissibility)", remedy=remedy)
+
+    def number(name: str) -> float:
+        value = attrs.get(name)
+        return nan if value is None else float(value)
+
+    return Resonance(
+        number("f_n_hz"),
+        number("peak_transmissibility"),
+        number("half_power_low_hz"),
+        number("half_power_high_hz"),
+        number("zeta"),
+        str(attrs.get("zeta_method", "half power")).partition(",")[0],
+        number("skewness"),
+        str(attrs.get("zeta_reason") or attrs.get("half_power_reason") or ""),
+    )
