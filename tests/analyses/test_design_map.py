@@ -93,7 +93,7 @@ def test_mandrels_that_never_bend_first_are_said_to():
     assert np.isnan(dataset["frequency_disparity"].values).ravel().tolist() == [False, True]
     assert dataset["limit_kind"].values[1, 0].startswith("ovalling")
     assert analyses.summarise(dataset, wide)["designs_without_disparity"] == 1
-    assert "do not bend first" in plot_design_map(dataset).get_title(loc="left")
+    assert "have another fundamental mode than bending" in plot_design_map(dataset).get_title(loc="left")
 
 
 @pytest.mark.parametrize(

@@ -27,11 +27,12 @@ from wroll_fem.coiled_stiff.slip_criterion import (
     slips,
 )
 from wroll_fem.errors import InputError
-from wroll_fem.mesh.point_grid import coil_cells, coil_grid, largest_along, stations
+from wroll_fem.mesh.point_grid import coil_cells, coil_grid, largest_along
 from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_shear_along, plot_slip_zone
 from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
+from wroll_fem.structure.levels import levels
 
 LEVELS = [1.0, 3.0, 5.0, 8.0, 11.0, 15.0]
 CAPACITY = 3e5  # Pa, at the mandrel
@@ -225,7 +226,7 @@ def test_points_are_found_to_be_a_grid_whatever_their_order_and_a_little_scatter
 
 
 def test_rows_are_told_apart_and_give_their_largest():
-    place, which = stations(np.array([3.0, 1.0, 1.001, 3.0005]), 0.01)
+    place, which = levels(np.array([3.0, 1.0, 1.001, 3.0005]), 0.01)
     np.testing.assert_allclose(place, [1.0005, 3.00025])
     np.testing.assert_array_equal(which, [1, 0, 0, 1])
     place, largest = largest_along(np.array([0.0, 1.0, 1.0, 0.0]), np.array([1.0, 5.0, 7.0, -2.0]))
@@ -272,7 +273,7 @@ def test_root_sections_show_both_components_on_one_scale(dataset):
 
 def test_slip_zone_shades_each_level(dataset):
     ax = plot_slip_zone(dataset)
-    assert "At 15 g slip reaches" in ax.get_title(loc="left").replace("\xa0", " ")
+    assert "At 15 g the slip zone is" in ax.get_title(loc="left").replace("\xa0", " ")
     none = plot_slip_zone(computed(lambda r: np.full_like(r, 40 * CAPACITY)))
     assert none.get_title(loc="left").replace("\xa0", " ").startswith("No slip up to 15 g; it would start above 191 g")
     plt.close("all")

@@ -65,7 +65,7 @@ def test_curve_over_shear_stiffness_is_drawn_over_mass_alone():
         FIGURES["shear_stiffness"](grid)
 
 
-def test_band_tells_where_the_roll_overtakes_the_mandrel():
+def test_band_states_where_the_roll_reaches_the_frequency_of_the_mandrel():
     members = [
         member(low + (f if G > 1e5 else 0.0), values={SHEAR: G, MODULUS: E})
         for E, low, f in ((2.5e9, 140.0, 30.0), (4e9, 142.0, 48.0))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray, IntArray
 
 # Points of one element row agree in height and radius within rounding errors on straight edges, and within the error of
@@ -30,32 +31,10 @@ class CoilGrid(NamedTuple):
     numbers: IntArray
 
 
-def stations(values: FloatArray, tolerance: float) -> tuple[FloatArray, IntArray]:
-    """Group values that differ by less than a tolerance from the next one.
-
-    Parameters
-    ----------
-    values
-        (n,) values.
-    tolerance
-        Largest difference between neighbours of one group, in the unit of the values.
-
-    Returns
-    -------
-    means : (m,) mean of each group, ascending.
-    group : (n,) group of each value.
-    """
-    order = np.argsort(values, kind="stable")
-    number = np.concatenate([[0], np.cumsum(np.diff(values[order]) > tolerance)])
-    which = np.empty(values.size, dtype=np.int64)
-    which[order] = number
-    return np.bincount(which, weights=values) / np.bincount(which), which
-
-
 def coil_grid(points: FloatArray) -> CoilGrid | None:
     """Grid formed by points (n_points, 3) with coordinates theta (rad), z and r (m); None if they form no grid."""
     for tolerance in _TOLERANCES:
-        found = [stations(column, tolerance * max(float(np.ptp(column)), 1e-12)) for column in points.T]
+        found = [levels(column, tolerance * max(float(np.ptp(column)), 1e-12)) for column in points.T]
         (theta, column), (z, row), (r, layer) = found
         if theta.size * z.size * r.size != len(points):
             continue
@@ -83,7 +62,7 @@ def largest_along(positions: FloatArray, values: FloatArray) -> tuple[FloatArray
     positions : (m,) mean coordinate of each row, ascending.
     largest : (m,) largest value in each row.
     """
-    place, which = stations(positions, 1e-3 * max(float(np.ptp(positions)), 1e-12))
+    place, which = levels(positions, 1e-3 * max(float(np.ptp(positions)), 1e-12))
     largest = np.full(place.size, -np.inf)
     np.maximum.at(largest, which, values)
     return place, largest

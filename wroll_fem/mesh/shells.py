@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray, IntArray
 
 VTK_GRID: list[tuple[int, int, int]] = [
@@ -65,10 +66,7 @@ def canonical_vertices(part: CylinderMesh) -> tuple[IntArray, FloatArray]:
     x, y, z = part.nodes[vertices].T
     theta = np.arctan2(y, x)
     theta[theta < -np.pi + 1e-6] = np.pi
-    by_height = np.argsort(z, kind="stable")
-    level = np.empty(len(z), np.int64)  # heights that differ by rounding errors belong to one level
-    level[by_height] = np.cumsum(np.diff(z[by_height], prepend=z.min()) > 1e-7 * np.ptp(z))
-    order = np.lexsort((theta, level))
+    order = np.lexsort((theta, levels(z)[1]))
     return vertices[order], np.column_stack([theta, z, np.hypot(x, y)])[order]
 
 

@@ -18,7 +18,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset
-        Result of the analysis harmonic; its half-power reading stands in the attributes.
+        Result of the analysis harmonic, with the damping estimate in its attributes.
     ax
         Axes to draw in; a new figure without.
 
@@ -60,18 +60,18 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.legend(fontsize=8, framealpha=0.9, loc="upper right")
     zeta = attrs.get("zeta", np.nan)
     method = str(attrs.get("zeta_method", "half power")).split(",")[0]
-    damping = f"{method} reads {100 * zeta:.2f} % damping" if np.isfinite(zeta) else f"{method} cannot be read"
+    damping = f"damping ratio {100 * zeta:.2f} % ({method})" if np.isfinite(zeta) else "no damping estimate"
     friction = float(dataset["friction_work_per_cycle"].values[peak])
     style.title(
         ax,
-        f"Tip moves {size[peak]:.1f} times the base at {frequency[peak]:.1f} Hz; {damping}; "
-        f"friction takes {style.engineering(friction, 'J')} per cycle there",
+        f"Peak transmissibility {size[peak]:.1f} at {frequency[peak]:.1f} Hz; {damping}; "
+        f"friction work {style.engineering(friction, 'J')} per cycle",
     )
     return ax
 
 
 def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot frequency and damping of the resonance over its amplitude, with the base level that drives it.
+    """Plot frequency and damping of the resonance over its amplitude, with the base acceleration at resonance.
 
     Parameters
     ----------
@@ -124,8 +124,8 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     else:
         start = tip[int(np.argmax(slipping))]
         found = (
-            f"slip starts at {start:.3g} µm, damping rises to {damping[most]:.1f} % at {tip[most]:.3g} µm; "
-            "dots: base acceleration that drives it"
+            f"slip starts at {start:.3g} µm; largest damping ratio {damping[most]:.1f} % at {tip[most]:.3g} µm; "
+            "dots: base acceleration at resonance"
         )
-    style.title(ax, f"Resonance falls from {hertz[0]:.1f} Hz to {hertz[-1]:.1f} Hz as it grows; {found}")
+    style.title(ax, f"Resonance falls from {hertz[0]:.1f} Hz to {hertz[-1]:.1f} Hz with rising amplitude; {found}")
     return ax

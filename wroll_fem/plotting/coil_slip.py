@@ -117,8 +117,8 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     peak = int(np.argmax(largest))
     style.title(
         ax,
-        f"Over the {where}: {style.engineering(levels[-1] * largest[peak], 'Pa')} at {levels[-1]:g}\u00a0g, "
-        f"{_place(along, position[peak], scale)}",
+        f"Largest shear over the {where}: {style.engineering(levels[-1] * largest[peak], 'Pa')} at "
+        f"{levels[-1]:g}\u00a0g, {_place(along, position[peak], scale)}",
         48,
     )
     return ax
@@ -206,8 +206,8 @@ def plot_root_section(
     name = {"rz": "Axial shear σ_rz", "rt": "Hoop shear σ_rθ"}[component]
     style.title(
         ax,
-        f"{name} {1e3 * grid.z[row]:.2g} mm up, {top:g}\u00a0g: largest {shown[component][peak]:.3g} times the "
-        f"capacity, at {abs(np.degrees(grid.theta[peak[1]])):.0f}° from x",
+        f"{name} {1e3 * grid.z[row]:.2g} mm above the base, {top:g}\u00a0g: largest {shown[component][peak]:.3g} times "
+        f"the capacity, at {abs(np.degrees(grid.theta[peak[1]])):.0f}° from x",
         44,
     )
     return ax
@@ -221,7 +221,7 @@ def _excitation_arrow(ax: Axes, direction: str, half: float) -> None:
 
 
 def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
-    """Figure 2.14 of the source: panels over height and over radius; returns the first."""
+    """Figure 2.14 of the thesis: panels over height and over radius; returns the first."""
     _, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.0), dpi=style.DPI, layout="constrained")
     plot_shear_along(dataset, "z", panels[0])
     plot_shear_along(dataset, "r", panels[1])
@@ -229,7 +229,7 @@ def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
 
 
 def plot_root_sections(dataset: xr.Dataset) -> Axes:
-    """Figure 2.15 of the source: both shear components on the root section, and 1 % of the length up.
+    """Figure 2.15 of the thesis: both shear components on the root section, and 1 % of the length up.
 
     Returns
     -------
@@ -295,8 +295,8 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("Height above the base (mm)")
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
     found = (
-        f"At {levels[-1]:g}\u00a0g slip reaches {reach[0]:.3g} mm up and {reach[1]:.3g} mm out from the mandrel, "
-        f"{share:.3g} % of the coil's volume; it starts above {onset.min():.3g}\u00a0g"
+        f"At {levels[-1]:g}\u00a0g the slip zone is {reach[0]:.3g} mm high and {reach[1]:.3g} mm deep, "
+        f"{share:.3g} % of the coil's volume; slip starts above {onset.min():.3g}\u00a0g"
     )
     if share == 0.0:
         found = f"No slip up to {levels[-1]:g}\u00a0g"
@@ -343,7 +343,7 @@ def plot_steady_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylim(-1.25 * exact, 1.25 * exact)
     style.title(
         ax,
-        f"{g:g} g at {float(attrs['excitation_frequency_hz']):.1f} Hz: the tip is steady after "
-        f"{dataset.sizes['cycle']} cycles, {float(attrs['transmissibility']):.1f} times the base's acceleration",
+        f"{g:g} g at {float(attrs['excitation_frequency_hz']):.1f} Hz: steady state after "
+        f"{dataset.sizes['cycle']} cycles, transmissibility {float(attrs['transmissibility']):.1f}",
     )
     return ax

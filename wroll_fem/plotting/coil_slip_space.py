@@ -77,7 +77,7 @@ def _levels(dataset: xr.Dataset) -> FloatArray:
 
 
 def level_names(dataset: xr.Dataset) -> dict[str, str]:
-    """What each colour of `cut_coil` says -> the colour, lowest level first and no slip last."""
+    """Legend of `cut_coil`: text -> colour, lowest level first and no slip last."""
     levels = _levels(dataset)
     names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
     return dict(zip(names, [*level_colours(levels.size)[::-1], _STUCK], strict=True))

@@ -1,4 +1,4 @@
-"""Figures of a study of the mesh: what the friction response and the linear frequency do with it."""
+"""Figures of mesh studies: convergence of the friction response and of the natural frequency."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
     off = 100 * (read(coarsest).peak / read(finest).peak - 1)
     off_f = 100 * (read(coarsest).f_n / read(finest).f_n - 1)
     which = f"{coarsest.values[key]} elements along the axis"
-    which += f" ({shown(line, coarsest.values[line])})" if line is not None else ""
-    said = f"Worst mesh, {which}: peak off by {off:+.1f} %, resonance by {off_f:+.2f} %, against the finest"
+    which += f", {shown(line, coarsest.values[line])}" if line is not None else ""
+    said = f"Largest deviation from the finest mesh: peak {off:+.1f} %, resonance {off_f:+.2f} % ({which})"
     figure.suptitle(textwrap.fill(said.replace("-", "−"), 95), x=0.01, ha="left", fontsize=10)
     return panels[0, 0]
 
@@ -69,7 +69,7 @@ def first_bending(member: SeriesMember) -> float:
 def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
     """Plot the first bending frequency over the elements along the axis, one line per number around the circumference.
 
-    The band is 1 % around the finest mesh (most elements): the source's criterion.
+    The band is 1 % around the finest mesh (most elements): the thesis's criterion.
     """
     grid = grid_members(members, "mesh_frequency", AXIAL, AROUND)
     ax = style.axes(ax, 4.2)
@@ -89,7 +89,7 @@ def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None 
     off = 100 * (first_bending(worst) / limit - 1)
     style.title(
         ax,
-        f"The worst mesh, {worst.values[AROUND]} elements around and {worst.values[AXIAL]} along, is {off:+.3f} % off "
-        f"the finest, {limit:.2f} Hz",
+        f"Largest deviation from the finest mesh ({limit:.2f} Hz): {off:+.3f} % with {worst.values[AROUND]} elements "
+        f"around and {worst.values[AXIAL]} along the axis",
     )
     return ax

@@ -170,7 +170,7 @@ def plot_slip_on_cylinder(
     along, over = (90.0, 0.0) if direction == "y" else (0.0, 90.0)
     known = direction in ("x", "y")  # a structure from a file does not say
     faces = f"along the excitation ({faces})" if known else f"from {faces}"
-    across = f"from across ({across})" if known else f"from {across}"
+    across = f"across the excitation ({across})" if known else f"from {across}"
     views = {f"seen {faces}": along, "seen from 45°": 45.0, f"seen {across}": over}
     figure = Figure(figsize=(style.WIDTH, 5.2), dpi=style.DPI, layout="constrained")
     panels = figure.subplots(1, len(views))
@@ -182,11 +182,11 @@ def plot_slip_on_cylinder(
     grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
     bar.set_label(label(quantity, unit) + grey)
     fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
-    found = f"Nothing slipped between {interface_name(interface, dataset)}"
+    found = f"No slip between {interface_name(interface, dataset)}"
     if fraction > 0.0:
         most = f"{style.three_digits(largest)} {unit}"
-        share = f"{100 * fraction:.0f} % of the area slipped"
-        found = f"Between {interface_name(interface, dataset)}, {share}; longest slip path {most}"
+        share = f"{100 * fraction:.0f} % of the interface between {interface_name(interface, dataset)} slipped"
+        found = f"{share}; largest accumulated slip {most}"
     figure.suptitle(found, fontsize=10)
     target = style.target(path)
     figure.savefig(target)

@@ -1,4 +1,4 @@
-"""Map of mandrels: disparity between loosest and tightest coil over radius, one line per wall."""
+"""Map of mandrels: frequency disparity between the stiffest and the softest coil over the radius."""
 
 from __future__ import annotations
 
@@ -49,10 +49,12 @@ def _sentence(disparity: xr.DataArray) -> str:
         return "No mandrel has bending as its fundamental mode"
     top = disparity.isel(disparity.argmax(...))  # type: ignore[arg-type]
     where = f"radius {1e3 * float(top['mandrel_radius']):.3g} mm, wall {1e3 * float(top['mandrel_thickness']):.3g} mm"
-    said = f"Tightest and loosest coil differ by up to {float(top):.0f} Hz ({where})"
+    said = f"Stiffest and softest coil differ by up to {float(top):.0f} Hz ({where})"
     values = disparity.values
     if missing == 0 and min(values.shape) > 1:
         wider, thinner = bool((np.diff(values, axis=0) > 0).all()), bool((np.diff(values, axis=1) < 0).all())
         if wider and thinner:
             said += "; the disparity grows with the radius and with a thinner wall"
-    return said + (f"; {missing} of {disparity.size} mandrels do not bend first" if missing else "")
+    return said + (
+        f"; {missing} of {disparity.size} mandrels have another fundamental mode than bending" if missing else ""
+    )

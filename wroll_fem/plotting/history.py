@@ -19,7 +19,7 @@ _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_S
 
 
 def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:
-    """Second axis on top that reads the chirp's frequency; none when the motion is no chirp."""
+    """Add an axis of the chirp's frequency on top; none for other motions."""
     law = chirp_law(dataset)
     if law is None:
         return
@@ -45,7 +45,7 @@ def _second_y(ax: Axes) -> Axes:
 
 
 def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the absolute tip acceleration over time and the friction work that it costs.
+    """Plot the absolute tip acceleration and the cumulative friction work over time.
 
     Parameters
     ----------
@@ -89,19 +89,18 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     law = chirp_law(dataset)
     where = f"t = {time[peak]:.3g} s" if law is None else f"{law[0] * exp(law[1] * time[peak]):.1f} Hz"
     most, taken = f"{style.three_digits(abs(tip[peak]))} m/s²", style.engineering(work[-1], "J")
-    text = f"Tip reaches {most} at {where}; friction takes {taken}"
+    text = f"Largest tip acceleration {most} at {where}; friction work {taken}"
     if law is not None and work[-1] > 0.0:
         quarter, three = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
         text += (
-            f", the middle half of it between {law[0] * exp(law[1] * quarter):.1f} "
-            f"and {law[0] * exp(law[1] * three):.1f} Hz"
+            f", its middle half between {law[0] * exp(law[1] * quarter):.1f} and {law[0] * exp(law[1] * three):.1f} Hz"
         )
     style.title(ax, text)
     return ax
 
 
 def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot where the work of the base went: friction, stored, numerical, cumulative over time.
+    """Plot the energy balance over time: input work of the base, friction, stored energy, numerical dissipation.
 
     Parameters
     ----------
@@ -135,7 +134,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     biggest = max(float(np.abs(given).max()), 1e-30)
     scale, unit = (1.0, "J") if biggest >= 1.0 else (1e3, "mJ") if biggest >= 1e-3 else (1e6, "µJ")
     series = [
-        ("put in by the base", given, style.BLUE, "-"),
+        ("input work of the base", given, style.BLUE, "-"),
         ("friction", friction, style.RED, "-"),
         ("stored: kinetic + strain + contact", stored, style.GREEN, "-"),
         ("numerical: the scheme's own dissipation, impacts", numerical, style.GREY, "--"),
@@ -157,7 +156,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     )
     style.title(
         ax,
-        f"Of {style.engineering(given[-1], 'J')} put in, friction takes {100 * friction[-1] / total:.1f} %, "
-        f"{100 * stored[-1] / total:.1f} % is still stored, {100 * numerical[-1] / total:.1f} % is numerical; {closes}",
+        f"Input work {style.engineering(given[-1], 'J')}: friction {100 * friction[-1] / total:.1f} %, "
+        f"stored {100 * stored[-1] / total:.1f} %, numerical {100 * numerical[-1] / total:.1f} %; {closes}",
     )
     return ax

@@ -62,7 +62,7 @@ def _render(
 
 
 def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8]]:
-    """Crop all pictures to the one box that holds whatever is not white in any: same scale in each."""
+    """Crop all pictures to one box that holds every pixel that is not white in any of them: same scale in each."""
     seen = np.argwhere(np.any([(picture < 250).any(axis=2) for picture in pictures], axis=0))
     if seen.size == 0:
         return pictures

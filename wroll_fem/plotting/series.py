@@ -142,7 +142,7 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
 
 
 def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | None) -> str:
-    """Say "free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)", panel by panel."""
+    """Title: "Free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)", panel by panel."""
     parts = []
     for room in values_of(grid, panel) if panel is not None else [None]:
         here = [m for m in (having(grid, panel, room) if panel else grid) if is_sweep(m)]
@@ -163,7 +163,7 @@ def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
 
 
 def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
-    """Largest difference of the peaks of sweeps and steady states of the same case, in words; empty without pairs."""
+    """Largest difference of the peaks of sweeps and steady states of the same case, as text; empty without pairs."""
     peaks: dict[str, list[float]] = {}
     for m in grid:
         same = {key: value for key, value in m.values.items() if key != "analysis"}

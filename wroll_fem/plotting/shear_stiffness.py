@@ -89,8 +89,8 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
     slope = np.gradient(np.log(f), np.log(x))
     style.title(
         ax,
-        f"Bending at {f[0]:.1f} Hz for loose wraps and {f[-1]:.1f} Hz for tight ones, {f[0] / mass_alone:.2f} and "
-        f"{f[-1] / mass_alone:.2f} times mass alone; steepest around {style.engineering(x[slope.argmax()], 'Pa')}",
+        f"Bending at {f[0]:.1f} Hz with the softest and {f[-1]:.1f} Hz with the stiffest coil, {f[0] / mass_alone:.2f} "
+        f"and {f[-1] / mass_alone:.2f} times mass alone; steepest near {style.engineering(x[slope.argmax()], 'Pa')}",
     )
     return ax
 
@@ -120,7 +120,7 @@ def plot_shear_stiffness_band(members: Sequence[SeriesMember], ax: Axes | None =
     told = " and ".join(style.engineering(x, "Pa") for x in meets if np.isfinite(x)) or "no shear stiffness"
     style.title(
         ax,
-        f"With $E$ = {' and '.join(curves)} the roll overtakes the mandrel alone at {told}; from the loosest to the "
-        f"tightest coil it gains {' and '.join(spans)}",
+        f"With $E$ = {' and '.join(curves)} the roll reaches the mandrel's frequency at {told}; from the softest to "
+        f"the stiffest coil it gains {' and '.join(spans)}",
     )
     return ax

@@ -137,12 +137,12 @@ def plot_pressure_map(dataset: xr.Dataset, interface: int = 0, ax: Axes | None =
     own = dataset[["pressure", "area"]].isel(interface=interface)  # areas of half a roll are those of the whole
     mean = style.engineering(float(own["pressure"].weighted(own["area"].fillna(0.0)).mean()), "Pa")
     low, high = (style.engineering(float(value), "Pa") for value in (own["pressure"].min(), own["pressure"].max()))
-    style.title(ax, f"Pressure between {interface_name(interface, dataset)}: {mean} in the mean, {low} to {high}")
+    style.title(ax, f"Pressure between {interface_name(interface, dataset)}: mean {mean}, {low} to {high}")
     return ax
 
 
 def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float) -> str:
-    """Say where and how much: "41 % of the interface ... slipped; most, 12.3 µm, at 0° and 25 mm above the base"."""
+    """Title: "41 % of the interface ... slipped; largest accumulated slip 12.3 µm at 0°, 25 mm above the base"."""
     name = interface_name(interface, dataset)
     points = surface(dataset, interface, quantity)
     values = points.values[quantity]
@@ -153,8 +153,8 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
     most = f"{style.three_digits(shown[k])} {unit} at {side}, {height:.0f} mm above the base"
     if quantity == "cumulative_slip":
         if fraction == 0.0:
-            return f"Nothing slipped between {name}"
-        return f"{100 * fraction:.0f} % of the interface between {name} slipped; longest slip path {most}"
+            return f"No slip between {name}"
+        return f"{100 * fraction:.0f} % of the interface between {name} slipped; largest accumulated slip {most}"
     what = field(quantity).long_name
     return f"{what[0].upper()}{what[1:]} between {name}: {most}; {100 * fraction:.0f} % of the area slipped"
 

@@ -1,4 +1,4 @@
-"""The cases of a study as figures need them: values of the grid, readings, words for people."""
+"""Cases of a study as figures need them: values of the grid, resonance, text for axes and legends."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
     "mesh.grading": ("grading", "", 1.0),
     "mesh.radial": ("elements through the coil", "", 1.0),
 }
-"""Dotted key -> name, unit and scale for people."""
+"""Dotted key -> name, unit and scale in figures."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def is_sweep(member: SeriesMember) -> bool:
 
 
 def shown(key: str, value: Any) -> str:
-    """Value of a key as people say it: "10 kPa", "0.1 µm", "free base"."""
+    """Value of a key as text: "10 kPa", "0.1 µm", "free base"."""
     if key == LAYER_BASE:
         return f"{str(value).replace('_', ' ')} base"
     if isinstance(value, list):
@@ -145,11 +145,11 @@ def scaled(key: str, value: float) -> float:
 
 def percent(zeta: float) -> str:
     """Damping ratio as text, two decimals."""
-    return f"{100 * zeta:.2f} %" if np.isfinite(zeta) else "not readable"
+    return f"{100 * zeta:.2f} %" if np.isfinite(zeta) else "no estimate"
 
 
 def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
-    """Tell "rises", "falls", or "does not change in one direction only" of a series (slack: share of its range)."""
+    """Trend of a series: "rises", "falls" or "changes both ways" (slack: share of its range)."""
     steps = np.diff(np.asarray(values, dtype=float))
     allowed = slack * float(np.ptp(values))
     if np.all(steps > -allowed):

@@ -1,4 +1,4 @@
-"""What all figures share: colours, sizes, titles that state what is seen, saving."""
+"""Shared by all figures: colours, sizes, titles that state the result, saving."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def save_figure(ax: Axes, path: str | os.PathLike[str]) -> Path:
 
 
 def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
-    """Raise an InputError that names what the Dataset lacks for this figure."""
+    """Raise an InputError that names the variables missing for this figure."""
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Figures of the two masses: response over frequency, readings over the friction capacity, design space."""
+"""Figures of the two-DoF model: response over frequency, damping over the friction capacity, design space."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_l
 
 
 def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
-    """Curve under the k-th capacity, with the points read off its refined peak."""
+    """Curve at the k-th capacity, with its refined peak and half-power points."""
     one = dataset.isel(friction_capacity=k)
     x, y = dataset["omega"].values, one["transmissibility"].values
     peak = float(one["peak_transmissibility"])
@@ -32,7 +32,7 @@ def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _colours(count: int) -> np.ndarray:
-    """Blue (loose) to red (tight), as the source draws them; the pale middle left out."""
+    """Blue (low capacity) to red (high), as in the thesis; the pale middle left out."""
     share = np.linspace(0.0, 1.0, count)
     return colormaps["coolwarm"](np.where(share < 0.5, 0.42 * share / 0.5, 0.58 + 0.42 * (share - 0.5) / 0.5))
 
@@ -210,7 +210,7 @@ def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
         for k, colour in enumerate(_colours(len(capacities))):
             one = dataset.isel(friction_capacity=k)
             skew = float(one["skewness"])
-            read = f"skewness {round(skew, 2) + 0.0:+.2f}" if np.isfinite(skew) else "skewness not readable"
+            read = f"skewness {round(skew, 2) + 0.0:+.2f}" if np.isfinite(skew) else "no skewness"
             text = f"{capacities[k]:g} N, {read}".replace("-", "−")
             ax.plot(*_line(dataset, k), color=colour, lw=1.6, label=text, zorder=3.0 - 0.01 * k)
         ax.axvline(1.0, color="black", lw=1.0, ls=":")

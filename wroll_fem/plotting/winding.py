@@ -16,7 +16,7 @@ from wroll_fem.plotting.study import MARKERS, SeriesMember, axis_label, grid_mem
 
 TENSION, MODULUS = "winding.tension_newton", "winding.web.radial_modulus"
 SIMULATED = (10e3, 300e3)
-"""Preloads that the source simulates (section 4.2), Pa."""
+"""Preloads simulated in the thesis (section 4.2), Pa."""
 
 _STRESS = ("pressure_pa", "capacity_pa", "hoop_stress_pa", "winding_tension_pa", "wrap_radius", "wrap_pressure_pa")
 
@@ -51,7 +51,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
     for name, colour, text in (("pressure", style.BLUE, "pressure"), ("capacity", style.RED, "capacity, µ × pressure")):
         upper.plot(radius / ends[0], scale * dataset[f"{name}_pa"], color=colour, lw=1.8, label=text)
         coarse = np.append(dataset[f"wrap_{name}_pa"].values, 0.0)
-        upper.plot(under, scale * coarse, color=colour, lw=1.2, ls=(0, (4, 2)), label=f"{text}, source's grid")
+        upper.plot(under, scale * coarse, color=colour, lw=1.2, ls=(0, (4, 2)), label=f"{text}, thesis's grid")
     upper.set_ylabel(f"Between the wraps ({unit})")
     upper.set_ylim(0.0, None)
     upper.legend(fontsize=8, framealpha=0.9)
@@ -63,7 +63,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
     lower.plot(radius / ends[0], scale * dataset["hoop_stress_pa"], color=style.GREEN, lw=1.8, label="in the roll")
     lower.plot(
         middle, scale * dataset["wrap_hoop_stress_pa"], color=style.GREEN, lw=1.2, ls=(0, (4, 2)),
-        label="in the roll, source's grid",
+        label="in the roll, thesis's grid",
     )  # fmt: skip
     lower.axhline(0.0, color="black", lw=0.8)
     lower.set_ylabel(f"Along the web ({unit})")
@@ -76,7 +76,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
     style.title(
         upper,
         f"{style.engineering(fine, 'Pa')} at the mandrel, capacity {capacity}; "
-        f"the source's grid, one row per wrap, reads {abs(100 * (coarse / fine - 1)):.1f} % "
+        f"the thesis's grid (one row per wrap) gives {abs(100 * (coarse / fine - 1)):.1f} % "
         f"{'more' if coarse > fine else 'less'}",
     )
     return upper
@@ -109,7 +109,7 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
 
 
 def _law(member: SeriesMember) -> str:
-    """Radial modulus of a case as people say it."""
+    """Radial modulus of a case as text."""
     modulus: Mapping[str, Any] = member.values[MODULUS]
     if modulus["law"] == "constant":
         ratio = member.data.attrs["web_modulus_pa"] / modulus["E_r"]
@@ -134,7 +134,7 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
         style.require(m.data, _STRESS, "figure of pressure over tension")
     lines: list[Any] = [key for key in _varied(grid) if key != TENSION]
     ax = style.axes(ax, 4.4)
-    ax.axhspan(*(1e-3 * p for p in SIMULATED), color="#E4EEF5", label="preloads that the source simulates")
+    ax.axhspan(*(1e-3 * p for p in SIMULATED), color="#E4EEF5", label="preloads simulated in the thesis")
     groups = (
         [(None, grid)]
         if not lines
@@ -148,7 +148,7 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
         if k == 0:
             coarse = [1e-3 * m.data.attrs["pressure_mandrel_wrap_grid_pa"] for m in group]
             bound = [1e-3 * m.data.attrs["hoop_bound_pa"] for m in group]
-            ax.plot(tension, coarse, "x", color=style.RED, ms=8, mew=1.4, zorder=4, label="the same, source's grid")
+            ax.plot(tension, coarse, "x", color=style.RED, ms=8, mew=1.4, zorder=4, label="the same, thesis's grid")
             ax.plot(tension, bound, color="black", ls=":", lw=1.4, label="hoop bound: no wrap relaxes")
     ax.set_yscale("log")
     ends = [m.data.attrs["pressure_mandrel_pa"] for m in grid] + [m.data.attrs["hoop_bound_pa"] for m in grid]
@@ -162,8 +162,8 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
     low, high = grid[0].data.attrs, grid[-1].data.attrs
     style.title(
         ax,
-        f"{grid[0].values[TENSION]:g} to {grid[-1].values[TENSION]:g} N press the mandrel with "
-        f"{low['pressure_mandrel_pa'] / 1e3:.0f} to {high['pressure_mandrel_pa'] / 1e3:.0f} kPa; bound "
+        f"Winding tension {grid[0].values[TENSION]:g} to {grid[-1].values[TENSION]:g} N: pressure on the mandrel "
+        f"{low['pressure_mandrel_pa'] / 1e3:.0f} to {high['pressure_mandrel_pa'] / 1e3:.0f} kPa, hoop bound "
         f"{low['hoop_bound_pa'] / 1e3:.0f} to {high['hoop_bound_pa'] / 1e3:.0f} kPa",
     )
     return ax

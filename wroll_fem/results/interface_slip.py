@@ -16,10 +16,11 @@ from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import Delaunay
 
 from wroll_fem.errors import InputError
+from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 ODD_FIELDS = frozenset({"peak_slip_hoop", "traction_hoop"})  # change sign under theta -> -theta
-_ANGLE_DIGITS = 6  # points whose angles agree to 1e-6 rad stand above each other
+_SAME_ANGLE = 1e-6  # rad; points at the same angle lie above each other
 
 
 class Surface(NamedTuple):
@@ -97,18 +98,17 @@ def has_surface(dataset: xr.Dataset, interface: int) -> bool:
     if "theta_rad" not in dataset.variables:
         return False
     points = surface(dataset, interface)
-    around = np.unique(np.round(points.theta, _ANGLE_DIGITS)).size
+    around = levels(points.theta, _SAME_ANGLE)[0].size
     return bool(around > 2 and np.ptp(points.z) > 0.0 and points.theta.size > 3)
 
 
 def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:
     """Angles (n_t,), heights (n_z,) and point numbers (n_z, n_t) when points form a full grid, else None."""
-    angles, column = np.unique(np.round(theta, _ANGLE_DIGITS), return_inverse=True)
-    span = max(float(np.ptp(z)), 1e-12)
-    levels, row = np.unique(np.round(z / span, _ANGLE_DIGITS), return_inverse=True)
-    if angles.size * levels.size != theta.size or angles.size < 3 or levels.size < 2:
+    angles, column = levels(theta, _SAME_ANGLE)
+    heights, row = levels(z)
+    if angles.size * heights.size != theta.size or angles.size < 3 or heights.size < 2:
         return None
-    numbers = np.full((levels.size, angles.size), -1, dtype=np.int64)
+    numbers = np.full((heights.size, angles.size), -1, dtype=np.int64)
     numbers[row, column] = np.arange(theta.size)
     if np.any(numbers < 0):
         return None

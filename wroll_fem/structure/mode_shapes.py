@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.structure.body import Body
+from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 _HIGHEST = 12
@@ -77,12 +78,11 @@ def _ring_content(nodes: FloatArray, u: FloatArray, highest: int) -> FloatArray:
     theta = np.arctan2(y, x)
     cos, sin = np.cos(theta), np.sin(theta)
     local = np.column_stack([-sin * u[:, 0] + cos * u[:, 1], u[:, 2], cos * u[:, 0] + sin * u[:, 1]])
-    levels, ring_of = np.unique(np.rint(z / max(float(np.ptp(z)), 1e-300) * 1e6).astype(np.int64), return_inverse=True)
-    height = np.array([z[ring_of == k].mean() for k in range(len(levels))])
+    height, ring_of = levels(z)
     step = np.diff(height)
     weight = 0.5 * (np.append(step, 0.0) + np.append(0.0, step)) if step.size else np.ones(1)
     content = np.zeros((highest + 1, 3))
-    for k in range(len(levels)):
+    for k in range(len(height)):
         ring = np.flatnonzero(ring_of == k)
         ring = ring[np.argsort(theta[ring])]
         arc = np.diff(theta[ring], append=theta[ring[0]] + 2 * np.pi)

@@ -19,6 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.structure.body import Body
+from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 _Entries = tuple[np.ndarray, np.ndarray, FloatArray]
@@ -81,9 +82,7 @@ def _rings(body: Body) -> np.ndarray | None:
     theta = np.mod(np.arctan2(y, x), 2 * np.pi)
     theta[theta > 2 * np.pi - 1e-6] = 0.0
     size = np.ptp(z)
-    order = np.argsort(z, kind="stable")
-    level = np.empty(len(z), np.int64)
-    level[order] = np.cumsum(np.diff(z[order], prepend=z.min()) > 1e-7 * size)
+    level = levels(z)[1]
     order = np.lexsort((theta, level))
     counts = np.bincount(level)
     if np.ptp(counts) or counts[0] % 4:
