@@ -10,13 +10,10 @@ from typing import Any
 import pytest
 import yaml
 from pydantic import ValidationError
-from pydantic.fields import FieldInfo
 from support.paths import CONFIGS
 
 from wroll_fem import Case, example_case, load_case
 from wroll_fem.case import OnStructure, schema_text
-from wroll_fem.case.case import case_sections
-from wroll_fem.case.descriptions import sections
 from wroll_fem.errors import InputError
 
 CASES = sorted(CONFIGS.glob("*.yaml"))
@@ -73,30 +70,6 @@ def test_the_clamped_config_differs_from_the_free_one_in_the_layer_base_alone() 
 def test_committed_schema_equals_the_generated_one(root: Path) -> None:
     committed = (root / "docs" / "wroll-case.schema.json").read_text(encoding="utf-8")
     assert committed == schema_text(), "run `make schema`"
-
-
-def test_every_number_has_a_unit_in_its_description() -> None:
-    units = ("m", "Pa", "kg", "kg/m^3", "Hz", "s", "m/s", "m/s^2", "Pa/m", "N", "N/m", "N s/m", "rad/s")
-    units += ("count", "cycles", "octaves", "dimensionless")
-    lacking = []
-
-    def visit(fields: Any, prefix: str) -> None:
-        for name, field in fields.items():
-            kinds = str(field.annotation)
-            if any(section in kinds for section in ("wroll_fem.case", "Excitation")):
-                for part in sections(field.annotation):
-                    visit(part.model_fields, f"{prefix}{name}.")
-            elif "float" in kinds or "int" in kinds.replace("Point", ""):
-                words = str(field.description).replace(",", " ").replace(";", " ").replace(":", " ")
-                words = words.replace("(", " ").replace(")", " ")
-                if not set(words.split()) & set(units):
-                    lacking.append(f"{prefix}{name}")
-
-    visit(case_sections(), "")
-    assert not lacking
-    lacking.clear()
-    visit({"made_up": FieldInfo(annotation=float, description="a length")}, "")
-    assert lacking == ["made_up"]
 
 
 # ---- what is wrong, in one line -----------------------------------------------------------------

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from support.paths import CONFIGS
 
-from wroll_fem import Case, InputError, example_case, load_case
+from wroll_fem import Case, InputError, case_warnings, example_case, load_case
 from wroll_fem.case import (
     ANALYSES,
     ChirpExcitation,
@@ -160,6 +160,26 @@ def test_the_hash_is_that_of_earlier_results() -> None:
     """Results on disk carry the hash of their case: it changes with the physics alone."""
     assert example_case().hash() == "4da38d30977e8969c709985e2cd8783e8f68aeab4c13144403577396355b6ce7"
     assert load_case(SWEEP).hash() == "935b2c0aa891d76f899a46df21119553e40f049c4a9b0275dc7c4811f46fc9c6"
+
+
+def test_a_former_name_of_a_key_is_accepted_with_one_warning() -> None:
+    path = CONFIGS / "design_map.yaml"
+    case = load_case(path)
+    data = content(path)
+    data["design_map"]["loosest"] = data["design_map"].pop("softest")
+    former = Case.model_validate(data)
+    assert former.renamed == ["design_map.loosest is now called design_map.softest; both names are accepted"]
+    assert case_warnings(former) == former.renamed
+    assert case_warnings(case) == []
+    assert former == case
+    assert former.hash() == case.hash() == "11668c27116aec4ce41567113d8b54b9cf1a836a5776d51a8b5dda126fc0fec1"
+    changed = case.replace("design_map.loosest=1e6")
+    assert changed.resolved()["design_map"]["softest"] == 1e6
+    assert changed.renamed == former.renamed
+    with pytest.raises(InputError, match=r"^design_map\.loosest: is the former name of design_map\.softest, which is"):
+        Case.model_validate({**data, "design_map": {**data["design_map"], "softest": 1e6}})
+    with pytest.raises(InputError, match=r"--set design_map\.softest: must be positive, got -1"):
+        load_case(path, ["design_map.loosest=-1"])
 
 
 def test_a_file_that_changes_changes_the_hash(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ def case_warnings(case: Case) -> list[str]:
     InputError
         When that file is wrong.
     """
-    return [text for check in find_analysis(case.analysis).preflight for text in check(case)]
+    return case.renamed + [text for check in find_analysis(case.analysis).preflight for text in check(case)]
 
 
 def estimate(case: Case) -> dict[str, Any]:

@@ -66,7 +66,7 @@ class _Models:
         self._without, self._with = bare.model, roll.model
         alone = symmetry_class_modes(bare, BENDING, 1)[0].frequency_hz
         material = case.coil.material.solid()
-        modulus = case.design_map.loosest
+        modulus = case.design_map.softest
         if isinstance(modulus, str):
             found = softest_coil(roll, material)
             if found is None:

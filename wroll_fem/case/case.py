@@ -27,6 +27,7 @@ from wroll_fem.case.descriptions import sections
 from wroll_fem.case.messages import input_error
 from wroll_fem.case.output import Output
 from wroll_fem.case.overrides import WITH_FILE, overridden, override_texts
+from wroll_fem.case.renamed import current_key, with_current_keys, with_former_keys
 from wroll_fem.errors import InputError
 
 SECTIONS = (
@@ -49,10 +50,11 @@ _OWNERS = {
 
 
 class Origin(NamedTuple):
-    """Where the content of a case comes from, for messages: file, and the dotted keys given with `--set`."""
+    """Where the content of a case comes from, for messages: file, keys given with `--set`, former names of keys."""
 
     file: Path | None = None
     overrides: Sequence[str] = ()
+    former: tuple[str, ...] = ()
 
 
 class Case(Section):
@@ -74,6 +76,7 @@ class Case(Section):
     """Sections that the resolved case holds with their defaults; others stay out when they are not written."""
 
     _source: Path | None = PrivateAttr(default=None)
+    _former: tuple[str, ...] = PrivateAttr(default=())
 
     def __new__(cls, **sections: Any) -> Self:
         """Make an object of the class that belongs to the analysis."""
@@ -107,6 +110,8 @@ class Case(Section):
         if not isinstance(data, Mapping):
             raise InputError(f"is not a case but a {type(data).__name__}", remedy="write sections as key: value pairs")
         given = {key: value for key, value in data.items() if value is not None or key not in SECTIONS[1:]}
+        given, former = with_current_keys(given)
+        origin = origin._replace(former=origin.former + former)
         if "analysis" not in given and cls._own_analysis() is not None:
             given["analysis"] = cls._own_analysis()
         kind = cls._kind(given)
@@ -122,7 +127,7 @@ class Case(Section):
             raise input_error(
                 error, cls, file=file, overrides=origin.overrides, known=known, refusal=cls._refusal
             ) from None
-        case._source = origin.file
+        case._source, case._former = origin.file, origin.former
         return case
 
     @classmethod
@@ -175,6 +180,11 @@ class Case(Section):
         """File that the case was read from."""
         return self._source
 
+    @property
+    def renamed(self) -> list[str]:
+        """Warnings about keys that were given by their former names."""
+        return [f"{key} is now called {current_key(key)}; both names are accepted" for key in self._former]
+
     def resolved(self) -> dict[str, Any]:
         """All values, defaults included, as plain types; sections that are neither used nor written stay out."""
         left_out = set(type(self).model_fields) - self.model_fields_set - set(self.ALWAYS_WRITTEN)
@@ -191,7 +201,7 @@ class Case(Section):
         Files count by their content. Of `output` only the way to estimate damping counts, and its default not at all:
         cases that do not name it keep the hash they had before it existed.
         """
-        data = self.resolved()
+        data = with_former_keys(self.resolved())
         del data["output"]
         if self.output.damping != Output.model_fields["damping"].default:
             data["output"] = {"damping": self.output.damping}
@@ -237,7 +247,7 @@ class Case(Section):
         file = None if self._source is None else str(self._source)
         try:
             data, keys = overridden(given, override_texts(*overrides), file)
-            return Case.model_validate(data, context=Origin(self.source, keys))
+            return Case.model_validate(data, context=Origin(self.source, *keys))
         except InputError as error:  # speaks of the command line
             error.key = (error.key or "").removeprefix("--set ") or None
             error.remedy = (error.remedy or "").replace("--set ", "") or None

@@ -192,9 +192,9 @@ def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
             value=mesh.discretisation, remedy="use mesh.discretisation: fourier",
         )  # fmt: skip
     stiffest = min(coil.material.G_r_theta, coil.material.G_r_z)
-    if not isinstance(design_map.loosest, str) and design_map.loosest >= stiffest:
+    if not isinstance(design_map.softest, str) and design_map.softest >= stiffest:
         raise validation_error(
-            "the loosest coil is not looser than the case's", key="design_map.loosest", value=design_map.loosest,
+            "the softest coil is not softer than the case's", key="design_map.softest", value=design_map.softest,
             remedy=f"use less than its shear moduli between wraps, {stiffest:g} Pa",
         )  # fmt: skip
     wall, radius = max(design_map.mandrel_thickness), min(design_map.mandrel_radius)

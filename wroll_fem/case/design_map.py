@@ -1,4 +1,4 @@
-"""Section `design_map`: mandrels over which the disparity between loosest and tightest coil is mapped."""
+"""Section `design_map`: mandrels over which the disparity between softest and stiffest coil is mapped."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from wroll_fem.case.base import Section, _number, validation_error
 
 
 class DesignMap(Section):
-    """Every mandrel of a grid with the case's coil as wound tightest, and with the loosest one."""
+    """Every mandrel of a grid, with the coil of the case as the stiffest one and with the softest one."""
 
     mandrel_radius: list[float] = Field(description="outer radii of the mandrel, m, ascending")
     mandrel_thickness: list[float] = Field(description="walls of the mandrel, m, ascending")
-    loosest: Literal["fundamental_bending"] | float = Field(
+    softest: Literal["fundamental_bending"] | float = Field(
         default="fundamental_bending",
-        description="shear modulus between wraps of the loosest coil, Pa, or fundamental_bending: for each mandrel the "
+        description="shear modulus between wraps of the softest coil, Pa, or fundamental_bending: for each mandrel the "
         "lowest one whose fundamental mode is bending",
     )
 
@@ -33,7 +33,7 @@ class DesignMap(Section):
             raise validation_error("must be positive and ascending", remedy=remedy, value=value)
         return lengths
 
-    @field_validator("loosest", mode="before")
+    @field_validator("softest", mode="before")
     @classmethod
     def _modulus(cls, value: Any) -> Any:
         if value == "fundamental_bending":

@@ -39,7 +39,7 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source: Path | None = None) -> Case:
     """Check a mapping with overrides applied; see `load_case`."""
     merged, keys = overridden(data, overrides, str(source) if source is not None else None)
-    return Case.model_validate(merged, context=Origin(source, keys))
+    return Case.model_validate(merged, context=Origin(source, *keys))
 
 
 def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from wroll_fem.case.renamed import current_key
 from wroll_fem.errors import InputError
 from wroll_fem.results.json_types import json_types
 
@@ -60,13 +61,22 @@ def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
 
 def overridden(
     data: Mapping[str, Any], overrides: Sequence[str], file: str | None = None
-) -> tuple[dict[str, Any], list[str]]:
-    """Apply "dotted.key=value" pairs to a copy; return it and the dotted keys."""
+) -> tuple[dict[str, Any], tuple[list[str], tuple[str, ...]]]:
+    """Apply "dotted.key=value" pairs to a copy.
+
+    Returns
+    -------
+    tuple
+        The changed copy; the dotted keys, and those of them that were given by a former name.
+    """
     merged = _copy(dict(data))
-    keys = []
+    keys, former = [], []
     for text in overrides:
         key, equals, value = text.partition("=")
         key = key.strip()
+        if current_key(key) != key:
+            former.append(key)
+            key = current_key(key)
         parts = key.split(".")
         if not equals or not all(parts):
             remedy = "write --set dotted.key=value, for example --set contact.friction.mu=0.5"
@@ -85,7 +95,7 @@ def overridden(
             parsed = str(Path(parsed).resolve())
         here[parts[-1]] = parsed
         keys.append(key)
-    return merged, keys
+    return merged, (keys, tuple(former))
 
 
 def _copy(data: Any) -> Any:

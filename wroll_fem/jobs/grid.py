@@ -16,6 +16,7 @@ from wroll_fem.case import Case, load_case
 from wroll_fem.case.base import Real, Section, Whole, validation_error
 from wroll_fem.case.loader import read_yaml
 from wroll_fem.case.messages import input_error
+from wroll_fem.case.renamed import current_key
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.study_figures import STUDY_FIGURES
 from wroll_fem.results.json_types import json_types
@@ -242,7 +243,7 @@ def _case(
 def _value(case: Case, key: str) -> Any:
     """Value of a dotted key as the case holds it: "3e4" of a YAML file has become a number."""
     here: Any = case.resolved()
-    for part in key.split("."):
+    for part in current_key(key).split("."):
         here = here[part]
     return here
 

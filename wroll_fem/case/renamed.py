@@ -1,0 +1,49 @@
+"""Former names of keys: accepted in case files and with `--set`, with one warning line that names the new key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from wroll_fem.errors import InputError
+
+KEYS = {"design_map.loosest": "design_map.softest"}
+"""Former dotted key "section.key" -> present one, in the same section."""
+
+
+def current_key(key: str) -> str:
+    """Present name of a dotted key."""
+    return KEYS.get(key, key)
+
+
+def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[str, ...]]:
+    """Content of a case with present names, and the former names that were found in it.
+
+    Raises
+    ------
+    InputError
+        When both names of a key are given.
+    """
+    current, found = dict(data), []
+    for former, present in KEYS.items():
+        section, _, old = former.partition(".")
+        new = present.partition(".")[2]
+        content = current.get(section)
+        if not isinstance(content, Mapping) or old not in content:
+            continue
+        if new in content:
+            raise InputError(f"is the former name of {present}, which is given too", key=former, remedy="leave it out")
+        current[section] = {new if key == old else key: value for key, value in content.items()}
+        found.append(former)
+    return current, tuple(found)
+
+
+def with_former_keys(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Content under its former names, as hashes were computed from it."""
+    former_data = dict(data)
+    for former, present in KEYS.items():
+        section, _, old = former.partition(".")
+        new = present.partition(".")[2]
+        if new in former_data.get(section, {}):
+            former_data[section] = {old if key == new else key: value for key, value in former_data[section].items()}
+    return former_data
