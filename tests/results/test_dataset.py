@@ -112,7 +112,7 @@ def test_unreadable_results_are_one_clear_message(tmp_path):
 
 def test_labels_carry_units_once():
     assert label("time") == "Time (s)"
-    assert label("cumulative_slip", "µm") == "Cumulative slip (µm)"
+    assert label("cumulative_slip", "µm") == "Accumulated slip (µm)"
     assert label("tip_acceleration") == "Tip acceleration relative to the base (m/s²)"
     assert label("mode") == "Mode number"
     assert all(entry.units and entry.long_name for entry in FIELDS.values())

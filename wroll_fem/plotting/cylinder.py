@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -187,7 +188,7 @@ def plot_slip_on_cylinder(
         most = f"{style.three_digits(largest)} {unit}"
         share = f"{100 * fraction:.0f} % of the interface between {interface_name(interface, dataset)} slipped"
         found = f"{share}; largest accumulated slip {most}"
-    figure.suptitle(found, fontsize=10)
+    figure.suptitle(textwrap.fill(found, 92), fontsize=10)
     target = style.target(path)
     figure.savefig(target)
     return target

@@ -12,6 +12,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.results.energy import energy_ledger
 from wroll_fem.signals.base_motion import chirp_law
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
@@ -123,22 +124,18 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     style.require(dataset, _LEDGER, "energy ledger")
     ax = style.axes(ax, 4.6)
     time = dataset["time"].values
-    given, friction = dataset["input_work"].values, dataset["friction_energy"].values
-    numerical = dataset["numerical_dissipation"].values
-    if "impact_dissipation" in dataset:  # what the time steps take where surfaces land and part
-        numerical = numerical + dataset["impact_dissipation"].values
-    stored = sum((dataset[name].values for name in _STORED), np.zeros_like(given))
-    if "pressure_modulation_work" in dataset:  # part of the identity; far too small for a line of its own
-        stored = stored + dataset["pressure_modulation_work"].values
-    stored = stored - stored[0]
+    ledger = energy_ledger(dataset)
+    given = ledger.input_work
     biggest = max(float(np.abs(given).max()), 1e-30)
     scale, unit = (1.0, "J") if biggest >= 1.0 else (1e3, "mJ") if biggest >= 1e-3 else (1e6, "µJ")
     series = [
         ("input work of the base", given, style.BLUE, "-"),
-        ("friction", friction, style.RED, "-"),
-        ("stored: kinetic + strain + contact", stored, style.GREEN, "-"),
-        ("numerical: the scheme's own dissipation, impacts", numerical, style.GREY, "--"),
+        ("friction", ledger.friction, style.RED, "-"),
+        ("stored: kinetic + strain + contact", ledger.stored, style.GREEN, "-"),
+        ("numerical: the scheme's own dissipation, impacts", ledger.numerical, style.GREY, "--"),
     ]
+    if ledger.viscous.any():
+        series.insert(2, ("viscous", ledger.viscous, style.ORANGE, "-"))
     for name, values, colour, dash in series:
         x, low, high = style.line_envelope(time, scale * values)
         if low is not high:
@@ -150,13 +147,13 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylabel(f"Energy since the start ({unit})")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8, frameon=False)
     total = given[-1] if given[-1] != 0.0 else np.inf
-    error = (given - stored - friction - numerical)[-1] / total
+    error = ledger.gap[-1] / total
     closes = (
         "the balance closes to rounding" if abs(error) < 1e-9 else f"the balance is off by {100 * abs(error):.1g} %"
     )
-    style.title(
-        ax,
-        f"Input work {style.engineering(given[-1], 'J')}: friction {100 * friction[-1] / total:.1f} %, "
-        f"stored {100 * stored[-1] / total:.1f} %, numerical {100 * numerical[-1] / total:.1f} %; {closes}",
-    )
+    shares = {"friction": ledger.friction, "stored": ledger.stored, "numerical": ledger.numerical}
+    if ledger.viscous.any():
+        shares["viscous"] = ledger.viscous
+    parts = ", ".join(f"{name} {100 * values[-1] / total:.1f} %" for name, values in shares.items())
+    style.title(ax, f"Input work {style.engineering(given[-1], 'J')}: {parts}; {closes}")
     return ax

@@ -25,7 +25,7 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
     Parameters
     ----------
     dataset
-        Results of `modal_transient`, or of a history with interfaces (coloured by its cumulative slip).
+        Results of `modal_transient`, or of a history with interfaces (coloured by its accumulated slip).
     interface
         Interface between layers, inner first.
     top
@@ -60,7 +60,7 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
         mesh["slip"] = slip
         # no scalar bar: the number format of VTK's ends the process that also holds dolfinx (two C++ string layouts)
         scene.add_mesh(mesh, scalars="slip", cmap="viridis", show_scalar_bar=False, ambient=0.4)
-        text = f"Cumulative slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
+        text = f"Accumulated slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
     scene.add_text(text, font_size=10, color="black")
     scene.camera_position = "xz"
     scene.camera.elevation = 20.0

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
+
+from wroll_fem.typing import FloatArray
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
@@ -20,3 +24,47 @@ def energy_balance_error(dataset: xr.Dataset) -> float:
     gap = np.abs((dataset["input_work"] - stored - spent).values)
     scale = float(np.abs(dataset["input_work"].values).max())
     return float(gap.max() / scale) if scale > 0 else 0.0
+
+
+class EnergyLedger(NamedTuple):
+    """Where the input work went, J since the start, (n_time,) each.
+
+    Attributes
+    ----------
+    input_work
+        Work of the base motion.
+    friction, viscous
+        Dissipated by friction, and by dashpots (zero without them).
+    stored
+        Change of kinetic, strain and contact energy, with the work of the pressure modulation.
+    numerical
+        Dissipation of the scheme, and of the time steps in which surfaces land and part.
+    """
+
+    input_work: FloatArray
+    friction: FloatArray
+    viscous: FloatArray
+    stored: FloatArray
+    numerical: FloatArray
+
+    @property
+    def gap(self) -> FloatArray:
+        """Input work that no term accounts for."""
+        return self.input_work - self.friction - self.viscous - self.stored - self.numerical
+
+
+def energy_ledger(dataset: xr.Dataset) -> EnergyLedger:
+    """Terms of the energy balance of a time history; those that the results do not hold are zero."""
+
+    def total(*names: str) -> FloatArray:
+        zero = np.zeros_like(dataset["input_work"].values)
+        return sum((dataset[name].values for name in names if name in dataset), zero)
+
+    stored = total("kinetic_energy", "strain_energy", "contact_energy", "pressure_modulation_work")
+    return EnergyLedger(
+        dataset["input_work"].values,
+        dataset["friction_energy"].values,
+        total("viscous_energy"),
+        stored - stored[0],
+        total("numerical_dissipation", "impact_dissipation"),
+    )
