@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 
 class WrollError(Exception):
@@ -54,6 +55,13 @@ class ConvergenceError(WrollError):
         Relative residuals of the last attempt.
     advice
         What to try.
+
+    Attributes
+    ----------
+    partial
+        What was computed until then, None when nothing was. Of an analysis it is a Dataset, the one that the
+        successful analysis would give, shorter. Within `dynamics.periodic` it is the curve so far (HarmonicCurve or
+        BackboneCurve), of `numerics.continuation` the points so far (list of CurvePoint).
     """
 
     exit_code = 3
@@ -69,6 +77,7 @@ class ConvergenceError(WrollError):
     ):
         self.time_s, self.iterations = time_s, iterations
         self.residual_history, self.advice = list(residual_history), advice
+        self.partial: Any = None
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
         when = "" if time_s is None else f" at t = {time_s:.6g} s"
         super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")

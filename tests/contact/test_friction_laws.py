@@ -14,6 +14,7 @@ from support.exact_systems import (
     stepper,
     with_law,
 )
+from support.friction_point import AREA, CLOSED, GAMMA, KN, MU, PRESSURE, V0, Point
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
@@ -23,7 +24,7 @@ from wroll_fem.dynamics.statics.contact_springs import reference_stiffness, stic
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
+from wroll_fem.dynamics.time_stepping.records import (
     CONTACT,
     FRICTION,
     INPUT,
@@ -35,46 +36,16 @@ from wroll_fem.dynamics.time_stepping.stepper import (
     RECORDS,
     SLIPPING,
     STRAIN,
-    NewtonOptions,
 )
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 
-MU, GAMMA, KN, PRESSURE, AREA, V0 = 0.25, 2.0e-6, 1.0e12, 1.0e5, 2.0e-4, 2.0e-3
-CLOSED = -PRESSURE / KN
 RATES, COEFFICIENTS = (0.0, 0.008, 0.02, 0.1), (MU, MU, 0.3, 0.42)
 PENALTY = PenaltyCoulomb(MU, GAMMA)
 RATE = RateCoulomb(MU, GAMMA, RATES, COEFFICIENTS)
 SMOOTHED = SmoothedCoulomb(MU, V0)
 LAWS = pytest.mark.parametrize("law", [PENALTY, RATE, SMOOTHED], ids=["penalty", "rate", "smoothed"])
 BOTH = pytest.mark.parametrize("method", STEPPERS)
-
-
-class Point:
-    """One interface point with its committed state: hoop, axial and normal displacement, m."""
-
-    def __init__(self, law, start=(0.0, 0.0, CLOSED)):
-        self.law = stack_laws([np.array([AREA])], [law], [KN], [True])
-        self.g, self.e, self.work = np.array(start, float), np.zeros(2), np.zeros(5)
-        self.path, self.peak, self.vector, self.start = np.zeros(1), np.zeros(1), np.zeros(2), self.g.copy()
-        self.t = self.trial(self.g, np.inf)[0]
-
-    def trial(self, g, dt):
-        t, e, status = np.zeros(3), np.zeros(2), np.zeros(1, np.int64)
-        kernels.trial_traction(np.asarray(g, float), self.g, self.e, self.law, dt, t, e, status)
-        return t, e, status
-
-    def tangent(self, g, dt):
-        d = np.full((1, 3, 3), np.nan)
-        kernels.consistent_tangent(np.asarray(g, float), self.g, self.e, self.law, dt, d)
-        return d[0]
-
-    def move(self, g, dt):
-        g = np.asarray(g, float)
-        t, e, status = self.trial(g, dt)
-        kernels.interface_work(self.g, self.e, self.t, g, e, t, self.law, self.work)
-        kernels.record_slip(self.g, self.e, g, e, self.start, status, self.path, self.peak, self.vector)
-        self.g, self.e, self.t = g, e, t
-        return t, status[0]
 
 
 # --- rate-dependent coefficient ---------------------------------------------------------------------------------------

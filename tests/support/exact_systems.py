@@ -14,7 +14,8 @@ from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.full import FullStepper
-from wroll_fem.dynamics.time_stepping.stepper import INPUT, KINETIC, NUMERICAL, NewtonOptions
+from wroll_fem.dynamics.time_stepping.records import INPUT, KINETIC, NUMERICAL
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 
 STEPPERS = ["full", "condensed"]
 

@@ -73,5 +73,5 @@ def failure(partial: xr.Dataset | None) -> ConvergenceError:
     error = ConvergenceError(
         "step did not converge", time_s=0.01, iterations=30, residual_history=[1.0, 0.5], advice="use smaller steps"
     )
-    error.partial = partial  # type: ignore[attr-defined]
+    error.partial = partial
     return error

@@ -16,7 +16,7 @@ from wroll_fem import Case, cli, load_case
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.winding import doubts
 from wroll_fem.dynamics.statics.preload import solve_preload
-from wroll_fem.dynamics.statics.pressure_matching import mean_pressures, press_to
+from wroll_fem.dynamics.statics.pressure_matching import match_interface_pressure, mean_pressures
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.jobs.run import run_case
@@ -227,8 +227,8 @@ def test_pressing_gives_up_with_its_history() -> None:
     system, _ = prepare(case, SilentProgress())
     load: FloatArray = system.loads["preload"][None] / system.pressures[0]
     with pytest.raises(ConvergenceError, match="no external pressures give the interfaces") as caught:
-        press_to(system, load, np.array([7.0e4]), np.array([[1.0e3]]), steps=2, max_iterations=1)
+        match_interface_pressure(system, load, np.array([7.0e4]), np.array([[1.0e3]]), steps=2, max_iterations=1)
     assert len(caught.value.residual_history) == 1
-    pressed = press_to(system, load, np.array([7.0e4]), np.array([[0.9]]), steps=10)
+    pressed = match_interface_pressure(system, load, np.array([7.0e4]), np.array([[0.9]]), steps=10)
     state = solve_preload(replace(pressed), steps=10)
     assert mean_pressures(pressed, state)[0] == pytest.approx(7.0e4, rel=1e-3)

@@ -72,8 +72,8 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     try:
         return described(analysis.run(case, progress=progress, **saved), case)
     except ConvergenceError as error:
-        if getattr(error, "partial", None) is not None:
-            error.partial = described(error.partial, case)  # type: ignore[attr-defined]
+        if error.partial is not None:
+            error.partial = described(error.partial, case)
         raise
 
 

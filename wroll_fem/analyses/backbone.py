@@ -87,9 +87,9 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as error:
-        partial = getattr(error, "partial", None)
+        partial = error.partial
         if isinstance(partial, BackboneCurve):
-            error.partial = backbone_dataset(system, partial)  # type: ignore[attr-defined]
+            error.partial = backbone_dataset(system, partial)
         raise
     dataset = backbone_dataset(system, trained.curve)
     remark = memory_remark(dataset)

@@ -83,9 +83,9 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as error:
-        partial = getattr(error, "partial", None)
+        partial = error.partial
         if isinstance(partial, HarmonicCurve):
-            error.partial = _described(curve_dataset(system, partial), case)  # type: ignore[attr-defined]
+            error.partial = _described(curve_dataset(system, partial), case)
         raise
     seconds = time.process_time() - started
     dataset = _described(curve_dataset(system, trained.curve), case)

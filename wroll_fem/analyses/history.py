@@ -83,9 +83,9 @@ def time_history(
             stepper=stepper,
         )
     except ConvergenceError as error:
-        partial = getattr(error, "partial", None)
+        partial = error.partial
         if partial is not None:
-            error.partial = _described(partial, case)  # type: ignore[attr-defined]
+            error.partial = _described(partial, case)
         raise
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
     if estimate > LARGE_REDUCTION_ERROR:

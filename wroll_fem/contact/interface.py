@@ -14,7 +14,7 @@ from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Trace
-from wroll_fem.typing import BoolArray, FloatArray
+from wroll_fem.typing import FloatArray
 
 __all__ = [
     "FrictionLaw", "Interface", "NormalPenalty", "PenaltyCoulomb", "PointwiseFriction", "RateCoulomb",
@@ -35,7 +35,7 @@ class NormalPenalty:
     """
 
     stiffness: float | FloatArray
-    separation: bool | BoolArray = True
+    separation: bool | np.ndarray = True  # of flags; BoolArray is a name that the site cannot print
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, NormalPenalty):

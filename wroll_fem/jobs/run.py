@@ -91,7 +91,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         status = "complete"
     except ConvergenceError as error:
         status, failure = "not_converged", _failure_record(error)
-        dataset = getattr(error, "partial", None)
+        dataset = error.partial
         if dataset is not None:
             _save_dataset(case, folder, dataset, complete=False)
             progress.info(f"what was computed until then is in {folder.results_file}")

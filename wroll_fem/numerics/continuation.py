@@ -18,6 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.numerics.newton import CHORD_RENEWAL
 from wroll_fem.typing import FloatArray
 
 
@@ -33,7 +34,7 @@ class CurveProblem(Protocol):
         ...
 
     def describe(self, z: FloatArray) -> str:
-        """Where on the curve, in words, for messages."""
+        """Place on the curve, for messages."""
         ...
 
 
@@ -63,7 +64,7 @@ class StepControl:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One solution: z (n + 1,), unit tangent (n + 1,), Newton iterations, and what the Jacobian says.
+    """One solution: z (n + 1,), unit tangent (n + 1,), Newton iterations, and regularity of the Jacobian.
 
     ``regular`` is False behind a bifurcation that the curve went straight through (the sign of the bordered
     determinant has changed); the tangent's last entry is negative between two folds.
@@ -75,8 +76,6 @@ class CurvePoint:
     regular: bool
 
 
-CHORD_RATE = 0.25
-"""A kept Jacobian is renewed when an iteration reduces the residual by less than this."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
 """Steps over `StepControl.first` that are tried when small ones have failed."""
 LEAST_STEP = 0.05
@@ -139,7 +138,7 @@ def correct(
             trial = problem.residual(z - stretch * step)
             new = float(np.linalg.norm(trial))
         z, residual = z - stretch * step, trial
-        if new > CHORD_RATE * norm:
+        if new > CHORD_RENEWAL * norm:
             factor = None
         norm, fresh = new, False
     return None, history
@@ -211,7 +210,7 @@ def follow(
                     what = "the curve runs back out of its start"
                     raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 if len(points) > control.max_points:
-                    what = "the curve does not end; a resonance without a bound on its amplitude looks like this"
+                    what = "the curve does not end; a resonance without a bound"
                     raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 continue
             tangent, factor, _ = _tangent(problem, last.z, last.tangent)
@@ -245,5 +244,5 @@ def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
 
 
 def _with_points(error: ConvergenceError, points: list[CurvePoint]) -> ConvergenceError:
-    error.partial = points  # type: ignore[attr-defined]
+    error.partial = points
     return error

@@ -1,4 +1,4 @@
-"""Compiled loops on disk: numba's cache, and when it must not be trusted."""
+"""Cache of compiled loops on disk: stale entries are dropped."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ CONTACT = Path(__file__).parents[1] / "contact"
 def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONTACT) -> list[Path]:
     """Remove numba's cache indices of a module where they are older than code that it inlines.
 
-    numba looks at the file of the function alone, so a change of the contact laws would otherwise go unseen.
+    numba compares the file of the function alone, so a change of the contact laws would otherwise have no effect.
     Call it at the top of every module with compiled functions that call others', before they are defined:
     ``drop_stale_cache(__file__)``.
 

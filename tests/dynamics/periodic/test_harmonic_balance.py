@@ -27,8 +27,9 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.stepper import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS, NewtonOptions
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.numerics.continuation import StepControl
@@ -298,7 +299,7 @@ def test_an_unbounded_resonance_stops_with_the_curve_until_then() -> None:
     control = StepControl(max_points=80)
     with pytest.raises(ConvergenceError, match="without a bound") as caught:
         solve_response(model, preload, system.laws, amplitude=5.0, frequencies=(10.0, 25.0), control=control)
-    partial = caught.value.partial  # type: ignore[attr-defined]
+    partial = caught.value.partial
     assert isinstance(partial, HarmonicCurve)
     assert len(partial.frequencies) > 20
     assert np.abs(partial.transmissibility).max() > 15.0

@@ -13,7 +13,7 @@ import pytest
 import scipy.sparse as sp
 import yaml
 from scipy.integrate import solve_ivp
-from support.exact_systems import contact_point, dense_system, slipping_pair
+from support.exact_systems import contact_point, dense_system
 from support.paths import ROOT
 from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, write_case, wroll
 
@@ -24,9 +24,7 @@ from wroll_fem.contact.interface import (
     Interface,
     NormalPenalty,
     PenaltyCoulomb,
-    PointwiseFriction,
     RateCoulomb,
-    SmoothedCoulomb,
 )
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -104,30 +102,6 @@ def test_systems_come_back_bit_by_bit(tmp_path: Path, suffix: str) -> None:
     check_same(system, again)
     check_same_state(state, state_again)
     assert system_size(path) == (3, 3)
-
-
-@BOTH
-def test_laws_that_vary_from_point_to_point_come_back(tmp_path: Path, suffix: str) -> None:
-    system = two_interfaces()
-    first, second = system.interfaces
-    laws = PointwiseFriction((PenaltyCoulomb(0.1, 3e-7), second.friction), np.array([1, 0]))
-    varying = replace(second, friction=laws, normal=NormalPenalty(np.array([3.0e7, 5.0e7]), np.array([False, True])))
-    system = replace(system, interfaces=(first, varying))
-    again, _ = load_system(save_system(system, tmp_path / f"varying{suffix}"))
-    check_same(system, again)
-
-
-@BOTH
-@pytest.mark.parametrize(
-    "law", [PenaltyCoulomb(0.1, 3e-7), SmoothedCoulomb(0.25, 2.0e-3)], ids=lambda law: type(law).__name__
-)
-def test_laws_come_back_whatever_their_class(tmp_path: Path, suffix: str, law: Any) -> None:
-    system = slipping_pair()
-    system = replace(system, interfaces=(replace(system.interfaces[0], friction=law),))
-    again, state = load_system(save_system(system, tmp_path / f"pair{suffix}"))
-    assert again.interfaces[0].friction == law
-    assert state is None
-    assert [np.array_equal(a, b) for a, b in zip(system.laws, again.laws, strict=True)] == [True] * len(system.laws)
 
 
 @pytest.fixture(scope="module")

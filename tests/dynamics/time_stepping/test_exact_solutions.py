@@ -18,11 +18,7 @@ from support.exact_systems import (
 
 from wroll_fem.dynamics.statics.preload import solve_load_path, solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
-    FRICTION,
-    MODULATION,
-    NUMERICAL,
-)
+from wroll_fem.dynamics.time_stepping.records import FRICTION, MODULATION, NUMERICAL
 
 BOTH = pytest.mark.parametrize("method", STEPPERS)
 

@@ -11,11 +11,7 @@ from support.exact_systems import (
 )
 
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
-    KINETIC,
-    NUMERICAL,
-    STRAIN,
-)
+from wroll_fem.dynamics.time_stepping.records import KINETIC, NUMERICAL, STRAIN
 from wroll_fem.errors import InputError
 
 BOTH = pytest.mark.parametrize("method", STEPPERS)

@@ -13,7 +13,7 @@ from wroll_fem.contact.laws import stack_laws
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import CONTACT, IMPACT, INPUT, KINETIC, NUMERICAL, STRAIN
+from wroll_fem.dynamics.time_stepping.records import CONTACT, IMPACT, INPUT, KINETIC, NUMERICAL, STRAIN
 
 KN, AREA, DT = 1.0e9, 2.0e-4, 1.0e-5
 LAW = stack_laws([np.array([AREA])], [PenaltyCoulomb(0.3, 1.0e-6)], [KN], [True])

@@ -23,9 +23,10 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import reduced
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.records import RECORDS
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, simulate
-from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
@@ -82,7 +83,7 @@ def test_error_falls_with_the_tolerance_and_the_estimate_bounds_it() -> None:
     assert all(error < 5 * estimate for error, estimate in zip(errors, estimates, strict=True))
 
 
-def test_the_last_step_of_a_block_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_last_step_of_a_block_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reduced, "LOOK_EVERY", 10**6)
     history = simulate(*prepared(), STRONG, dt=DT, scheme=HHT, method="reduced")
     assert history.attrs["reduced_coordinates"] > 25  # it starts with 14
@@ -182,10 +183,10 @@ def test_what_a_span_misses_is_nothing_once_it_is_added() -> None:
     model = ReducedModel.of_vectors(c, rng.standard_normal((len(c.eigenvalues), 4)) / c.eigenvalues[:, None])
     residual = rng.standard_normal((len(c.eigenvalues), 1))
     response = residual / c.eigenvalues[:, None]
-    missing = model.missing(response, model.vectors.T @ residual)
+    missing = model.projection_error(response, model.vectors.T @ residual)
     assert model.energy_norm(missing)[0] > 0.1 * model.energy_norm(response)[0]
     larger = model.enriched(missing)
-    still = larger.missing(response, larger.vectors.T @ residual)
+    still = larger.projection_error(response, larger.vectors.T @ residual)
     assert model.energy_norm(still)[0] < 1e-9 * model.energy_norm(missing)[0]
 
 
@@ -198,7 +199,7 @@ def test_newton_matrix_is_the_same_summed_up_anew() -> None:
     run.time_step[0] = 0.0
     run._prepare(DT)
     np.testing.assert_allclose(kept, run.matrix, atol=1e-9 * np.abs(run.matrix).max())
-    assert run.renewals[0] > 10
+    assert run.state.kept.renewals[0] > 10
 
 
 def test_records_have_the_columns_of_the_exact_stepper() -> None:

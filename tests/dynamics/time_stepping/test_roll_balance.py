@@ -13,7 +13,7 @@ from wroll_fem.case import load_case
 from wroll_fem.contact import kernels
 from wroll_fem.dynamics.statics.preload import equilibrium_force, solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
+from wroll_fem.dynamics.time_stepping.records import (
     CONTACT,
     FRICTION,
     INPUT,

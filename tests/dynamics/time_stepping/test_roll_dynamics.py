@@ -23,8 +23,9 @@ from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.records import RECORDS
 from wroll_fem.dynamics.time_stepping.simulate import simulate
-from wroll_fem.dynamics.time_stepping.stepper import RECORDS, NewtonOptions
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell

@@ -14,7 +14,7 @@ from support.exact_systems import (
 
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
+from wroll_fem.dynamics.time_stepping.records import (
     CONTACT,
     FRICTION,
     INPUT,
@@ -26,8 +26,8 @@ from wroll_fem.dynamics.time_stepping.stepper import (
     OPEN,
     SLIPPING,
     STRAIN,
-    NewtonOptions,
 )
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError
 
 BOTH = pytest.mark.parametrize("method", STEPPERS)

@@ -104,7 +104,7 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
 
 def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:
     """System whose mean interface pressures are those of the wound roll."""
-    from wroll_fem.dynamics.statics.pressure_matching import press_to
+    from wroll_fem.dynamics.statics.pressure_matching import match_interface_pressure
     from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
 
     unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs
@@ -112,6 +112,7 @@ def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: Syste
         load[end : end + body.n_dofs] = body.pressure_force
         end += body.n_dofs
     targets = target_pressures(winding, case.coil.layers)
-    pressed = press_to(system, unit_loads, targets, ring_split(case), steps=case.preload_steps)
+    split, steps = ring_split(case), case.preload_steps
+    pressed = match_interface_pressure(system, unit_loads, targets, split, steps=steps)
     refuse_pull(pressed.pressures)
     return pressed

@@ -8,7 +8,7 @@ for by a negative damping proportional to the mass,
 :math:`\zeta(a)` is the modal damping ratio, :math:`\omega(a)` the frequency, at the modal amplitude a of the
 fundamental, :math:`|Q_1| = a`. Near an isolated resonance the forced response passes through the same motions. The
 base drives the mode at resonance when its work per cycle, :math:`\pi A |b^T Q_1|`, is what is dissipated,
-:math:`2 \pi \zeta \omega^2 \sum_k k^2 |Q_k|^2`; so one curve tells the damping at every level of the base.
+:math:`2 \pi \zeta \omega^2 \sum_k k^2 |Q_k|^2`; so one curve has the damping at every level of the base.
 
 References
 ----------
@@ -223,7 +223,7 @@ def solve_backbone(
     try:
         points = follow(problem, first, LENGTH, control)
     except ConvergenceError as error:
-        points = getattr(error, "partial", [])
-        error.partial = BackboneCurve.of_points(problem, points)  # type: ignore[attr-defined]
+        points = error.partial or []
+        error.partial = BackboneCurve.of_points(problem, points)
         raise
     return BackboneCurve.of_points(problem, points)

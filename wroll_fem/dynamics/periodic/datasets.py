@@ -1,4 +1,4 @@
-"""Response curves and resonances as Datasets: work per cycle, slip, opening, memory that is left."""
+"""Response curves and resonances as Datasets: work per cycle, slip, opening, periodicity error."""
 
 from __future__ import annotations
 
@@ -91,7 +91,8 @@ def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMoti
 def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     """Response curve over `frequency`, or over `branch_point` with `frequency` as a variable when it leans over.
 
-    Fields per point are those of the highest transmissibility. Attributes say what the curve cost and whether it folds.
+    Fields per point belong to the highest transmissibility. Attributes hold
+    the size of the model, the iterations and the number of folds.
     """
     hertz = curve.frequencies / (2.0 * np.pi)
     rises = bool(np.all(np.diff(hertz) > 0.0))

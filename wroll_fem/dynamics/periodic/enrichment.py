@@ -1,17 +1,17 @@
-r"""A reduced model made by harmonic balance itself, and what it misses: no time history is needed.
+r"""Basis of a reduced model by harmonic balance itself, with its projection error: no time history is needed.
 
-A curve is computed in a small span. At a few of its points the balance of the *whole* structure is evaluated (all
+A curve is computed in a small basis. At a few of its points the balance of the *whole* structure is evaluated (all
 modes of `condensation`), and linearised there, exactly as in Newton's method but with every point of the
 interface and every mode:
 
 .. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W
 
 for the jump z of the correction :math:`\delta`; L is the dynamic stiffness of each harmonic, D the exact derivative
-of the contact law. GMRES needs some ten products with F. The principal shapes of the corrections join the span
+of the contact law. GMRES needs some ten products with F. The principal shapes of the corrections join the basis
 until the corrections are small; what is left is the error estimate.
 
-The first span holds the modes that the base excites, static responses, and such corrections of imposed motions in
-the main mode, from the onset of slip to gross slip: it knows the shapes of sliding before the first curve.
+The first basis holds the modes that the base excites, static responses, and such corrections of imposed motions in
+the main mode, from the onset of slip to gross slip: it contains the shapes of sliding before the first curve.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ SMALL = 40
 """Structures with fewer modes are not reduced."""
 
 COMPRESSION = 0.3
-"""Between two curves, shapes of the last curve below this share of the tolerance leave the span."""
+"""Between two curves, shapes of the last curve below this share of the tolerance leave the basis."""
 
 START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
-"""Imposed motions of the first span: largest relative displacement over gamma*."""
+"""Imposed motions of the first basis: largest relative displacement over gamma*."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def first_model(condensation: Condensation, preload: ContactState, laws: PointLa
 
 
 def _with_shapes(model: ReducedModel, shapes: FloatArray, least: float) -> ReducedModel:
-    """Model whose span also holds the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
+    """Model whose basis also has the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
     root = np.sqrt(np.maximum(model.condensation.eigenvalues, 1e-12 * model.condensation.eigenvalues.max()))[:, None]
     left, size, _ = la.svd(root * shapes, full_matrices=False)
     kept = left[:, size > least] / root
@@ -186,12 +186,12 @@ def _principal(model: ReducedModel, coefficients: FloatArray, least: float) -> R
 
 @dataclass(frozen=True)
 class Trained(Generic[Curve]):
-    """A curve in a span that was made for it.
+    """A curve in a basis that was made for it.
 
     Attributes
     ----------
     curve : response or backbone
-    energy_error : largest energy norm of what the whole structure still adds at the points looked at, over the motion's
+    energy_error : largest energy norm of what the whole structure still adds at the checked points, over the motion's
     tip_error : largest change of the tip's fundamental that it makes
     rounds : curves computed
     """
@@ -202,7 +202,7 @@ class Trained(Generic[Curve]):
     rounds: int
 
 
-def looked_at(curve: HarmonicCurve) -> list[int]:
+def checked_points(curve: HarmonicCurve) -> list[int]:
     """Points of a curve to compare with the whole structure: both ends, the peak, and its flanks."""
     size = np.abs(curve.transmissibility)
     peak = int(size.argmax())
@@ -216,22 +216,22 @@ def looked_at(curve: HarmonicCurve) -> list[int]:
 def _trained(
     model: ReducedModel,
     solve: Callable[[ReducedModel], Curve],
-    look: Callable[[Curve], list[Correction]],
+    check: Callable[[Curve], list[Correction]],
     tolerance: float,
     max_rounds: int,
     on_round: Callable[[int, ReducedModel, float], None] | None,
 ) -> Trained[Curve]:
-    """Curves in spans that grow until the corrections are below ``tolerance``."""
+    """Curves in bases that grow until the corrections are below ``tolerance``."""
     before, compress = np.inf, len(model.condensation.eigenvalues) > SMALL
     for number in range(1, max_rounds + 1):
         stopped: ConvergenceError | None = None
         try:
             curve = solve(model)
         except ConvergenceError as stop:
-            if len(getattr(getattr(stop, "partial", None), "frequencies", ())) < 3:
+            if len(getattr(stop.partial, "frequencies", ())) < 3:
                 raise
-            curve, stopped = stop.partial, stop  # type: ignore[attr-defined]
-        found = look(curve)
+            curve, stopped = stop.partial, stop
+        found = check(curve)
         error = max(f.energy for f in found)
         if on_round is not None:
             on_round(number, model, error)
@@ -248,9 +248,9 @@ def _trained(
         time_s=None,
         iterations=max_rounds,
         residual_history=[error],
-        advice="use a larger harmonic.reduction_tolerance, or look whether the surfaces open widely",
+        advice="use a larger harmonic.reduction_tolerance, or check whether the surfaces open widely",
     )
-    failure.partial = curve  # type: ignore[attr-defined]
+    failure.partial = curve
     raise failure
 
 
@@ -269,19 +269,19 @@ def trained_response(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[HarmonicCurve]:
-    """Response curve (see `harmonic.solve_response`) of the whole structure to ``tolerance`` in the energy norm.
+    """Response curve (`harmonic_balance.solve_response`) of the whole structure to ``tolerance`` in the energy norm.
 
     Parameters
     ----------
     tolerance
-        Largest correction at the points looked at, relative to the motion in the energy norm; the tip's is smaller.
+        Largest correction at the checked points, relative to the motion in the energy norm; the tip's is smaller.
     on_round
         Called with the number of the curve, its model and its error.
 
     Raises
     ------
     ConvergenceError
-        When the curve cannot be followed in a good span, or the span does not become good; ``partial`` holds the
+        When the curve cannot be followed in a good basis, or the basis does not become good; ``partial`` holds the
         last curve.
     """
 
@@ -291,15 +291,15 @@ def trained_response(
             max_periods=max_periods, control=control,
         )  # fmt: skip
 
-    def look(curve: HarmonicCurve) -> list[Correction]:
-        points = looked_at(curve)
+    def check(curve: HarmonicCurve) -> list[Correction]:
+        points = checked_points(curve)
         return [
             correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)[None])
             for k in points
         ]
 
     model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
-    return _trained(model, solve, look, tolerance, max_rounds, on_round)
+    return _trained(model, solve, check, tolerance, max_rounds, on_round)
 
 
 def trained_backbone(
@@ -329,7 +329,7 @@ def trained_backbone(
         size = np.linalg.norm(q)
         return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
 
-    def look(curve: BackboneCurve) -> list[Correction]:
+    def check(curve: BackboneCurve) -> list[Correction]:
         points = np.unique(np.linspace(0, len(curve.frequencies) - 1, 9).astype(int))
         return [
             correction(curve.balance, curve.coefficients[k], curve.frequencies[k], free_of(curve, k), curve.damping[k])
@@ -337,4 +337,4 @@ def trained_backbone(
         ]
 
     model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
-    return _trained(model, solve, look, tolerance, max_rounds, on_round)
+    return _trained(model, solve, check, tolerance, max_rounds, on_round)

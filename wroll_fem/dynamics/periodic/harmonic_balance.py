@@ -317,7 +317,7 @@ def solve_response(
     harmonics, samples
         H and samples per period.
     max_periods
-        Periods that the memory of friction may take to settle.
+        Periods that the hysteresis may take to become periodic.
     on_point
         Called with the frequency in Hz and the number of points so far.
 
@@ -347,8 +347,8 @@ def solve_response(
     try:
         points = follow(problem, first, BAND_SCALE, control, on_point=report)
     except ConvergenceError as error:
-        points = getattr(error, "partial", [])
-        error.partial = HarmonicCurve.of_points(problem, points)  # type: ignore[attr-defined]
+        points = error.partial or []
+        error.partial = HarmonicCurve.of_points(problem, points)
         raise
     return HarmonicCurve.of_points(problem, points)
 

@@ -14,7 +14,7 @@ DECOUPLING = 1e-9
 
 
 class Blocks:
-    """Stiffness, mass and relative displacement of the motions of each subspace (`cyclic`).
+    """Stiffness, mass and relative displacement of the motions of each subspace (`cyclic_symmetry`).
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Blocks:
     def of(cls, system: System, springs: FloatArray) -> Blocks | None:
         """Blocks of ``system``; None when its harmonics couple or its interfaces have no common rows of points.
 
-        ``springs`` (3 n_points,) per slot, Pa/m, are levelled around each row.
+        ``springs`` (3 n_points,) Pa/m are levelled around each row.
         """
         n_theta = points_per_row(system)
         if not system.subspaces or (n_theta == 1 and system.interfaces):

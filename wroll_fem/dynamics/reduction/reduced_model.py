@@ -4,9 +4,9 @@ In reduced coordinates q (mass-orthonormal, motions relative to the preload stat
 
 .. math:: \ddot q + \Lambda q + C q' + (G \Phi)^T W\,[t(g) - t_0 - D_0 (g - g_0)] = -b\,a_g, \qquad g = g_0 + G \Phi q
 
-is the exact equation of `condensed` with the span of :math:`\Phi` in place of all modes. Nothing else is
-approximated, so whatever the span misses is visible in the equations of the whole structure
-(`ReducedModel.missing`), and can be added to the span.
+is the exact equation of `condensed` with the basis :math:`\Phi` in place of all modes. Nothing else is approximated,
+so whatever the basis misses is visible in the equations of the whole structure (`ReducedModel.projection_error`), and
+can be added to the basis.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 DEPENDENT = 1e-7
-"""A vector whose part outside the span is below this fraction of its energy norm adds nothing but rounding."""
+"""A vector whose part outside the basis is below this fraction of its energy norm adds nothing but rounding."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class ReducedModel:
 
     @classmethod
     def of_vectors(cls, condensation: Condensation, vectors: FloatArray) -> ReducedModel:
-        """Span of ``vectors`` (r, k), given in modes of ``condensation``; dependent ones are dropped.
+        """Basis of ``vectors`` (r, k), given in modes of ``condensation``; dependent ones are dropped.
 
         Raises
         ------
@@ -91,14 +91,14 @@ class ReducedModel:
         )
 
     def enriched(self, vectors: FloatArray) -> ReducedModel:
-        """Model on the span of this one and of ``vectors`` (r, k)."""
+        """Model on the basis of this one and of ``vectors`` (r, k)."""
         return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
 
-    def missing(self, response: FloatArray, inside: FloatArray) -> FloatArray:
-        """Displacement (r, k) outside the span that a residual force of the whole structure asks for.
+    def projection_error(self, response: FloatArray, inside: FloatArray) -> FloatArray:
+        """Displacement (r, k) outside the basis: static response to a residual force of the whole structure.
 
-        Whatever the span misses moves quasi-statically (its modes lie far above the excitation), so it is the static
-        ``response`` K_0^{-1} r (r, k) less its part in the span; ``inside`` (m, k) is the force in reduced coordinates.
+        Whatever the basis misses moves quasi-statically (its modes lie far above the excitation), so it is the static
+        ``response`` K_0^{-1} r (r, k) less its part in the basis; ``inside`` (m, k) is the reduced force.
         """
         return np.asarray(response - self.vectors @ (inside / self.eigenvalues[:, None]))
 

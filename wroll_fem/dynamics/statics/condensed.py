@@ -1,15 +1,16 @@
 r"""Static equilibrium on the interfaces alone, for a roll with rotational symmetry: exact, dense, much faster.
 
 With springs D in the interfaces, :math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g, so that
-g = g_f - F s is a dense system of interface size. K falls into blocks, one per circumferential harmonic (`cyclic`);
-a block is factored when a load first reaches it.
+g = g_f - F s is a dense system of interface size. K falls into blocks, one per circumferential harmonic
+(`cyclic_symmetry`); a block is factored when a load first reaches it.
 
-Under a load that is the same all around (a pressure), the state stays so: one point then stands for its row, and only
+Under a load that is the same all around (a pressure), so is the state: one point then represents its row, and only
 the blocks of harmonic 0 are touched.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,7 @@ from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.full import unconverged
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.numerics.linear import Factorisation, factorise
+from wroll_fem.numerics.newton import NO_RENEWAL, damped_newton, first_decrease
 from wroll_fem.typing import FloatArray
 
 ROUNDING = 1e3
@@ -40,6 +42,33 @@ class _Unknowns:
     laws: PointLaws
     springs: FloatArray
     compliance: FloatArray
+
+
+class _InterfaceProblem:
+    """g - g_f + F s(g) = 0 as a `NewtonProblem` for the jump (3 n,) of the unknowns."""
+
+    def __init__(self, unknowns: _Unknowns, g_free: FloatArray, start: ContactState, tolerance: float):
+        self.unknowns, self.g_free, self.start = unknowns, g_free, start
+        self.trial = TrialContact(unknowns)
+        self.floor = LEAST_TANGENT * float(unknowns.laws.kn.max())
+        self.limit = tolerance * max(float(np.abs(g_free).max(initial=0.0)), float(unknowns.laws.gamma.min()))
+        self.correction = np.zeros_like(g_free)
+
+    def residual(self, g: FloatArray) -> tuple[FloatArray, float]:
+        """Gap in the jump (3 n,), m, and its largest entry."""
+        self.correction = self.trial(g, self.start) - self.unknowns.springs * g
+        rho = g - self.g_free + self.unknowns.compliance @ self.correction
+        return rho, float(np.abs(rho).max())
+
+    def linearise(self, g: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Dense solution with the consistent tangent at ``g``."""
+        change = self.trial.stiffness(g, self.start, self.floor) - sp.diags(self.unknowns.springs)
+        matrix = np.eye(len(g)) + self.unknowns.compliance @ change
+        return lambda rho: np.asarray(la.solve(matrix, rho, overwrite_a=True, check_finite=False))
+
+    def converged(self, size: float, previous: float) -> bool:
+        """Whether the gap is below the limit, or at rounding and no longer falling."""
+        return size <= self.limit or (not size < 0.5 * previous and size <= ROUNDING * self.limit)
 
 
 class CondensedStatic:
@@ -81,37 +110,17 @@ class CondensedStatic:
         unknowns = even or self._points
         if even is not None:
             g_free, start = self._rows(g_free), self._row_state(state)
-        trial = TrialContact(unknowns)
-        floor = LEAST_TANGENT * float(unknowns.laws.kn.max())
-        limit = tolerance * max(float(np.abs(g_free).max(initial=0.0)), float(unknowns.laws.gamma.min()))
-
-        def residual(g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-            s = trial(g, start) - unknowns.springs * g
-            rho = g - g_free + unknowns.compliance @ s
-            return rho, s, float(np.abs(rho).max())
-
-        g = start.jump.copy()
-        rho, s, size = residual(g)
-        history, stalled = [size], False
-        for _ in range(max_iterations):
-            if size <= limit or (stalled and size <= ROUNDING * limit):
-                reached = trial.committed(start.displacement, g)
-                if even is not None:
-                    reached, s = self._all_around(reached), self._repeat(s)
-                load = force - system.jump.T @ (system.weights * s)
-                return replace(reached, displacement=self._displacement(load))
-            change = trial.stiffness(g, start, floor) - sp.diags(unknowns.springs)
-            matrix = np.eye(len(g)) + unknowns.compliance @ change
-            step = la.solve(matrix, rho, overwrite_a=True, check_finite=False)
-            damping = 1.0
-            while damping > 0.01 and not residual(g - damping * step)[2] < size:
-                damping *= 0.5
-            previous = size
-            g = g - damping * step
-            rho, s, size = residual(g)
-            stalled = not size < 0.5 * previous
-            history.append(size)
-        raise unconverged(load_factor, max_iterations, history)
+        problem = _InterfaceProblem(unknowns, g_free, start, tolerance)
+        g, history = damped_newton(
+            problem, start.jump.copy(), max_iterations=max_iterations, search=first_decrease, renewal=NO_RENEWAL
+        )
+        if g is None:
+            raise unconverged(load_factor, max_iterations, history)
+        reached, s = problem.trial.committed(start.displacement, g), problem.correction
+        if even is not None:
+            reached, s = self._all_around(reached), self._repeat(s)
+        load = force - system.jump.T @ (system.weights * s)
+        return replace(reached, displacement=self._displacement(load))
 
     # ---- linear structure ----------------------------------------------------------------------------------------
 

@@ -2,17 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.numerics.linear import Factorisation, factorise
+from wroll_fem.numerics.linear import factorise
+from wroll_fem.numerics.newton import STATIC_RENEWAL, best_of_halvings, damped_newton
 from wroll_fem.typing import FloatArray
 
-KEEP_RATE = 0.1
-"""A factorisation is kept while each iteration reduces the residual by this."""
+
+class _WholeStructure:
+    """K u + G^T W t(u) = force as a `NewtonProblem` for the displacement (n_dofs,)."""
+
+    def __init__(self, system: System, force: FloatArray, state: ContactState, tolerance: float):
+        self.system, self.force, self.state, self.tolerance = system, force, state, tolerance
+        self.trial = TrialContact(system)
+        self.floor = LEAST_TANGENT * float(system.laws.kn.max(initial=0.0))
+
+    def residual(self, u: FloatArray) -> tuple[FloatArray, float]:
+        """Unbalanced force (n_dofs,), N, and its norm relative to the forces."""
+        system = self.system
+        internal = system.stiffness @ u
+        contact = system.jump.T @ (system.weights * self.trial(system.jump @ u, self.state))
+        scale = np.linalg.norm(self.force) + np.linalg.norm(contact) + np.linalg.norm(internal)
+        r = internal + contact - self.force
+        return r, float(np.linalg.norm(r) / scale) if scale > 0 else 0.0
+
+    def linearise(self, u: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Factor of the consistent tangent at ``u``."""
+        system = self.system
+        tangent = self.trial.stiffness(system.jump @ u, self.state, self.floor)
+        matrix = system.stiffness + system.jump.T @ sp.diags(system.weights) @ tangent @ system.jump
+        return factorise(matrix).solve
+
+    def converged(self, size: float, previous: float) -> bool:
+        """Whether the relative force balance is met."""
+        return size <= self.tolerance
 
 
 def solve_static(
@@ -35,46 +64,14 @@ def solve_static(
     ConvergenceError
         With ``load_factor`` in place of the time.
     """
-    trial, jump_operator, weights = TrialContact(system), system.jump, system.weights
-    u = state.displacement.copy()
-    history: list[float] = []
-    floor = LEAST_TANGENT * float(system.laws.kn.max(initial=0.0))
-
-    def residual(u: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        jump = jump_operator @ u
-        internal = system.stiffness @ u
-        contact = jump_operator.T @ (weights * trial(jump, state))
-        scale = np.linalg.norm(force) + np.linalg.norm(contact) + np.linalg.norm(internal)
-        r = internal + contact - force
-        return r, jump, float(np.linalg.norm(r) / scale) if scale > 0 else 0.0
-
-    r, jump, size = residual(u)
-    factor: Factorisation | None = None
-    for _ in range(max_iterations):
-        history.append(size)
-        if size <= tolerance:
-            return trial.committed(u, jump)
-        fresh = factor is None
-        if factor is None:
-            tangent = trial.stiffness(jump, state, floor)
-            factor = factorise(system.stiffness + jump_operator.T @ sp.diags(weights) @ tangent @ jump_operator)
-        step = factor.solve(r)
-        damping, best = 1.0, (np.inf, 0.0)
-        for _ in range(8):
-            size_new = residual(u - damping * step)[2]
-            if size_new < best[0]:
-                best = (size_new, damping)
-            if size_new < (1.0 - 0.1 * damping) * size or not fresh:
-                break
-            damping *= 0.5
-        if best[0] > KEEP_RATE * size:
-            factor = None
-            if not fresh and best[0] >= size:
-                r, jump, size = residual(u)
-                continue
-        u = u - best[1] * step
-        r, jump, size = residual(u)
-    raise unconverged(load_factor, max_iterations, history)
+    problem = _WholeStructure(system, force, state, tolerance)
+    u, history = damped_newton(
+        problem, state.displacement.copy(), max_iterations=max_iterations, search=best_of_halvings,
+        renewal=STATIC_RENEWAL,
+    )  # fmt: skip
+    if u is None:
+        raise unconverged(load_factor, max_iterations, history)
+    return problem.trial.committed(u, system.jump @ u)
 
 
 def unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:

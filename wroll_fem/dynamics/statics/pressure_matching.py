@@ -1,4 +1,4 @@
-"""Preload that gives every interface a mean pressure of its own: external pressures found by Broyden's method."""
+"""Preload with a prescribed mean pressure in every interface: external pressures found by Broyden's method."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def mean_pressures(system: System, state: ContactState) -> FloatArray:
     return np.array([f.sum() / a.sum() for f, a in zip(np.split(force, ends), np.split(area, ends), strict=True)])
 
 
-def press_to(
+def match_interface_pressure(
     system: System,
     unit_loads: FloatArray,
     targets: FloatArray,
@@ -33,7 +33,7 @@ def press_to(
     steps: int,
     max_iterations: int = 12,
 ) -> System:
-    """System whose preload gives every interface its target.
+    """System whose preload has the target mean pressure in every interface.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Named arrays in a .npz or .mat file: what `system_io` writes and reads, with one-line errors.
+"""Named arrays in a .npz or .mat file: what `io` writes and reads, with one-line errors.
 
 A sparse matrix ``K`` is the fields ``K_data``, ``K_indices``, ``K_indptr``, ``K_shape`` of an .npz file (compressed
 rows, or columns when ``K_format`` says "csc"), and a MATLAB sparse matrix of a .mat file. Dense matrices, integers and

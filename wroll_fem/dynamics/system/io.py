@@ -14,7 +14,7 @@ Field names, units, signs and orders are documented in docs/matrices.md; the sho
                                 each point, j from 1
 ``interface_<k>_normal_...``    ``stiffness`` Pa/m and ``separation``, one value or (n_k,)
 ``interface_<k>_preload_...``   ready preload state (jump, traction, elastic_slip, status) or pressure alone
-``subspaces_...``               invariant subspaces of a roll (see `cyclic`); ours alone have them
+``subspaces_...``               invariant subspaces of a roll (see `cyclic_symmetry`); ours alone have them
 =============================== ======================================================================================
 
 Interfaces are numbered from 1, inner first. Every vector over the points of an interface follows the rows of its
@@ -221,7 +221,7 @@ def _square(file: ArrayFile, name: str, n: int, meaning: str) -> sp.csr_matrix:
     problem, remedy = symmetry_problem(matrix)
     if problem:
         raise file.error(problem, key=name, remedy=remedy)
-    # contact may hold what the stiffness alone does not: its diagonal is looked at, not its pivots
+    # contact may support what the stiffness alone does not: its diagonal is checked, not its pivots
     problem = negative_problem(matrix, pivots=name != "K")
     if problem:
         raise file.error(f"is not positive semi-definite: {problem}", key=name, remedy=f"check the {meaning}")

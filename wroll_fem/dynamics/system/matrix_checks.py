@@ -36,7 +36,7 @@ def symmetry_problem(matrix: sp.csr_matrix) -> tuple[str, str]:
 def negative_problem(matrix: sp.csr_matrix, *, pivots: bool = True) -> str:
     """What makes a symmetric matrix indefinite, or an empty text.
 
-    Looks at the diagonal and, with ``pivots``, at the signs of all pivots (random motions of a large matrix).
+    Checks the diagonal and, with ``pivots``, at the signs of all pivots (random motions of a large matrix).
     """
     diagonal = matrix.diagonal()
     if diagonal.size and diagonal.min() < 0.0:
@@ -45,8 +45,8 @@ def negative_problem(matrix: sp.csr_matrix, *, pivots: bool = True) -> str:
     loose = np.flatnonzero((diagonal == 0.0) & (np.asarray(abs(matrix).sum(axis=1)).ravel() > 0.0))
     if loose.size:
         return f"row {loose[0]}, counted from 0, has entries but a zero on its diagonal"
-    held = np.flatnonzero(diagonal > 0.0)
-    if pivots and held.size and _lowest_is_below(_unit_diagonal(matrix, diagonal, held), -DEFINITENESS):
+    stiff = np.flatnonzero(diagonal > 0.0)
+    if pivots and stiff.size and _lowest_is_below(_unit_diagonal(matrix, diagonal, stiff), -DEFINITENESS):
         return "it has a negative eigenvalue"
     return ""
 
@@ -57,7 +57,7 @@ def massless_dofs(mass: sp.csr_matrix) -> int:
 
 
 def is_singular(matrix: sp.csr_matrix) -> bool:
-    """Whether a positive semi-definite matrix is singular; large ones are only looked at along the diagonal."""
+    """Whether a positive semi-definite matrix is singular; of large ones the diagonal alone is checked."""
     diagonal = matrix.diagonal()
     if np.any(diagonal == 0.0):
         return True
@@ -66,10 +66,10 @@ def is_singular(matrix: sp.csr_matrix) -> bool:
     return _lowest_is_below(_unit_diagonal(matrix, diagonal, np.arange(len(diagonal))), 1e-13)
 
 
-def _unit_diagonal(matrix: sp.csr_matrix, diagonal: FloatArray, held: np.ndarray) -> sp.csc_matrix:
-    """Rows and columns ``held``, scaled so that DOFs of different units weigh the same."""
-    scale = sp.diags(1.0 / np.sqrt(diagonal[held]))
-    return sp.csc_matrix(scale @ matrix[held][:, held] @ scale)
+def _unit_diagonal(matrix: sp.csr_matrix, diagonal: FloatArray, stiff: np.ndarray) -> sp.csc_matrix:
+    """Rows and columns ``stiff``, scaled so that DOFs of different units weigh the same."""
+    scale = sp.diags(1.0 / np.sqrt(diagonal[stiff]))
+    return sp.csc_matrix(scale @ matrix[stiff][:, stiff] @ scale)
 
 
 def _lowest_is_below(scaled: sp.csc_matrix, limit: float) -> bool:

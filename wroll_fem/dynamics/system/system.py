@@ -38,7 +38,7 @@ class System:
     loads
         Name -> (n,) static force vectors, N; "preload" is applied by the preload step.
     subspaces
-        Invariant subspaces of a rotationally symmetric structure (see `cyclic`); empty when there are none.
+        Invariant subspaces of a rotationally symmetric structure (see `cyclic_symmetry`); empty when there are none.
     damping
         (n, n) sparse symmetric viscous damping, N s/m; None for none.
     pressures

@@ -10,12 +10,12 @@ so only a dense system of interface size is nonlinear. Three things make it smal
   The correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload
   pressure; Newton's matrix is formed only for points that slip, open or changed their pressure.
 * The structure moves in its modes, all of them: no truncation. K and M of a roll with rotational symmetry
-  fall into blocks, one per circumferential harmonic (`cyclic`), so that all modes are cheap to find and to carry.
+  fall into blocks, one per circumferential harmonic (`cyclic_symmetry`): all modes are cheap to find and to use.
 * F is applied harmonic by harmonic.
 
 A structure without rotational symmetry and with more than `DENSE_LIMIT` DOFs is projected on static and
 dynamic attachment vectors of every interface component and the low modes instead. That is accurate to about 1e-4
-of the largest displacement, not exact, and `Condensation.exact` says so.
+of the largest displacement, not exact; then `Condensation.exact` is False.
 
 References
 ----------
@@ -30,18 +30,20 @@ from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.condensed_kernel import advance_steps
+from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, InterfaceOperator, advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.modal_kernel import correction
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
+from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 
 class CondensedStepper(Stepper):
-    """Time stepping in condensed coordinates; state attributes are documented in `condensed_kernel`."""
+    """Time stepping in condensed coordinates; see `Stepper`."""
 
-    state_names = ("q", "v", "a", "residual", "residual_change", "jump", "jump_before", "elastic_slip", "traction")
+    state: CondensedState
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
         if system.damping is not None:
@@ -49,20 +51,19 @@ class CondensedStepper(Stepper):
                 "condensed time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
             )
         super().__init__(system, preload, scheme, options)
-        check_unambiguous(system, preload, scheme, dt)
+        check_step_uniqueness(system, preload, scheme, dt)
         self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
-        r = len(self.condensation.eigenvalues)
-        self.q, self.v, self.a = np.zeros(r), np.zeros(r), np.zeros(r)
-        self.residual, self.residual_change = np.zeros(r), np.zeros(r)
-        self.jump, self.jump_before = preload.jump.copy(), preload.jump.copy()
-        self.elastic_slip, self.traction = preload.elastic_slip.copy(), preload.traction.copy()
-        self._modal_jump = np.concatenate([block.ravel() for block in self.condensation.jump])
-        self._operators: dict[float, tuple[FloatArray, FloatArray, FloatArray]] = {}
-        self.last_history = []
+        c = self.condensation
+        self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, c.springs)
+        self.state = CondensedState(
+            Motion.zeros(len(c.eigenvalues)), ContactMemory.of(preload), jump_before=preload.jump.copy()
+        )
+        self._modal_jump = np.concatenate([block.ravel() for block in c.jump])
+        self._operators: dict[float, tuple[Modal, InterfaceOperator]] = {}
 
     def displacement(self) -> FloatArray:
         """(n_dofs,) displacement relative to the preload state, m."""
-        return self.condensation.displacement(self.q)
+        return self.condensation.displacement(self.state.motion.q)
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector and inertia force (r,) of a unit base acceleration: the modal mass is 1."""
@@ -71,42 +72,38 @@ class CondensedStepper(Stepper):
     def start_from(self, displacement: FloatArray) -> None:
         """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
         c, system = self.condensation, self.system
-        self.q[:] = c.coordinates(system.mass @ displacement)
+        motion, contact = self.state.motion, self.state.contact
+        motion.q[:] = c.coordinates(system.mass @ displacement)
         trial = TrialContact(system)
         jump = self.preload.jump + system.jump @ displacement
-        traction = trial(jump, self.preload)
-        correction = traction - self.preload.traction - c.springs * (jump - self.preload.jump)
-        self.jump[:] = self.jump_before[:] = jump
-        self.elastic_slip[:], self.traction[:] = trial.elastic_slip, traction
-        force = system.jump.T @ (system.weights * correction)
-        self.residual[:] = c.eigenvalues * self.q + np.concatenate([r.T @ (b.T @ force) for b, r in c.vectors])
-        self.a[:] = -self.residual
+        contact.jump[:] = self.state.jump_before[:] = jump
+        contact.traction[:] = trial(jump, self.preload)
+        contact.elastic_slip[:] = trial.elastic_slip
+        s = np.zeros_like(jump)
+        correction(jump, contact.traction, self.reference, s)
+        force = system.jump.T @ (system.weights * s)
+        motion.residual[:] = c.eigenvalues * motion.q + np.concatenate([r.T @ (b.T @ force) for b, r in c.vectors])
+        motion.a[:] = -motion.residual
 
-    def _operator(self, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Modal factor 1/S (r,), compliance per block (n_blocks, 3 n_rows, 3 n_rows) and dense F (3 n, 3 n)."""
+    def _operator(self, dt: float) -> tuple[Modal, InterfaceOperator]:
+        """Structure and interfaces in steps of ``dt`` (s)."""
         if dt not in self._operators:
-            s = self.scheme
-            inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * self.condensation.eigenvalues)
-            compliance = self.condensation.compliance((1.0 + s.alpha) * inverse, self.system.laws.area)
-            self._operators[dt] = inverse, *compliance
+            c, s = self.condensation, self.scheme
+            inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * c.eigenvalues)
+            blocks, compliance = c.compliance((1.0 + s.alpha) * inverse, self.system.laws.area)
+            profiles = np.ascontiguousarray(c.profiles.transpose(1, 0, 2))
+            interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance)
+            self._operators[dt] = Modal(c.eigenvalues, c.base, c.tip, inverse), interface
         return self._operators[dt]
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
-        c, s = self.condensation, self.scheme
-        inverse, blocks, compliance = self._operator(dt)
-        history = np.zeros(self.options.max_iterations + 1)
+        modal, interface = self._operator(dt)
+        newton = Newton(self.residual_limit, self.options.max_iterations, np.zeros(self.options.max_iterations + 1))
         done = advance_steps(
-            np.ascontiguousarray(acceleration), dt, s.alpha, s.beta, s.gamma,
-            c.eigenvalues, c.blocks, self._modal_jump, np.ascontiguousarray(c.profiles.transpose(1, 0, 2)),
-            c.base, c.tip, c.springs, inverse, blocks, compliance,
-            self.preload.jump, self.preload.traction,
-            self.system.laws,
-            self.q, self.v, self.a, self.residual, self.residual_change,
-            self.jump, self.jump_before, self.elastic_slip, self.traction,
-            self.totals, self.flows, self.slip.path, self.slip.peak, self.slip.peak_vector,
-            self.residual_limit, self.options.max_iterations, history, records,
+            np.ascontiguousarray(acceleration), self.step(dt), modal, interface, self.reference, self.system.laws,
+            self.state, newton, self.accumulated, records,
         )  # fmt: skip
         if done < len(acceleration) - 1:
-            self.last_history = [float(h) for h in history if h > 0.0]
+            self.last_history = [float(h) for h in newton.history if h > 0.0]
         return int(done)

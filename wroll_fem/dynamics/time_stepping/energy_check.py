@@ -1,10 +1,10 @@
-"""The energy ledger as a watchdog: a time history that makes energy out of nothing is not one."""
+"""Check of the energy balance: a time history that creates energy is stopped."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.time_stepping.stepper import (
+from wroll_fem.dynamics.time_stepping.records import (
     CONTACT,
     FRICTION,
     IMPACT,
@@ -20,27 +20,27 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 
 ABSURD = 100.0
-"""Energy from nothing in one step, over the largest the system has held, that stops a run."""
+"""Energy created in one step, over the largest energy stored so far, that stops a run."""
 
 LEAST = 1e-6
-"""Part of the largest energy held in the same steps below which nothing is judged (the start, all rounding)."""
+"""Share of the largest stored energy below which created energy is ignored (rounding at the start)."""
 
 
-def check_energy(records: FloatArray, times: FloatArray, held: float) -> float:
-    """Refuse steps whose ledger misses far more energy than the system ever held; return the largest it did hold, J.
+def check_energy(records: FloatArray, times: FloatArray, largest: float) -> float:
+    """Refuse steps that create far more energy than the system ever stored; return the largest stored energy, J.
 
-    A point that turns round in the step after it opened is given a little (docs/theory.md). A step that makes a hundred
-    times all the energy there was is a solution of the step's equations which the motion cannot take, and impacts that
-    in all gave more than the system ever held are an unstable integration.
+    A point that turns round in the step after it opened gains a little energy (docs/theory.md). A step that creates a
+    hundred times all stored energy is a solution of its equations without physical meaning. Impacts that in all
+    created more energy than the system ever stored are an unstable integration.
 
     Parameters
     ----------
     records
-        (k + 1, columns) in J: the last step judged before (not judged again), and k new ones.
+        (k + 1, columns) in J: the last step checked before (not checked again), and k new ones.
     times
         (k + 1,) s, at which these steps end.
-    held
-        Largest energy before, J.
+    largest
+        Largest stored energy before, J.
 
     Raises
     ------
@@ -49,16 +49,16 @@ def check_energy(records: FloatArray, times: FloatArray, held: float) -> float:
     """
     stored = records[:, [KINETIC, STRAIN, CONTACT]].sum(axis=1)
     missed = records[:, INPUT] - stored - records[:, [FRICTION, MODULATION, NUMERICAL, VISCOUS, IMPACT]].sum(axis=1)
-    most = np.maximum.accumulate(np.maximum(np.maximum(stored, np.abs(records[:, INPUT])), held))
+    most = np.maximum.accumulate(np.maximum(np.maximum(stored, np.abs(records[:, INPUT])), largest))
     made = np.abs(np.diff(missed)) + np.maximum(-np.diff(records[:, IMPACT]), 0.0)
     bad = np.flatnonzero((made > ABSURD * most[:-1]) & (made > LEAST * most[-1]) | (-records[1:, IMPACT] > most[1:]))
     if bad.size:
         raise ConvergenceError(
-            f"a step makes {made[bad[0]]:.2g} J out of nothing, with never more than {most[bad[0]]:.2g} J before",
+            f"energy balance violated: a step created {made[bad[0]]:.2g} J, at most {most[bad[0]]:.2g} J was stored",
             time_s=float(times[bad[0]]),
             iterations=int(records[bad[0] + 1, ITERATIONS]),
             residual_history=[],
-            advice="surfaces that open and land hard ask for a smaller contact.friction.elastic_slip, smaller steps "
+            advice="where surfaces open and impact, use a smaller contact.friction.elastic_slip, smaller steps "
             "(integrator.steps_per_cycle), a higher preload, or integrator.scheme: moderate_dissipation",
         )
     return float(most[-1])

@@ -11,7 +11,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
 
 SAME_PLACE = 1e-6
-"""Points of two interfaces stand above each other when angle (rad) and height (relative) differ by less."""
+"""Points of two interfaces match when angle (rad) and height (relative) differ by less."""
 
 
 def per_interface(system: System, values: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -9,52 +11,49 @@ from wroll_fem.contact import kernels
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.stepper import (
-    CONTACT,
-    FRICTION,
-    IMPACT,
-    INPUT,
-    INTERFACE,
-    ITERATIONS,
+from wroll_fem.dynamics.time_stepping.records import (
+    INPUT_FLOW,
     KINETIC,
-    MODULATION,
-    NUMERICAL,
-    OPEN,
-    SLIPPING,
+    NUMERICAL_FLOW,
     STRAIN,
-    VISCOUS,
-    NewtonOptions,
-    Stepper,
+    TIP_ACCELERATION,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    VISCOUS_FLOW,
+    record_contact,
+    record_flows,
 )
-from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.numerics.linear import Factorisation, factorise
+from wroll_fem.numerics.newton import FULL_RENEWAL
 from wroll_fem.typing import FloatArray
 
-FULL_NEWTON_RATE = 0.1
-"""A kept factorisation is renewed when an iteration reduces the residual by less than this."""
+
+class FullState(NamedTuple):
+    """State of a full run: motion of all DOFs, and contact."""
+
+    motion: Motion
+    contact: ContactMemory
 
 
 class FullStepper(Stepper):
     """Sparse Newton on all DOFs; shares only the contact law with the condensed path."""
 
-    state_names = ("w", "v", "a", "residual", "residual_change", "jump", "elastic_slip", "traction")
+    state: FullState
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions):
         super().__init__(system, preload, scheme, options)
-        n = system.n_dofs
-        self.w, self.v, self.a = np.zeros(n), np.zeros(n), np.zeros(n)
-        self.residual, self.residual_change = np.zeros(n), np.zeros(n)
-        self.jump, self.elastic_slip = preload.jump.copy(), preload.elastic_slip.copy()
-        self.traction = preload.traction.copy()
+        self.state = FullState(Motion.zeros(system.n_dofs), ContactMemory.of(preload))
         self.inertia = system.mass @ system.influence
         self.trial = TrialContact(system)
         self._factor: tuple[float, Factorisation] | None = None
         self._longest_step = 0.0  # checked so far
-        self.last_history = []
 
     def displacement(self) -> FloatArray:
         """(n_dofs,) displacement relative to the preload state, m."""
-        return self.w.copy()
+        return self.state.motion.q.copy()
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector and inertia force (n_dofs,) of a unit base acceleration."""
@@ -62,17 +61,17 @@ class FullStepper(Stepper):
 
     def start_from(self, displacement: FloatArray) -> None:
         """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
-        system = self.system
-        self.w[:] = displacement
+        system, (motion, contact) = self.system, self.state
+        motion.q[:] = displacement
         jump = self.preload.jump + system.jump @ displacement
         traction = self.trial(jump, self.preload)
-        self.jump[:], self.elastic_slip[:], self.traction[:] = jump, self.trial.elastic_slip, traction
+        contact.jump[:], contact.elastic_slip[:], contact.traction[:] = jump, self.trial.elastic_slip, traction
         change = system.weights * (traction - self.preload.traction)
-        self.residual[:] = system.stiffness @ self.w + system.jump.T @ change
-        self.a[:] = -factorise(system.mass).solve(self.residual)
+        motion.residual[:] = system.stiffness @ motion.q + system.jump.T @ change
+        motion.a[:] = -factorise(system.mass).solve(motion.residual)
 
     def _committed(self) -> ContactState:
-        return ContactState(self.w, self.jump, self.elastic_slip, self.traction, self.trial.status)
+        return ContactState(self.state.motion.q, *self.state.contact, self.trial.status)
 
     def _solve(self, history_term: FloatArray, ag: float, dt: float) -> tuple[FloatArray, FloatArray, int] | None:
         """Newton for the new displacement (n,) and residual r (n,); None when it does not converge."""
@@ -81,7 +80,7 @@ class FullStepper(Stepper):
         damping = system.damping
         coasting = self._coasting(dt)  # velocity at the end of a step that does not move
         state = self._committed()
-        w = self.w.copy()
+        w = self.state.motion.q.copy()
         self.last_history = []
 
         def imbalance(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -120,7 +119,7 @@ class FullStepper(Stepper):
                 stretch *= 0.5
                 force, r, jump = imbalance(w - stretch * step)
             w -= stretch * step
-            if new > FULL_NEWTON_RATE * size:
+            if new > FULL_RENEWAL * size:
                 self._factor = None
             size = new
         self._factor = None
@@ -128,58 +127,52 @@ class FullStepper(Stepper):
 
     def _coasting(self, dt: float) -> FloatArray:
         """(n,) the part of Newmark's new velocity that does not depend on the new displacement, m/s."""
-        s = self.scheme
-        h = (self.w + dt * self.v + dt**2 * (0.5 - s.beta) * self.a) / (s.beta * dt**2)
-        return self.v + dt * ((1.0 - s.gamma) * self.a - s.gamma * h)
+        s, m = self.scheme, self.state.motion
+        h = (m.q + dt * m.v + dt**2 * (0.5 - s.beta) * m.a) / (s.beta * dt**2)
+        return m.v + dt * ((1.0 - s.gamma) * m.a - s.gamma * h)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
         system, s = self.system, self.scheme
         self._factor = None  # so that a restored run repeats the same numbers
         if dt > self._longest_step:
-            check_unambiguous(system, self.preload, s, dt)
+            check_step_uniqueness(system, self.preload, s, dt)
             self._longest_step = dt
+        motion, contact, flows = self.state.motion, self.state.contact, self.accumulated.flows
         for step in range(len(acceleration) - 1):
             ag, ag_new = float(acceleration[step]), float(acceleration[step + 1])
-            h = (self.w + dt * self.v + dt**2 * (0.5 - s.beta) * self.a) / (s.beta * dt**2)
-            solved = self._solve(system.mass @ h + s.alpha * self.residual, ag_new, dt)
+            h = (motion.q + dt * motion.v + dt**2 * (0.5 - s.beta) * motion.a) / (s.beta * dt**2)
+            solved = self._solve(system.mass @ h + s.alpha * motion.residual, ag_new, dt)
             if solved is None:
                 return step
             w, r, iterations = solved
             a = w / (s.beta * dt**2) - h
-            v = self.v + dt * ((1.0 - s.gamma) * self.a + s.gamma * a)
-            du, da, dr = w - self.w, a - self.a, r - self.residual
+            v = motion.v + dt * ((1.0 - s.gamma) * motion.a + s.gamma * a)
+            du, da, dr = w - motion.q, a - motion.a, r - motion.residual
             m_da = system.mass @ da
-            mean_a = 0.5 * (a + self.a)
-            self.flows[0] -= 0.5 * (ag + ag_new) * (self.inertia @ du)
-            self.flows[1] += 0.5 * s.alpha * du @ (dr + self.residual_change) - (s.gamma - 0.5) * du @ m_da
-            self.flows[1] += dt**2 * (s.beta - 0.5 * s.gamma) * (mean_a @ m_da + (s.gamma - 0.5) * da @ m_da)
+            mean_a = 0.5 * (a + motion.a)
+            flows[INPUT_FLOW] -= 0.5 * (ag + ag_new) * (self.inertia @ du)
+            flows[NUMERICAL_FLOW] += 0.5 * s.alpha * du @ (dr + motion.residual_change) - (s.gamma - 0.5) * du @ m_da
+            flows[NUMERICAL_FLOW] += dt**2 * (s.beta - 0.5 * s.gamma) * (mean_a @ m_da + (s.gamma - 0.5) * da @ m_da)
             if system.damping is not None:
-                self.flows[2] += 0.5 * du @ (system.damping @ (v + self.v))
-            jump = self.preload.jump + system.jump @ w
-            kernels.interface_work(
-                self.jump, self.elastic_slip, self.traction, jump, self.trial.elastic_slip, self.trial.traction,
-                system.laws, self.totals,
-            )  # fmt: skip
+                flows[VISCOUS_FLOW] += 0.5 * du @ (system.damping @ (v + motion.v))
+            jump, e, t = self.preload.jump + system.jump @ w, self.trial.elastic_slip, self.trial.traction
+            kernels.interface_work(*contact, jump, e, t, system.laws, self.accumulated.work)
             kernels.record_slip(
-                self.jump, self.elastic_slip, jump, self.trial.elastic_slip, self.preload.jump, self.trial.status,
-                self.slip.path, self.slip.peak, self.slip.peak_vector,
-            )  # fmt: skip
-            self.w[:], self.v[:], self.a[:], self.residual[:], self.residual_change[:] = w, v, a, r, dr
-            self.jump[:], self.elastic_slip[:], self.traction[:] = jump, self.trial.elastic_slip, self.trial.traction
+                contact.jump, contact.elastic_slip, jump, e, self.preload.jump, self.trial.status, *self.slip
+            )
+            for old, new in zip(motion, (w, v, a, r, dr), strict=True):
+                old[:] = new
+            contact.jump[:], contact.elastic_slip[:], contact.traction[:] = jump, e, t
             self._record(records[step], iterations)
         return len(acceleration) - 1
 
     def _record(self, row: FloatArray, iterations: int) -> None:
-        system = self.system
+        system, motion = self.system, self.state.motion
         tip = system.probes["tip"]
-        row[0], row[1], row[2] = tip @ self.w, tip @ self.v, tip @ self.a
-        row[KINETIC] = 0.5 * self.v @ (system.mass @ self.v)
+        row[TIP_DISPLACEMENT], row[TIP_VELOCITY], row[TIP_ACCELERATION] = tip @ motion.q, tip @ motion.v, tip @ motion.a
+        row[KINETIC] = 0.5 * motion.v @ (system.mass @ motion.v)
         change = self.jump - self.preload.jump
-        row[STRAIN] = 0.5 * self.w @ (system.stiffness @ self.w) - (system.weights * self.preload.traction) @ change
-        row[INPUT], row[NUMERICAL], row[VISCOUS] = self.flows
-        row[FRICTION], row[CONTACT], row[MODULATION], row[INTERFACE], row[IMPACT] = self.totals
-        row[ITERATIONS] = iterations
-        if system.n_points:
-            row[OPEN] = np.mean(self.trial.status == kernels.OPEN)
-            row[SLIPPING] = np.mean(self.trial.status == kernels.SLIP)
+        row[STRAIN] = 0.5 * motion.q @ (system.stiffness @ motion.q) - (system.weights * self.preload.traction) @ change
+        record_flows(row, self.accumulated)
+        record_contact(row, self.accumulated, iterations, self.trial.status)

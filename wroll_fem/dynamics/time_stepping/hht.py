@@ -101,7 +101,7 @@ def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
 
     Notes
     -----
-    The complex pair of eigenvalues of the amplification matrix is read as that of a viscous oscillator,
+    The complex pair of eigenvalues of the amplification matrix belongs to a viscous oscillator,
     :math:`\lambda = \exp(-\zeta \bar\omega h \pm i \bar\omega \sqrt{1 - \zeta^2} h)`; the third eigenvalue is real and
     small: HHT's memory of the residual before.
 

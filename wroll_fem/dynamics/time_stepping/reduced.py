@@ -1,10 +1,11 @@
 r"""Time integration in reduced coordinates, with a residual check against the whole structure and enrichment.
 
-The span starts from the modes that the base excites and the static responses; it grows by itself. After every
-block of steps the equations of the *whole* structure are evaluated at some of them. What they ask for outside
-the span, :math:`K_0^{-1} r` (`ReducedModel.missing`), moves quasi-statically; where it exceeds a small fraction of the
-motion's energy norm, its principal shapes join the span and the block is done again from its start. So every step
-that is kept was done in a span that was good enough for it, and the share still missing is the error estimate.
+The basis starts from the modes that the base excites and the static responses; it grows by itself. After every
+block of steps the residual of the *whole* structure is evaluated at some of them. Its static response outside the
+basis, the projection error :math:`K_0^{-1} r` (`ReducedModel.projection_error`), moves quasi-statically. Where it
+exceeds a small fraction of the motion's energy norm, its principal shapes join the basis and the block is done again
+from its start. So every step that is kept was done in a basis that was good enough for it, and the remaining share is
+the error estimate.
 
 References
 ----------
@@ -18,55 +19,59 @@ import time as clock
 import numpy as np
 import scipy.linalg as la
 
+from wroll_fem.contact.kernels import Reference
+from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.reduced_kernel import advance_reduced, sum_up
+from wroll_fem.dynamics.time_stepping.reduced_kernel import (
+    KeptMatrix,
+    ReducedInterface,
+    ReducedState,
+    ResidualChecks,
+    advance_reduced,
+    sum_up,
+)
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.time_stepping.uniqueness import check_unambiguous
+from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.typing import FloatArray
 
 BLOCK = 50
-"""Steps that are done again when the span is enriched."""
+"""Steps that are done again when the basis is enriched."""
 
-LOOK_EVERY = 17
-"""Steps between two evaluations of the whole structure; no divisor of the usual steps per cycle, to see all phases.
+CHECK_EVERY = 17
+"""Steps between two residual checks; no divisor of the usual steps per cycle, to see all phases.
 
-The last step of a block is looked at as well, or growing motions would outrun the span."""
+The last step of a block is checked as well, or growing motions would outrun the basis."""
 
-ENERGY_SHARE = 1e-3
-"""Principal shapes of what is missing join the span down to this share of the largest one's amplitude."""
+SHAPE_SHARE = 0.3
+"""Principal shapes of the projection error join the basis down to this share of the tolerance."""
 
 CONTACT_SHARE = 2.0
 """In the error estimate the motion counts up to this multiple of what the preloaded contact can hold (energy norms): a
 loose contact slides and opens under forces that are small against those of the motion."""
 
 LARGEST = 400
-"""Coordinates beyond which a reduced model is none; the run stops and says so."""
+"""Maximum number of reduced coordinates; the run stops beyond it."""
 
 START_MODES = 12
 
 
 class ReducedStepper(Stepper):
-    """Time stepping in a span that grows with the motion; interface as `CondensedStepper`.
+    """Time stepping in a basis that grows with the motion; interface as `CondensedStepper`.
 
     Attributes
     ----------
     model
         The current reduced model.
-    missing, moved
-        Sums over the looks of the squared energy norms of what the span missed, and of the motion.
     """
 
-    state_names = (
-        "values", "q", "v", "a", "residual", "residual_change", "q_before", "jump", "elastic_slip",
-        "traction", "held", "matrix", "solver", "renewals", "missing", "moved", "largest", "time_step",
-        "training",
-    )  # fmt: skip
+    state: ReducedState
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
@@ -77,30 +82,19 @@ class ReducedStepper(Stepper):
             raise InputError(
                 "reduced time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
             )
-        check_unambiguous(system, preload, scheme, dt)
-        self._looks: list[FloatArray] = []
+        check_step_uniqueness(system, preload, scheme, dt)
+        self._checked: list[FloatArray] = []
         self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
         self.tolerance = tolerance
         n = system.n_points
-        self.jump, self.elastic_slip = preload.jump.copy(), preload.elastic_slip.copy()
-        self.traction = preload.traction.copy()
-        self.held = np.zeros((n, 3, 3))
-        for c in range(3):
-            self.held[:, c, c] = self._by_point(self.condensation.springs)[:, c]
-        self.renewals = np.zeros(1, np.int64)
-        self._contact = CONTACT_SHARE * np.sqrt(2.0 * held_energy(system, preload)) if n else np.inf
-        self.missing, self.moved, self.largest, self.time_step = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
-        self.training = np.zeros(1)  # CPU seconds spent on looks, enrichment and steps done again
-        self.matrix, self.solver = np.zeros((0, 0)), np.zeros((0, 0))
-        self.last_history = []
-        self.q = self.v = self.a = self.residual = self.residual_change = self.q_before = np.zeros(0)
+        springs = self.condensation.springs
+        self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, springs)
+        self._contact = CONTACT_SHARE * np.sqrt(2.0 * contact_energy_limit(system, preload)) if n else np.inf
         self.vectors = np.zeros((len(self.condensation.eigenvalues), 0))
+        self.state = _empty_state(0, ContactMemory.of(preload))
+        for c, dofs in enumerate(contact_dofs(n).T):
+            self.state.kept.tangents[:, c, c] = springs[dofs]
         self._adopt(self._first_model())
-
-    def _by_point(self, slots: FloatArray) -> FloatArray:
-        """(n, 3) hoop, axial, normal of an array (3 n,) in slot order."""
-        n = self.system.n_points
-        return np.column_stack([slots[: 2 * n].reshape(n, 2), slots[2 * n :]])
 
     def _first_model(self) -> ReducedModel:
         """Modes that the base excites most, static response to base acceleration and to a force at the tip."""
@@ -114,124 +108,123 @@ class ReducedStepper(Stepper):
         return ReducedModel.of_vectors(c, np.column_stack([c.base / c.eigenvalues, c.tip / c.eigenvalues, unit]))
 
     def _adopt(self, model: ReducedModel) -> None:
-        """Take over a model whose span holds the present one's; the state is the same motion in new coordinates."""
+        """Take over a model whose basis contains the present one; the state is the same motion in new coordinates."""
         turn = model.vectors.T @ self.vectors
-        for name in ("q", "v", "a", "residual", "residual_change", "q_before"):
-            setattr(self, name, turn @ getattr(self, name) if self.vectors.shape[1] else np.zeros(model.size))
+        state = self.state
+        size = (model.size, model.size)
+        if self.vectors.shape[1]:
+            motion, before = Motion(*(turn @ part for part in state.motion)), turn @ state.q_before
+        else:
+            motion, before = Motion.zeros(model.size), np.zeros(model.size)
+        kept = state.kept._replace(matrix=np.zeros(size), inverse=np.zeros(size))
+        self.state = state._replace(motion=motion, q_before=before, kept=kept)
         self._use(model)
-        self.matrix, self.solver = np.zeros((2, model.size, model.size))
-        self.time_step[0] = 0.0  # the kept matrix belonged to the old coordinates
+        self.state.time_step[0] = 0.0  # the kept matrix belonged to the old coordinates
 
     def _use(self, model: ReducedModel) -> None:
-        self.model, self.vectors, self.values = model, model.vectors, model.eigenvalues
-        self._operator = np.ascontiguousarray(model.jump)
-        self._force = np.ascontiguousarray((model.jump * self.system.weights[:, None]).T)
-        self._inertia = model.vectors / self.condensation.eigenvalues[:, None]
+        self.model, self.vectors = model, model.vectors
+        jump = np.ascontiguousarray(model.jump)
         # largest displacement jump that a unit coordinate makes: a residual in coordinates is bounded in metres
-        self._weight = np.abs(model.jump).max(axis=0, initial=0.0)
+        weight = np.abs(model.jump).max(axis=0, initial=0.0)
         if not self.system.n_points:
-            self._weight = np.abs(model.tip) + 1e-12
+            weight = np.abs(model.tip) + 1e-12
+        force = np.ascontiguousarray((model.jump * self.system.weights[:, None]).T)
+        self._interface = ReducedInterface(jump, force, weight)
+        self._inertia = model.vectors / self.condensation.eigenvalues[:, None]
 
     def displacement(self) -> FloatArray:
         """(n_dofs,) displacement relative to the preload state, m."""
-        return self.condensation.displacement(self.vectors @ self.q)
+        return self.condensation.displacement(self.vectors @ self.state.motion.q)
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector and inertia force (m,) of a unit base acceleration: the reduced mass is 1."""
         return self.model.base, self.model.base
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Copy of everything the future depends on; the span, large and never changed in place, goes by reference."""
-        return super().snapshot() | {"vectors": self.vectors}
+        """Copy of everything the future depends on; the basis, large and never changed in place, goes by reference."""
+        return super().snapshot() | {"vectors": self.vectors, "values": self.model.eigenvalues}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Return to a `snapshot`, in the span it was taken in."""
+        """Return to a `snapshot`, in its basis."""
         if state["vectors"] is not self.vectors:
-            for name in ("q", "v", "a", "residual", "residual_change", "q_before", "matrix", "solver"):
-                setattr(self, name, np.array(state[name]))
-            self._use(ReducedModel.on(self.condensation, state["vectors"], np.array(state["values"])))
+            model = ReducedModel.on(self.condensation, state["vectors"], np.array(state["values"]))
+            self.state = _empty_state(model.size, self.state.contact)
+            self._use(model)
         super().restore(state)
 
-    def _prepare(self, dt: float) -> FloatArray:
-        """Modal factor (m,) of a step; sums Newton's matrix up anew when the step or the span changed."""
-        s = self.scheme
-        inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * self.model.eigenvalues)
-        if self.time_step[0] != dt:
-            sum_up(
-                self.held, self.condensation.springs, self._operator, self.system.laws.area, 1.0 + s.alpha, inverse,
-                self.matrix,
-            )  # fmt: skip
-            self.solver[:] = la.inv(self.matrix)
-            self.time_step[0] = dt
-        return inverse
+    def _prepare(self, dt: float) -> Modal:
+        """Structure in steps of ``dt`` (s); sums Newton's matrix up anew when the step or the basis changed."""
+        s, model, kept = self.scheme, self.model, self.state.kept
+        inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * model.eigenvalues)
+        if self.state.time_step[0] != dt:
+            area, springs = self.system.laws.area, self.reference.springs
+            sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, inverse)
+            kept.inverse[:] = la.inv(kept.matrix)
+            self.state.time_step[0] = dt
+        return Modal(model.eigenvalues, model.base, model.tip, inverse)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
-        s, model, n = self.scheme, self.model, self.system.n_points
-        inverse = self._prepare(dt)
-        history = np.zeros(self.options.max_iterations + 1)
-        looks = np.zeros((len(acceleration) // LOOK_EVERY + 2, 2 * model.size + 3 * n + 1))
-        count = np.zeros(1, np.int64)
+        m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
+        modal = self._prepare(dt)
+        newton = Newton(self.residual_limit, most, np.zeros(most + 1))
+        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 2 * m + 3 * n + 1))
+        checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
         done = advance_reduced(
-            np.ascontiguousarray(acceleration), dt, s.alpha, s.beta, s.gamma,
-            model.eigenvalues, self._operator, self._force, model.base, model.tip, model.springs, inverse, self._weight,
-            self.preload.jump, self.preload.traction, self.system.laws,
-            self.q, self.v, self.a, self.residual, self.residual_change, self.q_before,
-            self.jump, self.elastic_slip, self.traction, self.held, self.matrix, self.solver, self.renewals,
-            self.totals, self.flows, self.slip.path, self.slip.peak, self.slip.peak_vector,
-            self.residual_limit, self.options.max_iterations, history, records,
-            LOOK_EVERY, looks, count,
+            np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.reference,
+            self.system.laws, self.state, newton, self.accumulated, checks, records,
         )  # fmt: skip
         if done < len(acceleration) - 1:
-            self.last_history = [float(h) for h in history if h > 0.0]
-        self._looks.append(looks[: count[0]])
+            self.last_history = [float(h) for h in newton.history if h > 0.0]
+        self._checked.append(rows[: checks.filled[0]])
         return int(done)
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k steps, block by block; where the span proves too small for a block, enrich it and do it again."""
+        """Advance k steps, block by block; where the basis proves too small for a block, enrich it and do it again."""
         blocks = range(0, len(acceleration) - 1, BLOCK)
         return np.vstack([self._advance_block(acceleration[i : i + BLOCK + 1], dt, time + i * dt) for i in blocks])
 
     def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         start, redone = self.snapshot(), 0.0
         while True:
-            self._looks = []
+            self._checked = []
             began = clock.process_time()
             records = super().advance(acceleration, dt, time)
             stepped = clock.process_time()
-            missing, moved = self._look()
-            largest = max(float(self.largest[0]), float(moved.max(initial=0.0)))
-            share = np.sqrt(missing.max(initial=0.0) / largest) if largest > 0 else 0.0
+            error, motion = self._check_residuals()
+            state = self.state
+            largest = max(float(state.largest[0]), float(motion.max(initial=0.0)))
+            share = np.sqrt(error.max(initial=0.0) / largest) if largest > 0 else 0.0
             if share <= self.tolerance or self.model.size == len(self.condensation.eigenvalues):
-                self.missing += missing.sum()
-                self.moved += np.minimum(moved, self._contact**2).sum()
-                self.largest[0] = largest
-                self.training[0] += redone + clock.process_time() - stepped
+                state.projection_error[:] += error.sum()
+                state.motion_norm[:] += np.minimum(motion, self._contact**2).sum()
+                state.largest[0] = largest
+                state.training[0] += redone + clock.process_time() - stepped
                 return records
             self.restore(start)
             self._enrich(self.tolerance * np.sqrt(largest), time)
             start = self.snapshot()
             redone += clock.process_time() - began
 
-    def _look(self) -> tuple[FloatArray, FloatArray]:
-        """Squared energy norms (k,) of what the span misses at the looks, and of the motion there.
+    def _check_residuals(self) -> tuple[FloatArray, FloatArray]:
+        """Squared energy norms (k,) of the projection error at the residual checks, and of the motion there.
 
-        The static response to the residual r is the sum of its part in the span and of the missing part, which
-        are orthogonal in energy; the elastic force of the motion itself asks for nothing outside.
+        The static response to the residual r is the sum of its part in the basis and of the projection error, which
+        are orthogonal in energy; the elastic force of the motion itself has no part outside.
         """
-        q, response, inside = self._at_looks()
+        q, response, inside = self._at_checks()
         total = self.model.energy_norm(response) ** 2
         return (
             np.maximum(total - np.sum(inside**2 / self.model.eigenvalues[:, None], axis=0), 0.0),
             np.sum(self.model.eigenvalues[:, None] * q**2, axis=0),
         )
 
-    def _at_looks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Coordinates q (m, k) at the looks, static response (r, k) to the residual force there, the force (m, k)."""
+    def _at_checks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coordinates q (m, k) at the checks, static response (r, k) to the residual force there, the force (m, k)."""
         m, n = self.model.size, self.system.n_points
-        rows = np.vstack(self._looks) if self._looks else np.zeros((0, 2 * m + 3 * n + 1))
+        rows = np.vstack(self._checked) if self._checked else np.zeros((0, 2 * m + 3 * n + 1))
         q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
-        inside = self._force @ s + a + np.outer(self.model.base, base)
+        inside = self._interface.force @ s + a + np.outer(self.model.base, base)
         return q, self._static_response(a, s, base), inside
 
     def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
@@ -244,12 +237,12 @@ class ReducedStepper(Stepper):
         return response
 
     def _enrich(self, level: float, time: float) -> None:
-        """Add the principal shapes (energy inner product) of what is missing that exceed a part of ``level``."""
-        _, response, inside = self._at_looks()
-        lacking = self.model.missing(response, inside)
+        """Add the principal shapes (energy inner product) of the projection error that exceed a part of ``level``."""
+        _, response, inside = self._at_checks()
+        lacking = self.model.projection_error(response, inside)
         root = np.sqrt(self.condensation.eigenvalues)[:, None]
         left, size, _ = la.svd(root * lacking, full_matrices=False)
-        keep = size > 0.3 * level
+        keep = size > SHAPE_SHARE * level
         keep[0] = True
         model = self.model.enriched(left[:, keep] / root)
         if model.size > LARGEST or model.size == self.model.size:
@@ -263,23 +256,32 @@ class ReducedStepper(Stepper):
         self._adopt(model)
 
     def report(self) -> dict[str, float]:
-        """Size of the span, and what it missed."""
+        """Size of the basis, and its error."""
         return {
             "reduced_coordinates": self.model.size,
             "reduction_error_estimate": self.error_estimate,
-            "training_time_s": float(self.training[0]),
+            "training_time_s": float(self.state.training[0]),
         }
 
     @property
     def error_estimate(self) -> float:
-        """Energy norm that the span missed over that of the motion, root mean square over the run, dimensionless.
+        """Energy norm of the projection error over that of the motion, root mean square over the run, dimensionless.
 
         The motion counts up to `CONTACT_SHARE` of what the contact can hold.
         """
-        return float(np.sqrt(self.missing[0] / self.moved[0])) if self.moved[0] > 0 else 0.0
+        error, motion = self.state.projection_error[0], self.state.motion_norm[0]
+        return float(np.sqrt(error / motion)) if motion > 0 else 0.0
 
 
-def held_energy(system: System, preload: ContactState) -> float:
+def _empty_state(m: int, contact: ContactMemory) -> ReducedState:
+    """State at rest in ``m`` coordinates, with the arrays of ``contact``."""
+    kept = KeptMatrix(
+        np.zeros((len(contact.jump) // 3, 3, 3)), np.zeros((m, m)), np.zeros((m, m)), np.zeros(1, np.int64)
+    )
+    return ReducedState(Motion.zeros(m), contact, np.zeros(m), kept, *np.zeros((5, 1)))
+
+
+def contact_energy_limit(system: System, preload: ContactState) -> float:
     """Energy in J that the contact holds when every point is about to slip at its preload pressure."""
     law, pressure = system.laws, preload.pressure
     return float(law.area @ (0.5 * pressure**2 / law.kn + 0.5 * law.mu * pressure * law.gamma))

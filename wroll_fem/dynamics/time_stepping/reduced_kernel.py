@@ -1,42 +1,131 @@
-"""The compiled loop of the reduced time integration (equations in `reduction`).
+"""The compiled loop of the reduced time integration (equations in `reduced_model`).
 
 Newton's matrix A = S + (1 + alpha) (G Phi)^T W (D - D_0) G Phi is small and is kept from iteration to iteration and
 from step to step: only points whose tangent D changed are renewed in it.
-``held`` (n, 3, 3) is the tangent that the kept matrix holds, order (hoop, axial, normal).
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from wroll_fem.contact.kernels import consistent_tangent, interface_work, record_slip, trial_traction
-from wroll_fem.dynamics.time_stepping import condensed_kernel
-from wroll_fem.dynamics.time_stepping.condensed_kernel import commit_modal, correction, record_contact, strain_energy
+from wroll_fem.contact.point import NORMAL, axial, hoop, normal
+from wroll_fem.dynamics.time_stepping import modal_kernel, records
+from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
+from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.numerics import newton as rates
+from wroll_fem.numerics.newton import REDUCED_RENEWAL
 from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import FloatArray, IntArray
 
-drop_stale_cache(__file__, condensed_kernel.__file__)
+drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__)
 
-KEEP_RATE = 0.12
-"""A kept matrix is renewed when an iteration reduces the residual by less than this."""
 TANGENT_CHANGE = 0.02
 """A point is renewed in the matrix when its tangent changed by this fraction of its stiffness."""
 REBUILD = 2000
 """Renewals after which the kept matrix is summed up anew, against the drift of rounding."""
 
 
+class ReducedInterface(NamedTuple):
+    """Interfaces in reduced coordinates.
+
+    Attributes
+    ----------
+    jump : (3 n, m) relative displacement per coordinate
+    force : (m, 3 n) reduced force per traction, its transpose times the areas
+    weight : (m,) largest jump per coordinate: a residual in coordinates is bounded in metres
+    """
+
+    jump: FloatArray
+    force: FloatArray
+    weight: FloatArray
+
+
+class KeptMatrix(NamedTuple):
+    """Newton's matrix, kept from step to step.
+
+    Attributes
+    ----------
+    tangents : (n, 3, 3) contact tangents in the matrix, order (hoop, axial, normal), Pa/m
+    matrix : (m, m)
+    inverse : (m, m) of the matrix
+    renewals : (1,) so far
+    """
+
+    tangents: FloatArray
+    matrix: FloatArray
+    inverse: FloatArray
+    renewals: IntArray
+
+
+class ReducedState(NamedTuple):
+    """State of a reduced run.
+
+    Attributes
+    ----------
+    motion, contact : in reduced coordinates, and of all points
+    q_before : (m,) displacement one step ago
+    kept : Newton's matrix
+    time_step : (1,) s, of the kept matrix; 0 when there is none
+    projection_error, motion_norm : (1,) sums over the residual checks of the squared energy norms of what the basis
+        misses, and of the motion
+    largest : (1,) largest squared energy norm of the motion so far
+    training : (1,) CPU seconds spent on residual checks, enrichment and steps done again
+    """
+
+    motion: Motion
+    contact: ContactMemory
+    q_before: FloatArray
+    kept: KeptMatrix
+    time_step: FloatArray
+    projection_error: FloatArray
+    motion_norm: FloatArray
+    largest: FloatArray
+    training: FloatArray
+
+
+class ResidualChecks(NamedTuple):
+    """Steps at which the residual of the whole structure will be evaluated.
+
+    Attributes
+    ----------
+    every : steps between two checks; the last step of a block is checked too
+    rows : (k, 2 m + 3 n + 1) output: q, a, s and the base acceleration
+    filled : (1,) output: rows filled
+    """
+
+    every: int
+    rows: FloatArray
+    filled: IntArray
+
+
+class _Trial(NamedTuple):
+    """Trial state of a step: jump, traction, elastic slip, status and correction of the interfaces."""
+
+    g: FloatArray
+    t: FloatArray
+    e: FloatArray
+    status: IntArray
+    s: FloatArray
+
+
 @numba.njit(cache=True)
-def _residual(q, q_hat, jump_operator, force_operator, scale, g_0, t_0, springs, jump, elastic_slip, laws, dt,
-              g, t, e, status, s, force, rho, weight):  # fmt: skip
-    """rho = q - q_hat + scale * (G Phi)^T W s. Returns a bound of its jump, m."""
-    g[:] = g_0
-    g += np.dot(jump_operator, q)
-    trial_traction(g, jump, elastic_slip, laws, dt, t, e, status)
-    correction(g, t, g_0, t_0, springs, s)
-    force[:] = np.dot(force_operator, s)
+def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho):
+    """rho = x - q_hat + scale * (G Phi)^T W s. Returns a bound of its jump, m."""
+    g, t, e, status, s = trial
+    g[:] = reference.jump
+    g += np.dot(interface.jump, x)
+    trial_traction(g, contact.jump, contact.elastic_slip, laws, dt, t, e, status)
+    correction(g, t, reference, s)
+    force[:] = np.dot(interface.force, s)
+    weight = interface.weight
     size = 0.0
-    for i in range(q.shape[0]):
-        rho[i] = q[i] - q_hat[i] + scale[i] * force[i]
+    for i in range(x.shape[0]):
+        rho[i] = x[i] - q_hat[i] + scale[i] * force[i]
         if not np.isfinite(rho[i]):
             return np.inf
         size += abs(rho[i]) * weight[i]
@@ -44,8 +133,9 @@ def _residual(q, q_hat, jump_operator, force_operator, scale, g_0, t_0, springs,
 
 
 @numba.njit(cache=True)
-def _renew(held, tangent, stiffness_scale, tolerance, jump_operator, area, factor, matrix):
-    """Bring ``matrix`` from the tangent ``held`` to ``tangent`` where they differ; returns the points renewed."""
+def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
+    """Bring the kept matrix to ``tangent`` where it differs from its tangents; returns the points renewed."""
+    held, matrix = kept.tangents, kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     changed = np.empty(n, np.int64)
     count = 0
@@ -54,8 +144,9 @@ def _renew(held, tangent, stiffness_scale, tolerance, jump_operator, area, facto
         for i in range(3):
             for j in range(3):
                 d = abs(tangent[k, i, j] - held[k, i, j])
-                difference = max(difference, d if j < 2 else d * 1e-3)
-        if abs(tangent[k, 2, 2] - held[k, 2, 2]) > 0.0 or difference > tolerance * stiffness_scale[k]:
+                difference = max(difference, d if j < NORMAL else d * 1e-3)
+        normal_change = abs(tangent[k, NORMAL, NORMAL] - held[k, NORMAL, NORMAL])
+        if normal_change > 0.0 or difference > tolerance * stiffness_scale[k]:
             changed[count] = k
             count += 1
     if count == 0:
@@ -64,10 +155,10 @@ def _renew(held, tangent, stiffness_scale, tolerance, jump_operator, area, facto
     right = np.empty((3 * count, m))
     for c in range(count):
         k = changed[c]
-        slots = (2 * k, 2 * k + 1, 2 * n + k)
+        dofs = (hoop(k), axial(k), normal(k, n))
         for i in range(3):
             for col in range(m):
-                rows[3 * c + i, col] = jump_operator[slots[i], col]
+                rows[3 * c + i, col] = jump[dofs[i], col]
         for i in range(3):
             d0 = factor * area[k] * (tangent[k, i, 0] - held[k, i, 0])
             d1 = factor * area[k] * (tangent[k, i, 1] - held[k, i, 1])
@@ -80,53 +171,51 @@ def _renew(held, tangent, stiffness_scale, tolerance, jump_operator, area, facto
 
 
 @numba.njit(cache=True)
-def advance_reduced(
-    acceleration, dt, alpha, beta, gamma_n,
-    eigenvalues, jump_operator, force_operator, base, tip, springs, inverse, weight,
-    g_0, t_0, laws,
-    q, v, a, residual, residual_change, q_before,
-    jump, elastic_slip, traction, held, matrix, solver, renewals,
-    totals, flows, slip_path, slip_peak, slip_vector,
-    limit, max_iterations, history, records,
-    look_every, looks, look_count,
-):  # fmt: skip
-    """Advance len(acceleration) - 1 steps; returns the number done (state is that of the last good step).
+def advance_reduced(acceleration, step, modal, interface, reference, laws, state, newton, accumulated, checks, records):
+    """Advance len(acceleration) - 1 steps; returns the number done (``state`` is that of the last good step).
 
-    ``looks`` (k, 2 m + 3 n + 1) receives q, a, s and the base acceleration every ``look_every`` steps and at the last.
+    Parameters
+    ----------
+    acceleration : (k + 1,) of the base at the step ends, m/s^2
+    step, modal, interface, reference, laws : `Step`, `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
+    state, accumulated : `ReducedState` and `Accumulated`, updated
+    newton : `Newton`; its history receives the residuals of the last step
+    checks : `ResidualChecks`, filled
+    records : (k, len(RECORDS)) output
     """
-    n, m = laws.area.shape[0], q.shape[0]
+    dt, alpha = step.dt, step.alpha
+    motion, contact, kept, history = state.motion, state.contact, state.kept, newton.history
+    n, m = laws.area.shape[0], motion.q.shape[0]
     t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
     s, g = np.zeros(3 * n), np.zeros(3 * n)
+    trial = _Trial(g, t, e, status, s)
     rho, rho_new, force, force_new = np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m)
     x, x_new = np.zeros(m), np.zeros(m)
     tangent = np.zeros((n, 3, 3))
     stiffness_scale = np.zeros(n)
-    scale = (1.0 + alpha) * inverse
+    scale = (1.0 + alpha) * modal.inverse
     for k in range(n):
-        stiffness_scale[k] = max(springs[2 * k], 1e-6 * laws.kn[k])
-    look_count[0] = 0
+        stiffness_scale[k] = max(reference.springs[hoop(k)], 1e-6 * laws.kn[k])
+    checks.filled[0] = 0
 
-    for step in range(acceleration.shape[0] - 1):
-        ag, ag_new = acceleration[step], acceleration[step + 1]
-        h = (q + dt * v + dt * dt * (0.5 - beta) * a) / (beta * dt * dt)
-        q_hat = (h - (1.0 + alpha) * base * ag_new + alpha * residual) * inverse
-        x[:] = 2.0 * q - q_before
-        size = _residual(x, q_hat, jump_operator, force_operator, scale, g_0, t_0, springs, jump, elastic_slip, laws,
-                         dt, g, t, e, status, s, force, rho, weight)  # fmt: skip
+    for number in range(acceleration.shape[0] - 1):
+        ag_new = acceleration[number + 1]
+        h, q_hat = predict(motion, ag_new, step, modal)
+        x[:] = 2.0 * motion.q - state.q_before
+        size = _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho)
         history[:] = 0.0
         history[0] = size
         iterations = 0
         fresh = False
-        while size > limit:
-            if iterations == max_iterations:
-                return step
-            delta = np.dot(solver, rho / inverse)
+        while size > newton.limit:
+            if iterations == newton.max_iterations:
+                return number
+            delta = np.dot(kept.inverse, rho / modal.inverse)
             iterations += 1
             damping, new = 1.0, np.inf
             while True:
                 x_new[:] = x - damping * delta
-                new = _residual(x_new, q_hat, jump_operator, force_operator, scale, g_0, t_0, springs, jump,
-                                elastic_slip, laws, dt, g, t, e, status, s, force_new, rho_new, weight)  # fmt: skip
+                new = _residual(x_new, q_hat, scale, interface, reference, contact, laws, dt, trial, force_new, rho_new)
                 if new < size or not fresh or damping < 0.02:
                     break
                 damping *= 0.5
@@ -135,56 +224,55 @@ def advance_reduced(
             if accepted:
                 x[:], rho[:], force[:], size = x_new, rho_new, force_new, new
                 history[iterations] = size
-            else:  # the kept matrix failed: back to where we were, with the tangent of there
-                size = _residual(x, q_hat, jump_operator, force_operator, scale, g_0, t_0, springs, jump, elastic_slip,
-                                 laws, dt, g, t, e, status, s, force, rho, weight)  # fmt: skip
+            else:  # the kept matrix failed: back to x, with the tangent there
+                size = _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho)
             fresh = False
-            if rate > KEEP_RATE and size > limit:
-                consistent_tangent(g, jump, elastic_slip, laws, dt, tangent)
+            if rate > REDUCED_RENEWAL and size > newton.limit:
+                consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
                 tolerance = TANGENT_CHANGE if iterations < 4 else 0.0
-                if _renew(held, tangent, stiffness_scale, tolerance, jump_operator, laws.area, 1.0 + alpha, matrix) > 0:
-                    renewals[0] += 1
-                    if renewals[0] % REBUILD == 0:
-                        sum_up(held, springs, jump_operator, laws.area, 1.0 + alpha, inverse, matrix)
-                    solver[:] = np.linalg.inv(matrix)
+                if _renew(kept, tangent, stiffness_scale, tolerance, interface.jump, laws.area, 1.0 + alpha) > 0:
+                    kept.renewals[0] += 1
+                    if kept.renewals[0] % REBUILD == 0:
+                        sum_up(kept, reference.springs, interface.jump, laws.area, 1.0 + alpha, modal.inverse)
+                    kept.inverse[:] = np.linalg.inv(kept.matrix)
                 fresh = True
         if not np.isfinite(size):
-            return step
-        q_before[:] = q
-        commit_modal(
-            step, ag, ag_new, dt, alpha, beta, gamma_n, eigenvalues, base, tip, inverse, q_hat, h, force,
-            q, v, a, residual, residual_change, flows, records,
-        )  # fmt: skip
-        interface_work(jump, elastic_slip, traction, g, e, t, laws, totals)
-        record_slip(jump, elastic_slip, g, e, g_0, status, slip_path, slip_peak, slip_vector)
-        jump[:] = g
-        elastic_slip[:] = e
-        traction[:] = t
-        records[step, 5] = strain_energy(q, eigenvalues, jump, g_0, t_0, springs, laws.area, n)
-        record_contact(records[step], totals, iterations, status)
-        if (step + 1) % look_every == 0 or step == acceleration.shape[0] - 2:
-            row = look_count[0]
-            looks[row, :m] = q
-            looks[row, m : 2 * m] = a
-            looks[row, 2 * m : 2 * m + 3 * n] = s
-            looks[row, 2 * m + 3 * n] = ag_new
-            look_count[0] += 1
+            return number
+        state.q_before[:] = motion.q
+        ends = acceleration[number : number + 2]
+        commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
+        interface_work(contact.jump, contact.elastic_slip, contact.traction, g, e, t, laws, accumulated.work)
+        path, peak, peak_vector = accumulated.slip
+        record_slip(contact.jump, contact.elastic_slip, g, e, reference.jump, status, path, peak, peak_vector)
+        contact.jump[:] = g
+        contact.elastic_slip[:] = e
+        contact.traction[:] = t
+        records[number, STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
+        record_contact(records[number], accumulated, iterations, status)
+        if (number + 1) % checks.every == 0 or number == acceleration.shape[0] - 2:
+            row = checks.rows[checks.filled[0]]
+            row[:m] = motion.q
+            row[m : 2 * m] = motion.a
+            row[2 * m : 2 * m + 3 * n] = s
+            row[2 * m + 3 * n] = ag_new
+            checks.filled[0] += 1
     return acceleration.shape[0] - 1
 
 
 @numba.njit(cache=True)
-def sum_up(held, springs, jump_operator, area, factor, inverse, matrix):
-    """Sum the matrix up from the tangents it holds."""
+def sum_up(kept, springs, jump, area, factor, inverse):
+    """Sum the kept matrix up from its tangents; ``inverse`` (m,) as in `Modal`."""
+    matrix = kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     right = np.empty((3 * n, m))
     for k in range(n):
-        slots = (2 * k, 2 * k + 1, 2 * n + k)
+        dofs = (hoop(k), axial(k), normal(k, n))
         for i in range(3):
             for col in range(m):
-                total = -springs[slots[i]] * jump_operator[slots[i], col]
+                total = -springs[dofs[i]] * jump[dofs[i], col]
                 for j in range(3):
-                    total += held[k, i, j] * jump_operator[slots[j], col]
-                right[slots[i], col] = factor * area[k] * total
-    matrix[:] = np.dot(jump_operator.T, right)
+                    total += kept.tangents[k, i, j] * jump[dofs[j], col]
+                right[dofs[i], col] = factor * area[k] * total
+    matrix[:] = np.dot(jump.T, right)
     for i in range(m):
         matrix[i, i] += 1.0 / inverse[i]

@@ -19,8 +19,9 @@ from wroll_fem.dynamics.time_stepping.energy_check import check_energy
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.records import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.stepper import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN, NewtonOptions, Stepper
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
@@ -28,7 +29,7 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 CHUNK = 200
-"""Steps between two looks at progress, checkpoint and interrupt; a resumed run keeps these borders."""
+"""Steps between two updates of progress, checkpoint and interrupt; a resumed run keeps these borders."""
 
 
 class Motion(Protocol):
@@ -106,7 +107,7 @@ def simulate(
     every
         Keep the relative displacement of all points every this many steps; 0 keeps none.
     stepper
-        A stepper made before by `make_stepper` (to look at its modes first); made here when None.
+        A stepper made before by `make_stepper` (to inspect its modes first); made here when None.
 
     Returns
     -------
@@ -143,7 +144,7 @@ def simulate(
         if checkpoint is not None:
             run.save(checkpoint.path, fingerprint)
         if isinstance(stop, ConvergenceError):
-            stop.partial = run.dataset(system, preload, times, base, motion)  # type: ignore[attr-defined]
+            stop.partial = run.dataset(system, preload, times, base, motion)
         raise
     return run.dataset(system, preload, times, base, motion)
 
@@ -157,7 +158,7 @@ class _Run:
     kept: list[FloatArray]
     kept_times: list[float]
     seconds: float = 0.0
-    held: float = 0.0  # largest energy so far, J
+    largest_energy: float = 0.0  # stored so far, J
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
@@ -183,7 +184,9 @@ class _Run:
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
         first = max(done - 1, 0)
-        self.held = check_energy(self.records[first : done + count], times[first + 1 : done + count + 1], self.held)
+        self.largest_energy = check_energy(
+            self.records[first : done + count], times[first + 1 : done + count + 1], self.largest_energy
+        )
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
             jump = self.stepper.jump - self.stepper.preload.jump
@@ -223,7 +226,9 @@ class _Run:
                 self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
                 self._committed = (int(data["done"]), self.stepper.snapshot())
                 self.records[: self.done] = data["records"]
-                self.held = float(np.abs(self.records[: self.done, [INPUT, KINETIC, STRAIN]]).max(initial=0.0))
+                self.largest_energy = float(
+                    np.abs(self.records[: self.done, [INPUT, KINETIC, STRAIN]]).max(initial=0.0)
+                )
                 self.seconds = float(data["seconds"])
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
         except (OSError, ValueError, KeyError) as error:

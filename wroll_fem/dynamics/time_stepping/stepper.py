@@ -1,62 +1,28 @@
-"""What every time stepper shares: record columns, slip accumulators, step cutting."""
+"""Base class of the time steppers: running totals, step cutting, snapshots."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol, cast
 
 import numpy as np
 
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.records import ITERATIONS, RECORDS
+from wroll_fem.dynamics.time_stepping.state import (
+    Accumulated,
+    ContactMemory,
+    Motion,
+    SlipRecord,
+    Step,
+    named_arrays,
+)
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
-
-RECORDS = (
-    "tip_displacement",
-    "tip_velocity",
-    "tip_acceleration",
-    "input_work",
-    "kinetic_energy",
-    "strain_energy",
-    "contact_energy",
-    "friction_energy",
-    "pressure_modulation_work",
-    "numerical_dissipation",
-    "interface_work",
-    "newton_iterations",
-    "open_fraction",
-    "slipping_fraction",
-    "viscous_energy",
-    "impact_dissipation",
-)
-"""Columns of a step record; energies in J since the start of the run."""
-(
-    INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL, INTERFACE, ITERATIONS, OPEN, SLIPPING, VISCOUS,
-    IMPACT,
-) = range(3, 16)  # fmt: skip
-
-
-@dataclass
-class SlipRecord:
-    """Slip accumulated since the start, per interface point.
-
-    Attributes
-    ----------
-    path : (n,) length of the plastic slip path, m
-    peak : (n,) largest tangential displacement relative to the preload state, m
-    peak_vector : (2 n,) its hoop and axial components, m
-    """
-
-    path: FloatArray
-    peak: FloatArray
-    peak_vector: FloatArray
-
-    @classmethod
-    def zeros(cls, n: int) -> SlipRecord:
-        """No slip yet at ``n`` points."""
-        return cls(np.zeros(n), np.zeros(n), np.zeros(2 * n))
 
 
 @dataclass(frozen=True)
@@ -78,25 +44,67 @@ class NewtonOptions:
     max_cuts: int = 6
 
 
+class CommonState(Protocol):
+    """Fields that the state of every stepper has; it is a named tuple of arrays."""
+
+    @property
+    def motion(self) -> Motion:
+        """Motion in the coordinates of the stepper."""
+        ...
+
+    @property
+    def contact(self) -> ContactMemory:
+        """Committed contact."""
+        ...
+
+
 class Stepper(ABC):
     """Advances a system step by step from its preload state.
 
-    Motions are relative to the base and to the preload state. Subclasses keep the whole
-    history-dependent state in attributes named by ``state_names`` (arrays), so that a checkpoint
-    restores a run bit by bit.
+    Motions are relative to the base and to the preload state. Subclasses keep everything that depends on the history
+    in the arrays of `state`, so that a checkpoint restores a run bit by bit.
     """
 
-    state_names: tuple[str, ...] = ()
+    state: Any
+    """Named tuple of arrays with the fields of `CommonState`; its arrays are updated in place."""
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions):
         self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
-        self.slip = SlipRecord.zeros(system.n_points)
-        self.totals = np.zeros(5)  # friction, contact, modulation, interface work, impact
-        self.flows = np.zeros(3)  # input work, numerical dissipation, viscous work
+        self.accumulated = Accumulated.zeros(system.n_points)
         self.cuts = 0
-        self.base_acceleration = np.zeros(())  # m/s^2, that the committed acceleration is in balance with
+        self.base_acceleration = np.zeros(())  # m/s^2, with which the committed acceleration is in balance
         gamma = system.laws.gamma
         self.residual_limit = options.tolerance * (float(gamma.min()) if gamma.size else 1.0)
+        self.last_history: list[float] = []
+
+    @property
+    def common(self) -> CommonState:
+        """State with its type."""
+        return cast(CommonState, self.state)
+
+    @property
+    def jump(self) -> FloatArray:
+        """(3 n_points,) total relative displacement, m, in the order of `contact.point`."""
+        return self.common.contact.jump
+
+    @property
+    def elastic_slip(self) -> FloatArray:
+        """(2 n_points,) elastic slip, m."""
+        return self.common.contact.elastic_slip
+
+    @property
+    def traction(self) -> FloatArray:
+        """(3 n_points,) traction, Pa."""
+        return self.common.contact.traction
+
+    @property
+    def slip(self) -> SlipRecord:
+        """Slip of the points since the start."""
+        return self.accumulated.slip
+
+    def step(self, dt: float) -> Step:
+        """Step of ``dt`` (s) with the parameters of the scheme, for compiled code."""
+        return Step(dt, self.scheme.alpha, self.scheme.beta, self.scheme.gamma)
 
     @abstractmethod
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
@@ -109,13 +117,6 @@ class Stepper(ABC):
     @abstractmethod
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector i and inertia force M i of a unit base acceleration, in the coordinates of the state."""
-
-    last_history: list[float]
-    a: FloatArray
-    """Acceleration in the coordinates of the state; ``residual`` is r = K u + G^T W t - f in the same."""
-    residual: FloatArray
-    jump: FloatArray
-    """(3 n_points,) total relative displacement in slot order, m."""
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         """Advance k steps of size ``dt``, cutting those that do not converge.
@@ -142,8 +143,9 @@ class Stepper(ABC):
         jump = float(acceleration[0] - self.base_acceleration)
         if jump != 0.0:
             influence, inertia = self.base_motion()
-            self.a -= jump * influence
-            self.residual += jump * inertia
+            motion = self.common.motion
+            motion.a[:] -= jump * influence
+            motion.residual[:] += jump * inertia
             self.base_acceleration[...] = acceleration[0]
         records = np.zeros((k, len(RECORDS)))
         done = 0
@@ -180,22 +182,21 @@ class Stepper(ABC):
         )
 
     def report(self) -> dict[str, float]:
-        """What a stepper has to say of itself, for the attributes of the results."""
+        """Figures about the stepper itself, for the attributes of the results."""
         return {}
+
+    def _arrays(self) -> Iterator[tuple[str, np.ndarray]]:
+        """Arrays on which the future depends, by name."""
+        yield from named_arrays(self.state)
+        yield from named_arrays(self.accumulated)
+        yield "base_acceleration", self.base_acceleration
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Copy of everything the future depends on."""
-        state = {
-            name: np.array(getattr(self, name))
-            for name in (*self.state_names, "totals", "flows", "base_acceleration", "cuts")
-        }
-        state |= {f"slip_{f.name}": np.array(getattr(self.slip, f.name)) for f in fields(SlipRecord)}
-        return state
+        return {name: array.copy() for name, array in self._arrays()} | {"cuts": np.array(self.cuts)}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Return to a `snapshot`."""
-        for name in (*self.state_names, "totals", "flows", "base_acceleration"):
-            getattr(self, name)[...] = state[name]
+        for name, array in self._arrays():
+            array[...] = state[name]
         self.cuts = int(state["cuts"])
-        for f in fields(SlipRecord):
-            getattr(self.slip, f.name)[...] = state[f"slip_{f.name}"]

@@ -1,0 +1,98 @@
+"""Compiled steps of a structure in modal coordinates: what the condensed and the reduced loop share."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from wroll_fem.contact import point
+from wroll_fem.contact.point import point_of
+from wroll_fem.dynamics.time_stepping import records
+from wroll_fem.dynamics.time_stepping.records import (
+    INPUT_FLOW,
+    KINETIC,
+    NUMERICAL_FLOW,
+    TIP_ACCELERATION,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    record_flows,
+)
+from wroll_fem.numerics.numba_cache import drop_stale_cache
+
+drop_stale_cache(__file__, records.__file__)
+
+
+@numba.njit(cache=True)
+def correction(g, t, reference, s):
+    """s = t - t_0 - D_0 (g - g_0), Pa."""
+    g_0, t_0, springs = reference.jump, reference.traction, reference.springs
+    for i in range(g.shape[0]):
+        s[i] = point.correction(t[i], t_0[i], springs[i], g[i] - g_0[i])
+
+
+@numba.njit(cache=True)
+def predict(motion, ag_new, step, modal):
+    """Newmark's history term h (m,) and the displacement (m,) that the linear structure alone would reach."""
+    dt, alpha, beta, _ = step
+    h = (motion.q + dt * motion.v + dt * dt * (0.5 - beta) * motion.a) / (beta * dt * dt)
+    q_hat = (h - (1.0 + alpha) * modal.base * ag_new + alpha * motion.residual) * modal.inverse
+    return h, q_hat
+
+
+@numba.njit(cache=True)
+def strain_energy(motion, modal, jump, reference, area):
+    """Strain energy of the bodies and work of the preload forces since the preload state, J."""
+    n = area.shape[0]
+    energy = 0.5 * np.dot(motion.q * modal.eigenvalues, motion.q)
+    for i in range(3 * n):
+        d = jump[i] - reference.jump[i]
+        energy -= area[point_of(i, n)] * (0.5 * reference.springs[i] * d * d + reference.traction[i] * d)
+    return energy
+
+
+@numba.njit(cache=True)
+def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulated, record):
+    """Newmark update, input work and the scheme's own dissipation (derived in docs/theory.md).
+
+    Parameters
+    ----------
+    acceleration : (2,) of the base at both ends of the step, m/s^2
+    step, modal : `Step`, `Modal`
+    h, q_hat : of `predict`
+    force : (m,) modal force of the interface correction
+    motion, accumulated : `Motion` and `Accumulated`, updated
+    record : (len(RECORDS),) output
+    """
+    dt, alpha, beta, gamma = step
+    eigenvalues, base, tip, inverse = modal
+    q, v, a, residual, residual_change = motion
+    ag, ag_new = acceleration[0], acceleration[1]
+    du_dr, du_da, aa, aa_new, da_da, base_du = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    u_tip, v_tip, a_tip, kinetic = 0.0, 0.0, 0.0, 0.0
+    for i in range(q.shape[0]):
+        q_new = q_hat[i] - (1.0 + alpha) * inverse[i] * force[i]
+        a_new = q_new / (beta * dt * dt) - h[i]
+        v_new = v[i] + dt * ((1.0 - gamma) * a[i] + gamma * a_new)
+        r_new = eigenvalues[i] * q_new + force[i] + base[i] * ag_new
+        du, da, dr = q_new - q[i], a_new - a[i], r_new - residual[i]
+        du_dr += du * (dr + residual_change[i])
+        du_da += du * da
+        aa += a[i] * a[i]
+        aa_new += a_new * a_new
+        da_da += da * da
+        base_du += base[i] * du
+        kinetic += 0.5 * v_new * v_new
+        u_tip += tip[i] * q_new
+        v_tip += tip[i] * v_new
+        a_tip += tip[i] * a_new
+        q[i], v[i], a[i] = q_new, v_new, a_new
+        residual[i], residual_change[i] = r_new, dr
+    flows = accumulated.flows
+    flows[INPUT_FLOW] -= 0.5 * (ag + ag_new) * base_du
+    flows[NUMERICAL_FLOW] += 0.5 * alpha * du_dr - (gamma - 0.5) * du_da
+    flows[NUMERICAL_FLOW] += dt * dt * (beta - 0.5 * gamma) * (0.5 * (aa_new - aa) + (gamma - 0.5) * da_da)
+    record[TIP_DISPLACEMENT] = u_tip
+    record[TIP_VELOCITY] = v_tip
+    record[TIP_ACCELERATION] = a_tip
+    record[KINETIC] = kinetic
+    record_flows(record, accumulated)

@@ -1,0 +1,143 @@
+"""State of a time integration as named tuples of arrays, which compiled code takes as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from wroll_fem.contact.kernels import Reference
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.typing import FloatArray
+
+__all__ = [
+    "Accumulated", "ContactMemory", "Modal", "Motion", "Newton", "Reference", "SlipRecord", "Step", "named_arrays",
+]  # fmt: skip
+
+
+class Step(NamedTuple):
+    """Step size (s) and parameters of the scheme, see `hht`."""
+
+    dt: float
+    alpha: float
+    beta: float
+    gamma: float
+
+
+class Modal(NamedTuple):
+    """Linear structure in coordinates with unit mass and diagonal stiffness.
+
+    Attributes
+    ----------
+    eigenvalues : (m,) rad^2/s^2
+    base : (m,) inertia force per unit base acceleration
+    tip : (m,) tip displacement per coordinate
+    inverse : (m,) 1 / (1 / (beta dt^2) + (1 + alpha) eigenvalue), s^2
+    """
+
+    eigenvalues: FloatArray
+    base: FloatArray
+    tip: FloatArray
+    inverse: FloatArray
+
+
+class Motion(NamedTuple):
+    """Motion of the structure relative to base and preload state, in the coordinates of the stepper.
+
+    Attributes
+    ----------
+    q, v, a : (m,) displacement, velocity, acceleration
+    residual : (m,) r = K u + G^T W t - f
+    residual_change : (m,) its change over the last step
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    residual: FloatArray
+    residual_change: FloatArray
+
+    @classmethod
+    def zeros(cls, m: int) -> Self:
+        """Rest in ``m`` coordinates."""
+        return cls(*np.zeros((5, m)))
+
+
+class ContactMemory(NamedTuple):
+    """Committed state of all contact points, total (the preload included).
+
+    Attributes
+    ----------
+    jump : (3 n,) relative displacement, m
+    elastic_slip : (2 n,) m
+    traction : (3 n,) Pa
+    """
+
+    jump: FloatArray
+    elastic_slip: FloatArray
+    traction: FloatArray
+
+    @classmethod
+    def of(cls, state: ContactState) -> Self:
+        """Copy of a static state."""
+        return cls(state.jump.copy(), state.elastic_slip.copy(), state.traction.copy())
+
+
+class SlipRecord(NamedTuple):
+    """Slip since the start, per interface point.
+
+    Attributes
+    ----------
+    path : (n,) accumulated slip, the length of the plastic slip path, m
+    peak : (n,) largest tangential displacement relative to the preload state, m
+    peak_vector : (2 n,) its hoop and axial components, m
+    """
+
+    path: FloatArray
+    peak: FloatArray
+    peak_vector: FloatArray
+
+
+class Accumulated(NamedTuple):
+    """Energy and slip since the start.
+
+    Attributes
+    ----------
+    work : (5,) of the interfaces, J; entries as in `contact.kernels.interface_work`
+    flows : (3,) J; entries in `records`
+    slip : slip of the points
+    """
+
+    work: FloatArray
+    flows: FloatArray
+    slip: SlipRecord
+
+    @classmethod
+    def zeros(cls, n: int) -> Self:
+        """Nothing yet, at ``n`` points."""
+        return cls(np.zeros(5), np.zeros(3), SlipRecord(np.zeros(n), np.zeros(n), np.zeros(2 * n)))
+
+
+class Newton(NamedTuple):
+    """Controls of the nonlinear solve of a step, and what it leaves.
+
+    Attributes
+    ----------
+    limit : largest residual, m
+    max_iterations : iterations before a step fails
+    history : (max_iterations + 1,) residuals of the last step
+    """
+
+    limit: float
+    max_iterations: int
+    history: FloatArray
+
+
+def named_arrays(state: NamedTuple, prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    """Arrays of a named tuple and of those in it, with the names of their fields."""
+    for name, value in state._asdict().items():
+        if isinstance(value, tuple):
+            yield from named_arrays(value, f"{prefix}{name}_")  # type: ignore[arg-type]  # a named tuple
+        else:
+            yield f"{prefix}{name}", value

@@ -1,0 +1,114 @@
+"""Damped Newton iteration with kept factors, and the renewal rates of all solvers.
+
+Renewal rate: a solver keeps its factored matrix from iteration to iteration, and renews it when an iteration has not
+reduced the residual to this share. The dearer the factor against an iteration, the larger the rate that pays. No
+converged result depends on it beyond the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from wroll_fem.typing import FloatArray
+
+FULL_RENEWAL = 0.1
+"""Renewal rate of a time step of the whole structure (sparse factor)."""
+STATIC_RENEWAL = 0.1
+"""Renewal rate of a static step of the whole structure (sparse factor)."""
+CONDENSED_RENEWAL = 0.3
+"""Renewal rate of a condensed time step (dense factor of the points that slip)."""
+REDUCED_RENEWAL = 0.12
+"""Renewal rate of a reduced time step (small dense matrix, updated point by point)."""
+CHORD_RENEWAL = 0.25
+"""Renewal rate of the corrector of a continuation (dense Jacobian of the harmonic balance)."""
+
+NO_RENEWAL = 0.0
+"""Renewal rate of a solver that keeps no factor: every iteration has a new one."""
+
+
+class NewtonProblem(Protocol):
+    """Equations r(x) = 0; an evaluation may leave the trial state of x behind, the last one being the result's."""
+
+    def residual(self, x: FloatArray) -> tuple[FloatArray, float]:
+        """Residual r and its size."""
+        ...
+
+    def linearise(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Function that solves J(x) step = r, right after an evaluation at ``x``."""
+        ...
+
+    def converged(self, size: float, previous: float) -> bool:
+        """Whether a residual of ``size`` will do, ``previous`` being the size one iteration before."""
+        ...
+
+
+LineSearch = Callable[[Callable[[float], float], float], float]
+"""From size(damping) of the residual and its present size to the damping of a step."""
+
+
+def best_of_halvings(
+    size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
+) -> float:
+    """First of 1, 1/2, 1/4, ... that reduces the residual by ``least_gain`` times itself, else the best of them."""
+    damping, best = 1.0, (float("inf"), 0.0)
+    for _ in range(most):
+        found = size_at(damping)
+        best = min(best, (found, damping), key=lambda pair: pair[0])
+        if found < (1.0 - least_gain * damping) * size:
+            break
+        damping *= 0.5
+    return best[1]
+
+
+def first_decrease(size_at: Callable[[float], float], size: float, *, least: float = 0.01) -> float:
+    """First of 1, 1/2, 1/4, ... above ``least`` that reduces the residual, else the next one untried."""
+    damping = 1.0
+    while damping > least and not size_at(damping) < size:
+        damping *= 0.5
+    return damping
+
+
+def damped_newton(
+    problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float
+) -> tuple[FloatArray | None, list[float]]:
+    """Newton's method with kept factors; steps of a new factor are damped.
+
+    Parameters
+    ----------
+    problem
+        Equations.
+    x
+        (n,) start.
+    max_iterations
+        Iterations before it gives up.
+    search
+        Damping of the steps of a new factor.
+    renewal
+        Renewal rate of the factor.
+
+    Returns
+    -------
+    (n,) solution, or None when it does not converge, and the sizes of the residual
+    """
+    r, size = problem.residual(x)
+    history, previous = [size], float("inf")
+    solve: Callable[[FloatArray], FloatArray] | None = None
+    for _ in range(max_iterations):
+        if problem.converged(size, previous):
+            return x, history
+        fresh = solve is None
+        if solve is None:
+            solve = problem.linearise(x)
+        step, start = solve(r), x
+        damping = search(lambda share: problem.residual(start - share * step)[1], size) if fresh else 1.0  # noqa: B023
+        trial = x - damping * step
+        r_new, new = problem.residual(trial)
+        if not new <= renewal * size:
+            solve = None
+            if not fresh and not new < size:  # the kept factor failed: again from here with a new one
+                r, size = problem.residual(x)
+                continue
+        x, r, previous, size = trial, r_new, size, new
+        history.append(size)
+    return None, history
