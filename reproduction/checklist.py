@@ -37,9 +37,9 @@ class Claim:
     kind
         value, ordering, definition or experiment.
     accept
-        When it counts as met.
+        Criterion for the verdict "met".
     caution
-        What is wrong or open in the thesis; may be empty.
+        Errors and missing information in the thesis; may be empty.
     """
 
     id: str
@@ -64,12 +64,12 @@ def checklist() -> dict[str, Claim]:
 
 
 def of_chapters(names: Sequence[str]) -> list[Claim]:
-    """Claims of some chapters, of all without a name, in the order of the list.
+    """Claims of the given chapters (all chapters if none is given), in the order of the list.
 
     Raises
     ------
     InputError
-        For a chapter that the list does not have.
+        If a chapter is unknown.
     """
     for name in names:
         if name not in CHAPTERS:

@@ -1,4 +1,4 @@
-"""Claims on slip of the case study of section 2.4: C12, C18 to C25; what meshes and inputs change in them."""
+"""Claims on the slip of the case study of section 2.4 (C12, C18 to C25), with other meshes and inputs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup, Drawing
 from reproduction.evidence import Evidence
-from reproduction.family import Drawing, Family
 from reproduction.verdict import Verdict
 from reproduction.words import table
 from wroll_fem.case import ModalTransientCase
@@ -35,14 +35,14 @@ MESHES: dict[str, tuple[str, ...]] = {
     "harmonics, twice as many along the axis": (HARMONICS, "mesh.axial=48"),
     "harmonics, twice as many both ways": FINE[1:],
 }  # fmt: skip
-"""Words -> overrides of the case study."""
+"""Description -> overrides of the case study."""
 
 
 # ---- readings ------------------------------------------------------------------------------------
 
 
 def onset(data: xr.Dataset) -> float:
-    """Level at which the first point slips, g."""
+    """Base acceleration at which the first point slips, g."""
     return float(data["slip_onset"].min())
 
 
@@ -52,7 +52,7 @@ def from_axis(degrees: float) -> float:
 
 
 def place(data: xr.Dataset, point: int) -> str:
-    """Where a point of the coil is, in words."""
+    """Position of a point of the coil as text."""
     depth = 1e3 * (float(data["r_m"][point]) - data.attrs["mandrel_radius_m"])
     angle = from_axis(float(np.degrees(data["theta_rad"].values[point])))  # the same for its mirror images, which tie
     height = 1e3 * float(data["z_m"][point])
@@ -199,7 +199,7 @@ def truncation(evidence: Evidence) -> str:
 
 
 def inputs(evidence: Evidence) -> str:
-    """Onset with other capacities, base frequencies and base conditions."""
+    """Table of the slip onset with other capacities, base frequencies and base conditions."""
     case = evidence.case(*FINE).expect(ModalTransientCase)
     winding = case.wound
     mu = winding.friction_coefficient
@@ -233,7 +233,7 @@ def inputs(evidence: Evidence) -> str:
 
 
 def other_capacity(data: xr.Dataset, capacity_at: Callable[[FloatArray], FloatArray]) -> xr.Dataset:
-    """Results with another friction capacity (Pa, of a radius in m): the shear stress stays, the onset follows."""
+    """Results with another friction capacity (Pa, function of the radius in m); the shear stress does not change."""
     found = data.copy()
     found["slip_onset"] = "point", onset_levels(data["shear_resultant"].values, capacity_at(data["r_m"].values))
     radius = np.array([data.attrs["mandrel_radius_m"]])
@@ -245,7 +245,7 @@ def of_the_case_study(plot: Callable[[xr.Dataset], Axes]) -> Drawing:
     return lambda evidence: plot(evidence.result(STUDY))
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C12": c12, "C18": c18, "C19": c19, "C20": c20, "C21": c21, "C22": c22, "C23": c23, "C24": c24, "C25": c25},
     figures={
         "case_study_shear_distribution": (

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.verdict import Verdict
 from reproduction.words import numbers
 from wroll_fem.errors import InputError
@@ -31,7 +31,13 @@ OPEN = {
 
 
 def bending_index(data: xr.Dataset) -> int:
-    """Mode that bends with the most effective mass; raises InputError when the modes do not reach up to it."""
+    """Index of the bending mode with the largest effective mass.
+
+    Raises
+    ------
+    InputError
+        If the modes include none.
+    """
     index = main_bending(data["mode_kind"].values.tolist(), data["effective_mass_fraction"].values)
     if index is None:
         raise InputError("no bending mode among the modes", key="modal.count", remedy="raise it")
@@ -54,7 +60,7 @@ def alone(members: Sequence[SeriesMember]) -> float:
 
 
 def curve(members: Sequence[SeriesMember], modulus: float | None = None) -> tuple[FloatArray, FloatArray]:
-    """Shear stiffness in Pa and bending frequency in Hz, rising stiffness."""
+    """Interlayer shear moduli (Pa, ascending) and bending frequencies (Hz) of a study."""
     own = [m for m in members if not m.reference and (modulus is None or m.values[MODULUS] == modulus)]
     own.sort(key=lambda m: float(m.values[SHEAR]))
     return np.array([m.values[SHEAR] for m in own]), np.array([bending(m.data) for m in own])
@@ -105,7 +111,7 @@ def c17(evidence: Evidence) -> Verdict:
 
 
 def kapton(modulus: float, G: float) -> tuple[str, str, str]:
-    """Kapton roll with an in-plane modulus and a shear stiffness between wraps, Pa."""
+    """Overrides of the Kapton roll for an in-plane modulus and an interlayer shear modulus, Pa."""
     return KAPTON, f"{MODULUS}={modulus!r}", f"{SHEAR}={G!r}"
 
 
@@ -189,7 +195,7 @@ def c32(evidence: Evidence) -> Verdict:
     return Verdict(value, exact and abs(material.E_r - 0.01 * 4e9) < 1.0 and round(isotropic(4e9) / 1e9, 2) == 1.48)
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C14": c14, "C15": c15, "C16": c16, "C17": c17, "C28": c28, "C29": c29, "C30": c30, "C31": c31, "C32": c32},
     figures={
         "shear_stiffness": (

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting.design_map import plot_design_map
@@ -19,7 +19,7 @@ NINE = (
     "design_map.mandrel_radius=[0.020, 0.035, 0.050]",
     "design_map.mandrel_thickness=[1.0e-3, 2.0e-3, 3.2e-3]",
 )
-"""3 x 3 mandrels: the checklist's grid."""
+"""Overrides for 3 x 3 mandrels, the grid of the checklist."""
 
 ALUMINIUM = ("mandrel.material.E=70.0e9", "mandrel.material.nu=0.33", "mandrel.material.rho=2700")
 SOFT = tuple(
@@ -38,11 +38,11 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "finer (axial 16, radial 3)": ("mesh.axial=16", "mesh.radial=3"),
     "aluminium mandrel": ALUMINIUM,
 }
-"""Words -> overrides of the map."""
+"""Description -> overrides of the map."""
 
 
 def disparity(data: xr.Dataset) -> FloatArray:
-    """(radii, walls) disparity, Hz."""
+    """Frequency disparity (radii, walls), Hz."""
     return np.asarray(data["frequency_disparity"].transpose("mandrel_radius", "mandrel_thickness").values)
 
 
@@ -52,12 +52,12 @@ def own_disparity(data: xr.Dataset) -> float:
 
 
 def grows(values: FloatArray) -> tuple[bool, bool]:
-    """With the radius, with a thinner wall; false where a mandrel has no disparity."""
+    """Whether the disparity grows with the radius and with a thinner wall; false if a mandrel has none."""
     return bool((np.diff(values, axis=0) > 0).all()), bool((np.diff(values, axis=1) < 0).all())
 
 
 def rows_of(values: FloatArray) -> str:
-    """Table of numbers in one line."""
+    """Array as text in one line."""
     return " / ".join(numbers(row, ".1f") for row in values)
 
 
@@ -86,7 +86,7 @@ def c27(evidence: Evidence) -> Verdict:
 
 
 def variants(evidence: Evidence) -> str:
-    """3 x 3 mandrels and the one that was built, with other inputs."""
+    """Table of the disparity with other inputs, for 3 x 3 mandrels and the one that was built."""
     rows = []
     for words, data in zip(OTHERS, evidence.results([(*NINE, *sets) for sets in OTHERS.values()]), strict=True):
         values = disparity(data)
@@ -105,7 +105,7 @@ def map_figure(evidence: Evidence) -> Axes:
     return plot_design_map(evidence.result(MAP))
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C26": c26, "C27": c27},
     figures={"design_map": ("Fig 2.16: frequency disparity over radius and wall of the mandrel", map_figure)},
     tables={"Disparity with inputs that the thesis does not state": variants},

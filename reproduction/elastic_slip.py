@@ -8,8 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.case.material import IsotropicMaterial
@@ -31,7 +31,7 @@ SERIES = {
     "tied": ("1 kPa, surfaces that cannot separate, condensed", TIED, 1.0e3),
     "firm": ("10 kPa, condensed", LOW, 1.0e4),
 }
-"""Name -> words, study, external pressure in Pa."""
+"""Name -> description, study, external pressure (Pa)."""
 SENTENCES = {
     "slip": "1 kPa: the peak falls with the elastic slip; the layer opens",
     "tied": "1 kPa without separation: each smaller elastic slip changes the peak less",
@@ -40,16 +40,16 @@ SENTENCES = {
 
 
 def members(evidence: Evidence, series: str) -> list[SeriesMember]:
-    """Cases of one series, falling elastic slip."""
+    """Cases of one study in order of decreasing elastic slip."""
     _, study, pressure = SERIES[series]
     found = [m for m in evidence.study(study) if float(m.values[PRESSURE]) == pressure]
     return sorted(found, key=lambda m: -float(m.values[SLIP]))
 
 
 def loop_area_error(mu: float = 0.3, pressure: float = 2.0e4, slip: float = 1.0e-6, amplitude: float = 5.0e-6) -> float:
-    """Relative error of the work that one contact point takes in a closed cycle, against 4 mu N (X - mu N/k).
+    """Relative error of the friction work of one contact point over a closed cycle; exact is 4 mu N (X - mu N/k).
 
-    The point is led through a cycle of relative displacement of amplitude X, a multiple of gamma*, by the law itself;
+    The friction law is evaluated along a cycle of relative displacement with the amplitude X, a multiple of gamma*;
     k = mu N/gamma*.
     """
     area = 2.0e-4
@@ -75,7 +75,7 @@ def loop_area_error(mu: float = 0.3, pressure: float = 2.0e4, slip: float = 1.0e
 
 
 def falls(values: list[float]) -> bool:
-    """Whether the change falls with every step."""
+    """Whether the change decreases with every step."""
     return bool(np.all(np.diff(np.abs(np.diff(values))) < 0.0))
 
 
@@ -93,7 +93,7 @@ def c110(evidence: Evidence) -> Verdict:
 
 
 def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
-    """Length over which friction hands axial force to the layer, m: sqrt((E t)_series gamma* / (mu p))."""
+    """Shear lag length (friction transfers axial force to the layer over it), m: sqrt((E t)_series gamma* / (mu p))."""
     case = evidence.roll("lab_sweep")
     tube, coil, material = case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil, case.coil.material
     assert isinstance(material, IsotropicMaterial)
@@ -102,7 +102,7 @@ def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
 
 
 def series_table(series: str, evidence: Evidence) -> str:
-    """Response over gamma*; change: against the row above."""
+    """Table of the response over gamma*, with the change from the row above."""
     head = ("gamma*", "f_n", "change", "peak T", "change", "zeta", "open", "steps cut", "ledger error", "shear lag", "")
     rows, before = [], None
     for m in members(evidence, series):
@@ -140,7 +140,7 @@ def plot_curves(series: str, evidence: Evidence) -> Axes:
     return ax
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C110": c110},
     figures={
         f"appendix_a_{name}": (

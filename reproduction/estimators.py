@@ -1,6 +1,6 @@
-"""Claims on damping estimators: C116 to C118 (appendix D), and what each estimator reads from harder curves.
+"""Claims on damping estimators (C116 to C118, appendix D), and estimates from more difficult curves.
 
-Curves are exact; nothing is tuned.
+The curves are exact and no parameter is tuned.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import table
 from wroll_fem.plotting import style
@@ -31,7 +31,7 @@ from wroll_fem.signals.estimators import (
 from wroll_fem.typing import FloatArray
 
 FREQUENCY = np.linspace(0.0, 3.0, 3001)
-"""Over f_n."""
+"""Frequencies over f_n."""
 PRESCRIBED = (0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 BANDS = ((0.0, 3.0), (0.0, 2.0), (0.0, 1.5), (0.5, 1.5))
 HALF_POWER, PRINTED, NARROWEST = "half power", "Gaussian fit as printed", "Gaussian fit, narrowest window"
@@ -50,23 +50,23 @@ METHODS: dict[str, Callable[[FloatArray, np.ndarray], DampingEstimate]] = {
 
 @cache
 def exact(method: str) -> dict[float, DampingEstimate]:
-    """Prescribed damping -> what a method reads from the exact curve."""
+    """Prescribed damping -> estimate of a method from the exact curve."""
     read = METHODS[method]
     return {z: read(FREQUENCY, single_dof_transmissibility(FREQUENCY, 1.0, z)) for z in PRESCRIBED}
 
 
 def zetas(method: str) -> dict[float, float]:
-    """Prescribed -> read damping."""
+    """Prescribed -> estimated damping, as text."""
     return {z: found.zeta for z, found in exact(method).items()}
 
 
 def said(estimate: DampingEstimate) -> str:
-    """Reading as text."""
+    """Estimate as text."""
     return f"{estimate.zeta:.4f}" if estimate.found else "none"
 
 
 def reach(estimate: DampingEstimate) -> float:
-    """Window d of a Gaussian fit, over f_n = 1."""
+    """Half window d of a Gaussian fit for f_n = 1."""
     return 0.5 * (estimate.window[1] - estimate.window[0])
 
 
@@ -102,13 +102,13 @@ def c118(evidence: Evidence) -> Verdict:
 
 
 def exact_table(evidence: Evidence) -> str:
-    """Every method on the exact curves."""
+    """Table of the estimates of all methods from the exact curves."""
     columns = [exact(method) for method in METHODS]
     return table(("zeta", *METHODS), [(f"{z:g}", *(said(found[z]) for found in columns)) for z in PRESCRIBED])
 
 
 def unconstrained(z: float) -> float:
-    """What a bell of the peak's own curvature reads: the fit for d -> 0, which the constraint forbids."""
+    """Damping of a bell with the curvature of the peak: the fit for d -> 0, which the constraint excludes."""
     f = np.linspace(0.9, 1.1, 5) if z > 0.3 else np.linspace(1.0 - 0.2 * z, 1.0 + 0.2 * z, 5)
     top = np.abs(single_dof_transmissibility(FREQUENCY, 1.0, z)).argmax()
     f = f - 1.0 + FREQUENCY[top]
@@ -117,7 +117,7 @@ def unconstrained(z: float) -> float:
 
 
 def band_table(evidence: Evidence) -> str:
-    """The Gaussian fit as printed on bands of different width."""
+    """Table of the Gaussian fit as printed, for bands of different width."""
     rows = []
     for z in (0.01, 0.05, 0.1, 0.2, 0.3, 0.5):
         cells = []
@@ -130,7 +130,7 @@ def band_table(evidence: Evidence) -> str:
 
 
 def hard_curves() -> list[tuple[str, float, FloatArray, np.ndarray]]:
-    """Name, true damping, frequencies (Hz), complex transmissibility."""
+    """Name, exact damping, frequencies (Hz) and complex transmissibility of each difficult curve."""
     f = np.linspace(120.0, 180.0, 1001)
     noise = np.random.default_rng(0).standard_normal((2, f.size))
 
@@ -151,7 +151,7 @@ def hard_curves() -> list[tuple[str, float, FloatArray, np.ndarray]]:
 
 
 def hard_table(evidence: Evidence) -> str:
-    """Readings and standard errors of harder curves."""
+    """Table of estimates and standard errors for more difficult curves."""
     names = list(METHODS)[:5]
     rows = []
     for name, z, f, T in hard_curves():
@@ -194,7 +194,7 @@ def plot_estimators(evidence: Evidence) -> Axes:
     return first
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C116": c116, "C117": c117, "C118": c118},
     figures={"damping_estimators": ("Fig D.1: estimated over prescribed damping", plot_estimators)},
     tables={

@@ -1,4 +1,4 @@
-"""What claims are judged on: results of cases and studies, computed once and kept."""
+"""Evidence for the claims: results of cases and studies, computed once and stored."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ R = TypeVar("R")
 
 
 class Evidence:
-    """Results of the case files and studies in configs/, from a folder or computed now.
+    """Results of the case files and studies in configs/, read from a folder or computed on demand.
 
     Parameters
     ----------
     folder
-        Where results are kept: studies/NAME as `wroll batch` leaves them, cases/, and kept/ for computations that no
-        case file describes. Results of the same case are not computed again.
+        Folder of the results: studies/NAME as written by `wroll batch`, cases/, and kept/ for computations that are not
+        described by a case file. Stored results of the same case are used again.
     fast
-        Coarse meshes and fewer values, as fast.yaml says.
+        Use coarse meshes and fewer values, as specified in fast.yaml.
     workers
-        Processes at a time.
+        Number of processes.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Evidence:
         self.progress: Progress = progress if progress is not None else SilentProgress()
         if not (self.configs / "studies").is_dir():
             raise InputError(
-                "there are no case files of the thesis's studies here", file=str(self.configs),
+                "the case files of the studies are missing", file=str(self.configs),
                 remedy="run from a clone of the project, whose folder configs/ has them",
             )  # fmt: skip
         self._studies: dict[str, list[SeriesMember]] = {}
@@ -81,7 +81,7 @@ class Evidence:
     # ---- cases -----------------------------------------------------------------------------------
 
     def case(self, config: str, *overrides: str) -> Case:
-        """Case file of configs/ by name, coarse when fast; `overrides` as `--set` takes them, these last."""
+        """Case of configs/ by name, with a coarse mesh if `fast`; `overrides` as for `--set` are applied last."""
         coarse = self._coarse["cases"].get(config, []) if self.fast else []
         return load_case(self.configs / f"{config}.yaml", [*coarse, *overrides])
 
@@ -109,14 +109,14 @@ class Evidence:
         return [self._results[key] for key in keys]
 
     def kept(self, name: str, compute: Callable[[], xr.Dataset], **inputs: Any) -> xr.Dataset:
-        """Result of a computation that no case file describes, kept under its name and inputs.
+        """Result of a computation that is not described by a case file, stored under its name and inputs.
 
         Parameters
         ----------
         compute
-            Called when nothing is kept; its Dataset holds real numbers and text.
+            Function called if there is no stored result; its Dataset contains real numbers and text.
         inputs
-            Whatever changes the result, as JSON can hold it.
+            All inputs that affect the result, in types of JSON.
         """
         file = self._kept_file(name, inputs)
         if not file.is_file():
@@ -126,14 +126,14 @@ class Evidence:
     def kept_each(
         self, name: str, work: Callable[..., xr.Dataset], inputs: Sequence[Mapping[str, Any]]
     ) -> list[xr.Dataset]:
-        """Result of a module-level function for each set of keyword arguments, computed side by side and each kept."""
+        """Results of a module-level function for several sets of keyword arguments, computed in parallel and stored."""
         kept = [(one, self._kept_file(name, one)) for one in inputs]
         todo = [(work, dict(one), file) for one, file in kept if not file.is_file()]
         self.map(_keep, todo, what=name.replace("_", " "))
         return [_read(file) for _, file in kept]
 
     def map(self, work: Callable[[T], R], tasks: Sequence[T], what: str = "tasks") -> list[R]:
-        """Results of a module-level function over tasks, in worker processes when there is more than one of both."""
+        """Results of a module-level function for several tasks, in parallel if there are several workers."""
         if self.workers == 1 or len(tasks) < 2:
             return [work(task) for task in tasks]
         if self._pool is None:  # spawned: a forked child would share MPI and PETSc with its parent
@@ -148,12 +148,12 @@ class Evidence:
     # ---- studies ---------------------------------------------------------------------------------
 
     def study(self, name: str) -> list[SeriesMember]:
-        """Finished cases of configs/studies/NAME.yaml in the order of the grid, run now where they are missing.
+        """Finished cases of configs/studies/NAME.yaml in the order of the grid; missing cases are run.
 
         Raises
         ------
         InputError
-            When no case of the study could be finished.
+            If no case of the study could be finished.
         """
         if name not in self._studies:
             grid = self.grid(name)
@@ -168,7 +168,13 @@ class Evidence:
         return self._studies[name]
 
     def one(self, study: str, **wanted: Any) -> SeriesMember:
-        """Return the case of a study with these values, keys written with __ for dots; raises InputError without."""
+        """Case of a study with given values; in the keys, __ stands for a dot.
+
+        Raises
+        ------
+        InputError
+            If the study has no such case.
+        """
         values = {key.replace("__", "."): value for key, value in wanted.items()}
         for member in self.study(study):
             if not member.reference and all(member.values.get(key) == value for key, value in values.items()):
@@ -176,7 +182,13 @@ class Evidence:
         raise InputError(f"study {study} has no finished case with {values}", remedy="see its run folders")
 
     def reference(self, study: str) -> SeriesMember:
-        """Return the case that stands beside the grid of a study; raises InputError without."""
+        """Reference case of a study, outside its grid.
+
+        Raises
+        ------
+        InputError
+            If the study has none.
+        """
         for member in self.study(study):
             if member.reference:
                 return member
@@ -187,7 +199,7 @@ class Evidence:
         return RunFolder(self.folder / "studies" / study / member.name).summary()
 
     def grid(self, name: str) -> Grid:
-        """Cases of a study; coarse and fewer when fast."""
+        """Cases of a study; with `fast`, fewer cases with coarse meshes."""
         grid = load_grid(self.configs / "studies" / f"{name}.yaml")
         change = self._coarse["studies"].get(name) if self.fast else None
         if change is None:

@@ -1,6 +1,7 @@
-"""Runs from rest as the thesis made them: an explicit pair of orders 5 and 4 for six of its time constants.
+"""Explicit Runge-Kutta runs from rest over six time constants, as in the thesis.
 
-What a loose tolerance makes of the model's curves (appendix C); `time` and `periodic` are the solvers to use.
+They show the effect of loose tolerances on the curves of the model (appendix C). For other purposes use
+`wroll_fem.two_dof.time` and `wroll_fem.two_dof.periodic`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from wroll_fem.typing import FloatArray
 drop_stale_cache(__file__, in_time.__file__)
 
 ZETA = 0.002
-"""Damping ratio of the thesis's estimate of the time constant (equation 5.5)."""
+"""Damping ratio in the estimate of the time constant in the thesis (equation 5.5)."""
 
 # Dormand and Prince (1980), J. Comput. Appl. Math. 6, 19-26
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -35,12 +36,12 @@ _E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 52
 
 @dataclass(frozen=True)
 class ExplicitRun:
-    """A run from rest.
+    """Result of a run from rest.
 
     Attributes
     ----------
     transmissibility : largest abs(x_1) over Y_0 in the last periods
-    steps : steps accepted
+    steps : number of accepted steps
     """
 
     transmissibility: float
@@ -109,13 +110,14 @@ def run_from_rest(
     Parameters
     ----------
     rtol, atol
-        Error allowed in a step, relative and in m or m/s: in the largest component, relative to max(abs(y), atol/rtol).
+        Relative and absolute (m or m/s) error allowed per step, for the largest component relative to
+        max(abs(y), atol/rtol).
 
     Notes
     -----
-    Dormand and Prince's pair with the usual step control (factor 0.8 (rtol/err)^(1/5) between 0.1 and 5); as MATLAB's
-    ode45, it looks at four points per step. Where friction sticks, the creep rate F_c s/2 holds the pair at its limit
-    of stability.
+    Dormand-Prince pair with the usual step control (factor 0.8 (rtol/err)^(1/5) between 0.1 and 5) and four output
+    points per step, like ode45 of MATLAB. Where friction sticks, the stability limit due to the creep rate F_c s/2
+    determines the step.
     """
     end = 6.0 / (ZETA * omega)
     start = end - periods * 2.0 * np.pi / omega

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.verdict import Verdict
 from wroll_fem.plotting.study import PRESSURE, is_sweep, read
 from wroll_fem.results.resonance import Resonance
@@ -27,7 +27,7 @@ def c125(evidence: Evidence) -> Verdict:
     return Verdict(value, bool(holds))
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C125": c125},
     figures={
         "ch4_friction_laws": (

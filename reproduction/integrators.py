@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.case import SweepCase
@@ -23,13 +23,13 @@ from wroll_fem.signals.transmissibility import magnitude
 STUDY, SCHEME = "integrators_source", "integrator.scheme"
 NAMES = ("no_damping", "transient_fidelity", "moderate_dissipation", "quasi_static")
 PRINTED = {-0.05: ("0.275625", "0.55"), -0.41421: ("0.5", "0.91421"), 0.0: ("0.25", "0.5")}
-"""alpha -> beta and gamma as Table B.1 prints them."""
+"""alpha -> beta and gamma as printed in Table B.1."""
 STEP = 3.0722e-4
-"""Time step of the thesis's run (figure B.2), s."""
+"""Time step of the run in the thesis (Fig. B.2), s."""
 ANGLE = 0.29
 """omega dt of 150 Hz at that step, rad."""
 FINER = 4
-"""Steps of the reference over those of the thesis."""
+"""Number of steps of the reference run over that in the thesis."""
 ENERGIES = ("input_work", "friction_energy", "numerical_dissipation")
 
 
@@ -48,10 +48,10 @@ def c111(evidence: Evidence) -> Verdict:
 
 
 def free_decay(scheme: Scheme, angle: float) -> float:
-    """Damping ratio that the time stepper itself gives an undamped oscillator released at ``angle`` = omega dt, rad.
+    """Numerical damping ratio of the time stepper for an undamped oscillator with ``angle`` = omega dt, rad.
 
-    Two complex exponentials obey u_{n+1} = p u_n - q u_{n-1} with p = 2 Re(lambda), q = |lambda|^2. The first steps, in
-    which HHT's third eigenvalue dies out, are left away.
+    Two complex exponentials satisfy u_{n+1} = p u_n - q u_{n-1} with p = 2 Re(lambda), q = |lambda|^2. The first steps,
+    in which the third eigenvalue of HHT decays, are ignored.
     """
     one = sp.csr_matrix(np.ones((1, 1)))
     system = System(one, one, np.ones(1), probes={"tip": np.ones(1)})
@@ -77,13 +77,13 @@ def c112(evidence: Evidence) -> Verdict:
 
 
 def by_scheme(evidence: Evidence) -> dict[str, SeriesMember]:
-    """Scheme -> sweep with it at the thesis's step."""
+    """Scheme -> sweep with the time step of the thesis."""
     found = {str(m.values[SCHEME]): m for m in evidence.study(STUDY)}
     return {name: found[name] for name in NAMES if name in found}
 
 
 def reference(evidence: Evidence) -> SeriesMember:
-    """Return the sweep with alpha = -0.05 at a fraction of the thesis's step."""
+    """Sweep with alpha = -0.05 and a fraction of the time step of the thesis."""
     one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
     steps = FINER * one.case.expect(SweepCase).integrator.steps_per_cycle
     data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
@@ -102,7 +102,7 @@ def c113(evidence: Evidence) -> Verdict:
 
 
 def schemes_table(evidence: Evidence) -> str:
-    """Damping of the schemes alone, and the sweep with each."""
+    """Table of the numerical damping of the schemes, and of the sweep with each."""
     head = ("scheme", "damping ratio", "period", "f_n", "peak T", "zeta", "friction/input", "numerical/input")
     rows = []
     for name, m in {**by_scheme(evidence), "a quarter of the step": reference(evidence)}.items():
@@ -157,7 +157,7 @@ def plot_schemes(evidence: Evidence) -> Axes:
     return ax
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C111": c111, "C112": c112, "C113": c113},
     figures={
         "appendix_b_damping": ("Figs B.1 and B.2: numerical damping of the schemes", plot_damping),

@@ -8,17 +8,17 @@ from itertools import product
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import EXPERIMENT, THESIS_ERROR, Verdict
 from wroll_fem.plotting.lab import plot_velocity_steps
 from wroll_fem.tribology import RateAndState, VelocitySteps, shear_history
 from wroll_fem.tribology.rate_and_state import LAWS
 
 STEPS = VelocitySteps(1.0e-6, 1.0e-5)
-"""1 and 10 um/s, changed every 0.5 mm up to 3 mm, as in the thesis."""
+"""Velocity steps of the thesis: 1 and 10 um/s, changed every 0.5 mm, up to 3 mm."""
 CONSTANTS = RateAndState()
-"""The thesis prints none of its constants; these are ours: mu_R of the lab roll, a and b as rocks have them."""
+"""Assumed friction law, since the thesis states no parameters: mu_R of the lab roll, a and b typical of rock."""
 
 
 def c122(evidence: Evidence) -> Verdict:
@@ -77,7 +77,7 @@ def plot(evidence: Evidence) -> Axes:
     return plot_velocity_steps(found)
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C122": c122, "C123": c123, "C124": c124, "C126": c126},
     figures={
         "rate_and_state": (

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.lab_studies import PRELOAD_STUDY, bound, sweeps
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.winding import c61
@@ -118,7 +118,7 @@ def c76(evidence: Evidence) -> Verdict:
 
 
 def friction_law_figure(evidence: Evidence) -> Axes:
-    """Penalty law of the lab case on a closed path of slip, beside Coulomb's (Fig 4.2)."""
+    """Penalty law of the lab case on a closed path of relative displacement, with Coulomb's law (Fig. 4.2)."""
     friction = evidence.roll(LAB).friction
     assert isinstance(friction, PenaltyFriction)
     law = PenaltyCoulomb(mu=friction.mu, elastic_slip=friction.elastic_slip)
@@ -144,7 +144,7 @@ def friction_law_figure(evidence: Evidence) -> Axes:
     return ax
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C57": c57, "C58": c58, "C59": c59, "C60": c60, "C61": c61, "C62": c62, "C63": c63, "C76": c76},
     figures={
         "ch4_friction_law": ("Fig 4.2: penalty law and Coulomb's", friction_law_figure),

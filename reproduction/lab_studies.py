@@ -1,4 +1,4 @@
-"""Finished studies of the lab roll (configs/studies), as the claims of chapter 4 read them."""
+"""Studies of the lab roll (configs/studies) on which the claims of chapter 4 are judged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
 
 
 def sweeps(evidence: Evidence, base: str) -> list[SeriesMember]:
-    """Sweeps over the preload with one base condition, rising preload; raises InputError for fewer than three."""
+    """Sweeps with one base condition, in order of increasing preload.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three.
+    """
     study = PRELOAD_STUDY[base]
     found = sorted((m for m in evidence.study(study) if is_sweep(m)), key=lambda m: float(m.values[PRESSURE]))
     if len(found) < 3:
@@ -30,7 +36,7 @@ def bound(evidence: Evidence, interface: str, base: str) -> float:
 def beside(
     evidence: Evidence, said: Callable[[Sequence[SeriesMember]], str], found: Callable[[str], Sequence[SeriesMember]]
 ) -> str:
-    """Text for the free base, on which claims are judged, with the clamped one beside it.
+    """Text for the free base, on which claims are judged, followed by that for the clamped base.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Claims on where the layers slip, and how many interfaces it takes: C71 to C75."""
+"""Claims on the distribution of slip and on the number of layers: C71 to C75."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.constants import g as GRAVITY
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.lab_studies import beside
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, numbers
@@ -27,7 +27,7 @@ Members = Sequence[SeriesMember]
 
 
 class Slip(NamedTuple):
-    """Largest relative displacement: interface (0 inner), hoop and axial part in m, angle from the x axis in deg."""
+    """Largest relative displacement: interface (0 is innermost), hoop and axial component (m), angle from x (deg)."""
 
     interface: int
     hoop: float
@@ -36,12 +36,12 @@ class Slip(NamedTuple):
 
 
 def dwells(evidence: Evidence, base: str = "free") -> list[SeriesMember]:
-    """Dwells with one base condition, rising level."""
+    """Dwells with one base condition, in order of increasing level."""
     return sorted(evidence.study(DWELL_STUDY[base]), key=lambda m: float(m.values[AMPLITUDE]))
 
 
 def level(member: SeriesMember) -> str:
-    """Level of a dwell, "1 g"."""
+    """Level of a dwell as text, "1 g"."""
     return f"{member.values[AMPLITUDE] / GRAVITY:.3g} g"
 
 
@@ -51,7 +51,7 @@ def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
 
 
 def areas(member: SeriesMember) -> FloatArray:
-    """Area of every interface that slipped at any time, m^2."""
+    """Area of each interface that slips at any time, m^2."""
     total = member.data["area"].values.sum(axis=-1)
     return np.asarray(slipping_area_fraction(member.data).values * total)
 
@@ -70,7 +70,7 @@ def largest(member: SeriesMember) -> Slip:
 
 
 def top(member: SeriesMember) -> float:
-    """Highest point that slipped, m (0 when none)."""
+    """Height of the highest slipping point, m; 0 if there is none."""
     slipped = member.data["slipped"].values.astype(bool).any(axis=0)
     return float(member.data["z_m"].values[slipped].max(initial=0.0))
 
@@ -135,7 +135,7 @@ def c75(evidence: Evidence) -> Verdict:
     return Verdict(f"{value}; ratio {ratio:.2f}", 0.02 <= most[1][0] <= 0.08 and 1 / 1.5 <= ratio <= 1.5)
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C71": c71, "C72": c72, "C73": c73, "C74": c74, "C75": c75},
     figures={
         "ch4_slip_extent": (

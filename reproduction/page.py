@@ -1,4 +1,4 @@
-"""The page about all claims: tables, figures, explanations, as Markdown."""
+"""Markdown page on all claims: tables, figures and explanations."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reproduction.checklist import CHAPTERS, explanations
 from reproduction.evidence import Evidence
-from reproduction.reproduce import Judged, count, families
+from reproduction.reproduce import Judged, claim_groups, count
 from reproduction.verdict import NOT_MET, THESIS_ERROR
 from reproduction.words import table
 from wroll_fem.errors import WrollError
@@ -24,7 +24,7 @@ def unexplained(judged: Sequence[Judged]) -> list[str]:
 
 
 def write_page(judged: Sequence[Judged], evidence: Evidence, path: Path, command: str) -> list[Path]:
-    """Write the page, with its figures in the folder figures/ beside it.
+    """Write the page and its figures, in the folder figures/ next to it.
 
     Parameters
     ----------
@@ -71,14 +71,14 @@ def table_of(judged: Sequence[Judged]) -> str:
 
 
 def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], list[str]]:
-    """Draw the figures of a chapter; returns the files and the Markdown lines that show them with its tables.
+    """Draw the figures of a chapter; return their files and the Markdown lines of figures and tables.
 
-    Tables are left out when the evidence is fast.
+    Tables are omitted if the evidence is fast.
     """
     paths: list[Path] = []
     lines: list[str] = []
-    for family in families(chapter):
-        for name, (caption, drawing) in family.figures.items():
+    for group in claim_groups(chapter):
+        for name, (caption, drawing) in group.figures.items():
             try:
                 paths.append(save_figure(drawing(evidence), folder / f"{name}.png"))
             except WrollError as error:
@@ -86,7 +86,7 @@ def draw(chapter: str, evidence: Evidence, folder: Path) -> tuple[list[Path], li
                 lines += [f"*{caption}: not drawn ({error}).*", ""]
                 continue
             lines += [f"![{caption}](figures/{name}.png)", "", f"*{caption}*", ""]
-        for name, text in family.tables.items() if not evidence.fast else ():  # studies beside the claims
+        for name, text in group.tables.items() if not evidence.fast else ():  # studies beside the claims
             lines += [f"**{name}**", "", text(evidence).strip(), ""]
     return paths, lines
 

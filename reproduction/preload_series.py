@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.lab_studies import beside, sweeps
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, listed, monotone, rank_correlation
@@ -23,7 +23,7 @@ def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
 
 
 def at_interface(evidence: Evidence, said: Callable[[Members], str]) -> str:
-    """Text for the preloads that put 10 kPa and more on the interface; the layer's ring takes the rest of them."""
+    """Text for the preloads with an interface pressure of at least 10 kPa."""
     members = [
         m for m in sweeps(evidence, "free") if evidence.summary("preload", m)["interface_pressure_mean_pa"][0] >= 1e4
     ]
@@ -74,7 +74,7 @@ def c67(evidence: Evidence) -> Verdict:
 
 
 def c68(evidence: Evidence) -> Verdict:
-    """Share of E_F gained within 10 % of f_n, and where the rate (over windows of about 20 cycles) is largest."""
+    """Fraction of E_F gained within 10 % of f_n, and frequency of its largest rate (windows of about 20 cycles)."""
     members = sweeps(evidence, "free")
     parts, holds = [], True
     for m in (members[0], members[-1]):
@@ -119,7 +119,7 @@ def c70(evidence: Evidence) -> Verdict:
     return Verdict(value, r(sweeps(evidence, "free")) > 0.8)
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C64": c64, "C65": c65, "C66": c66, "C67": c67, "C68": c68, "C69": c69, "C70": c70},
     figures={
         "ch4_transmissibility_over_preload": (

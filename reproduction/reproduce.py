@@ -11,32 +11,32 @@ from importlib import import_module
 from pathlib import Path
 
 from reproduction.checklist import Claim, of_chapters
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
 from wroll_fem.progress import Progress, SilentProgress
 
-FAMILIES: dict[str, tuple[str, ...]] = {
+GROUPS: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
     "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": ("two_dof",),
     "appendices": (
         "elastic_slip",
         "integrators",
-        "smoothed_sign",
+        "regularised_sign",
         "estimators",
         "shear_tests",
         "kapton_friction",
         "friction_rate",
     ),
 }
-"""Chapter -> modules of this package, each with a `FAMILY`."""
+"""Chapter -> modules of this package with the claim groups (`GROUP`)."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A claim, its verdict, and the wall time of judging it in s (the first of a family pays for its runs)."""
+    """A claim with its verdict and wall time, s (the time of shared runs is that of the first claim of a group)."""
 
     claim: Claim
     verdict: Verdict
@@ -50,14 +50,14 @@ class Judged:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What `reproduce` leaves.
+    """Result of `reproduce`.
 
     Attributes
     ----------
     judged
-        The claims in the order of the list.
+        Judged claims in the order of the list.
     written
-        Table, page and figures.
+        Files of the table, the page and the figures.
     """
 
     judged: list[Judged]
@@ -65,7 +65,7 @@ class Reproduction:
 
     @property
     def count(self) -> str:
-        """Number of claims with each verdict, in words."""
+        """Number of claims with each verdict, as text."""
         return count(self.judged)
 
     @property
@@ -74,26 +74,26 @@ class Reproduction:
         return [one.claim.id for one in self.judged if one.verdict.word == NOT_COMPUTED]
 
 
-def families(chapter: str) -> list[Family]:
-    """Families of a chapter's claims; none for a chapter that is not reproduced yet."""
-    return [import_module(f".{name}", __package__).FAMILY for name in FAMILIES.get(chapter, ())]
+def claim_groups(chapter: str) -> list[ClaimGroup]:
+    """Claim groups of a chapter; empty for a chapter that is not reproduced yet."""
+    return [import_module(f".{name}", __package__).GROUP for name in GROUPS.get(chapter, ())]
 
 
 def judge(chapters: Sequence[str], evidence: Evidence, progress: Progress) -> list[Judged]:
-    """Judge the claims of some chapters (all without a name), in the order of the list.
+    """Judge the claims of the given chapters (all chapters if none is given), in the order of the list.
 
-    A claim whose runs fail is "not computed", with the reason as its value; the others are judged all the same.
+    A claim whose runs fail has the verdict "not computed" and the reason as its value; other claims are not affected.
 
     Raises
     ------
     InputError
-        For a chapter that the checklist does not have.
+        If a chapter is unknown.
     """
     claims = of_chapters(chapters)
     found: dict[str, Judged] = {}
     for chapter in dict.fromkeys(claim.chapter for claim in claims):
         own = {claim.id: claim for claim in claims if claim.chapter == chapter}
-        judges = {name: one for family in families(chapter) for name, one in family.judges.items()}
+        judges = {name: one for group in claim_groups(chapter) for name, one in group.judges.items()}
         for name, claim in own.items():
             started = time.perf_counter()
             if name not in judges:
@@ -110,7 +110,7 @@ def judge(chapters: Sequence[str], evidence: Evidence, progress: Progress) -> li
 
 
 def count(judged: Sequence[Judged]) -> str:
-    """Return "12 met, 2 not met, 1 thesis error: explained"."""
+    """Number of claims with each verdict as text, "12 met, 2 not met, 1 thesis error: explained"."""
     numbers = Counter(one.verdict.word for one in judged)
     return ", ".join(f"{numbers[word]} {word}" for word in VERDICTS if numbers[word])
 
@@ -136,25 +136,25 @@ def reproduce(
     page: Path | None = None,
     command: str = "wroll reproduce",
 ) -> Reproduction:
-    """Judge the claims of some chapters (all without a name) and write claims.csv and the page about them.
+    """Judge the claims of the given chapters (all chapters if none is given) and write claims.csv and the page.
 
     Parameters
     ----------
     folder
-        Keeps every run by the hash of its case; what is there is not computed again, also when the code has changed.
+        Folder of the runs, stored by the hash of their cases. Stored runs are used again, even if the code has changed.
     fast
-        Coarse meshes and fewer values (fast.yaml); verdicts on the shipped cases are those without.
+        Use coarse meshes and fewer values (fast.yaml). The published verdicts are those without this option.
     workers
-        Processes at a time.
+        Number of processes.
     page
-        Markdown file, figures in figures/ beside it; `folder`/claims.md by default.
+        Markdown file, with its figures in figures/ next to it; `folder`/claims.md by default.
     command
-        What the page names as its maker.
+        Command that is named on the page.
 
     Raises
     ------
     InputError
-        For an unknown chapter, or where the project's configs/ are missing.
+        If a chapter is unknown, or the folder configs/ of the project is missing.
     """
     from reproduction.page import unexplained, write_page
 

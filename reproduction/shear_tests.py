@@ -6,39 +6,39 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.family import Family
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import numbers
 from wroll_fem.plotting.lab import plot_shear_tests
 from wroll_fem.tribology import ShearTest, run_shear_test
 
 LAYERS = (50, 100)
-"""Loose layers of a stack; one interface more than layers."""
+"""Numbers of loose layers in a stack; it has one more interface than layers."""
 PRESSURES = (25e3, 50e3, 100e3, 150e3, 200e3, 300e3)
-"""F_N/A, Pa."""
+"""Pressures F_N/A, Pa."""
 RIGID = 1.0e6
-"""How much larger friction's stiffness is than the layers' in the check of a solid block."""
+"""Ratio of the stick stiffness to the stiffness of the layers in the check of a solid block."""
 
 
 def tests(evidence: Evidence) -> list[xr.Dataset]:
-    """Tests of both stacks under every pressure."""
+    """Tests of both stacks at every pressure."""
     inputs = [{"layers": n, "pressure": p} for n in LAYERS for p in PRESSURES]
     return evidence.kept_each("shear_test", one_test, inputs)
 
 
 def one_test(layers: int, pressure: float) -> xr.Dataset:
-    """A stack under a pressure in Pa, mu and gamma* of the lab roll."""
+    """Test of a stack at a pressure (Pa), with mu and gamma* of the lab roll."""
     return run_shear_test(ShearTest(layers + 1, pressure * ShearTest.area))
 
 
 def readings(evidence: Evidence, name: str) -> np.ndarray:
-    """(n_layers, n_pressures) attribute of the tests."""
+    """(n_layers, n_pressures) values of an attribute of the tests."""
     return np.reshape([float(data.attrs[name]) for data in tests(evidence)], (len(LAYERS), len(PRESSURES)))
 
 
 def fit(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """Slope of a straight line and R^2."""
+    """Slope of the fitted straight line, and R^2."""
     slope, offset = np.polyfit(x, y, 1)
     rest = y - slope * x - offset
     return float(slope), float(1.0 - rest @ rest / np.sum((y - y.mean()) ** 2))
@@ -98,7 +98,7 @@ def plot(evidence: Evidence) -> Axes:
     return plot_shear_tests(tests(evidence))
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C119": c119, "C120": c120, "C121": c121},
     figures={
         "shear_tests": ("Figs E.6 to E.9: double shear test of stacks of 50 and 100 layers over the preload", plot)

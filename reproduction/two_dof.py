@@ -1,4 +1,4 @@
-"""Claims on the two masses that rub: C77 to C90."""
+"""Claims on the two-mass model: C77 to C90."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from reproduction import two_dof_figures as figures
 from reproduction import two_dof_study as study
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import numbers, table
 from wroll_fem.case import TwoDofCase
@@ -23,7 +23,7 @@ from wroll_fem.two_dof import PeriodicSolver, TwoMasses, regularised_sign
 
 
 def short(values: Iterable[float], form: str = ".3g") -> str:
-    """Numbers to three digits."""
+    """Numbers with three digits, as text."""
     return numbers((float(v) for v in values), form)
 
 
@@ -124,7 +124,7 @@ def c85(evidence: Evidence) -> Verdict:
 
 
 def c86(evidence: Evidence) -> Verdict:
-    """Table 5.1, equation 5.8."""
+    """Computed entries of Table 5.1 (equation 5.8)."""
     mu, sigma, radius, height, tip, young, wall = 0.25, 300e3, 0.040, 0.300, 1e-3, 2.8e9, 1.6e-3
     capacity = 2.0 * np.pi * radius * height * mu * sigma
     inertia = 0.25 * np.pi * (radius**4 - (radius - wall) ** 4)
@@ -184,7 +184,7 @@ def c90(evidence: Evidence) -> Verdict:
 
 
 def readings(evidence: Evidence) -> str:
-    """Readings of the refined peaks."""
+    """Table of half-power damping from the refined peaks."""
     data = study.series(evidence)
     rows = []
     for capacity in data["friction_capacity"].values:
@@ -199,7 +199,7 @@ def readings(evidence: Evidence) -> str:
 
 
 def of_motions(value: Callable[[float, float], str], evidence: Evidence) -> str:
-    """Table over capacity and frequency of a text made of both transmissibilities."""
+    """Table over capacity and frequency; each entry is a text made from both transmissibilities."""
     data = study.settled(evidence)
     rows = []
     for capacity, line, other in zip(
@@ -210,7 +210,7 @@ def of_motions(value: Callable[[float, float], str], evidence: Evidence) -> str:
 
 
 def smoothing(evidence: Evidence) -> str:
-    """Peak and damping over capacity for each scale s (appendix C)."""
+    """Table of peak and damping over the capacity for each scale s (appendix C)."""
     found = study.scales(evidence)
     rows = []
     for s, data in found.items():
@@ -221,7 +221,7 @@ def smoothing(evidence: Evidence) -> str:
 
 
 def constant(evidence: Evidence) -> str:
-    """Peaks with and without equations 5.6 and 5.7."""
+    """Table of the peaks with and without equations 5.6 and 5.7."""
     pair = study.with_and_without_preload(evidence)
     rows = []
     for capacity in pair[0]["friction_capacity"].values:
@@ -234,7 +234,7 @@ def constant(evidence: Evidence) -> str:
     return table(("F_c", "peak omega, T_pk, SK as in the thesis", "with constant masses and stiffness"), rows)
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {
         "C77": c77, "C78": c78, "C79": c79, "C80": c80, "C81": c81, "C82": c82, "C83": c83, "C84": c84, "C85": c85,
         "C86": c86, "C87": c87, "C88": c88, "C89": c89, "C90": c90,

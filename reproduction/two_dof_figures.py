@@ -1,4 +1,4 @@
-"""Figures of chapter 5 that put the two masses beside the finite-element model."""
+"""Figures of chapter 5 that compare the two-mass model with the finite-element model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def lab_values(evidence: Evidence) -> tuple[float, float]:
 
 
 def with_lab_density(evidence: Evidence) -> list[SeriesMember]:
-    """Cases of the finite-element map that have the lab roll's density."""
+    """Cases of the finite-element map with the density of the lab roll."""
     rho = lab_values(evidence)[0]
     return [m for m in evidence.study(SPACE_STUDY) if float(m.values[DENSITY]) == rho]
 
@@ -70,12 +70,12 @@ def plot_both_models(evidence: Evidence) -> Axes:
 
 
 def peak_of(member: SeriesMember) -> tuple[float, float]:
-    """Resonance (Hz) and peak of a case."""
+    """Resonance frequency (Hz) and peak of a case."""
     return float(member.data.attrs["f_n_hz"]), float(member.data.attrs["peak_transmissibility"])
 
 
 def plot_stiffness(evidence: Evidence) -> Axes:
-    """Draw both models on one axis: largest damping over the secondary's stiffness; Table 5.2 and 2.8 GPa are 1."""
+    """Draw the largest damping over the secondary stiffness for both models, relative to Table 5.2 and 2.8 GPa."""
     ax = style.axes(None, 4.4)
     own, modulus = TwoMasses(), lab_values(evidence)[1]
     lines = [
@@ -138,7 +138,7 @@ def draw_map(ax: Axes, x: FloatArray, y: FloatArray, percent: FloatArray) -> Non
 
 
 def plain_axis(ax: Axes) -> None:
-    """Numbers without exponents on both axes."""
+    """Format the tick labels of both axes without exponents."""
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())

@@ -1,4 +1,4 @@
-"""Runs and motions of the two masses that the claims of chapter 5 look at, computed once."""
+"""Motions of the two-mass model on which the claims of chapter 5 are judged, computed once."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ ARRANGEMENTS = {
     "(b) secondary on a wall at rest": "secondary_isolated",
     "(c) secondary on the primary": "secondary_on_primary",
 }
-"""Words -> arrangement of Fig. 5.1."""
+"""Description -> arrangement of Fig. 5.1."""
 SCALES = (1.0, 2.0, 5.0, 10.0)
-"""Steepness s of the smoothed sign in appendix C."""
+"""Scales s of the regularised sign function in appendix C."""
 STIFFNESSES = (0.575, 0.8, 1.15, 1.6, 2.3, 4.6)
 """Values of k_2 of claim C88, N/m; Table 5.2 has 1.15."""
 CONSTANT = "[1.5, 2, 3, 5, 20]"
@@ -33,12 +33,12 @@ Point = tuple[float, float]
 
 
 def rounded(values: FloatArray) -> list[float]:
-    """Values to three decimals, as a case file has them."""
+    """Values rounded to three decimals, as in a case file."""
     return [float(v) for v in np.round(values, 3)]
 
 
 def series(evidence: Evidence) -> xr.Dataset:
-    """Table 5.2 under the eight capacities."""
+    """Curves for Table 5.2 at the eight capacities."""
     return evidence.result(CASE)
 
 
@@ -48,32 +48,32 @@ def capacities(evidence: Evidence) -> list[float]:
 
 
 def finer(evidence: Evidence) -> xr.Dataset:
-    """The same on half the frequency step."""
+    """The same curves with half the frequency step."""
     return evidence.result(CASE, f"two_dof.omega.points={2 * series(evidence).sizes['omega'] - 1}")
 
 
 def fine(evidence: Evidence) -> xr.Dataset:
-    """Table 5.2 under many capacities from 1 to 100."""
+    """Curves for Table 5.2 at many capacities from 1 to 100 N."""
     count, points = (17, 60) if evidence.fast else (41, 200)
     forces = rounded(np.geomspace(1.0, 100.0, count))
     return evidence.result(CASE, f"two_dof.friction_capacity={forces}", f"two_dof.omega.points={points}")
 
 
 def arrangements(evidence: Evidence) -> dict[str, xr.Dataset]:
-    """Fig. 5.1 a, b, c under a low, two middle and a high capacity."""
+    """Curves for the arrangements of Fig. 5.1 at a low, two medium and a high capacity."""
     force = "two_dof.friction_capacity=[2, 5, 20, 100]"
     found = evidence.results([(CASE, force, f"two_dof.arrangement={name}") for name in ARRANGEMENTS.values()])
     return dict(zip(ARRANGEMENTS, found, strict=True))
 
 
 def with_and_without_preload(evidence: Evidence) -> list[xr.Dataset]:
-    """With equations 5.6 and 5.7, and with masses and stiffness that do not follow the capacity."""
+    """Curves with equations 5.6 and 5.7, and with masses and stiffness independent of the capacity."""
     force = f"two_dof.friction_capacity={CONSTANT}"
     return evidence.results([(CASE, force), (CASE, force, "two_dof.preload_dependent=false")])
 
 
 def scales(evidence: Evidence) -> dict[float, xr.Dataset]:
-    """Table 5.2 with steeper laws; at F_c = 1 the peak at s = 10 would need more harmonics than there are."""
+    """Curves for Table 5.2 with larger s; at F_c = 1 and s = 10 the peak needs more harmonics than are available."""
     force = f"two_dof.friction_capacity={capacities(evidence)[1:]}"
     cases = [(CASE, force, f"two_dof.smoothing={s}", "two_dof.omega.points=80") for s in SCALES]
     return dict(zip(SCALES, evidence.results(cases), strict=True))
@@ -85,14 +85,14 @@ def space(evidence: Evidence) -> xr.Dataset:
 
 
 def settled(evidence: Evidence) -> xr.Dataset:
-    """Transmissibility by harmonic balance and in time over (friction_capacity, omega), and the periods it took."""
+    """Transmissibility by harmonic balance and in time over (friction_capacity, omega), and number of periods."""
     omegas = [0.4, 0.6, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.5, 2.0][:: 3 if evidence.fast else 1]
     names = ("periodic", "in_time", "periods")
     return _over_motions(evidence, "two_dof_settled", _settled, capacities(evidence), omegas, names)
 
 
 def dwelt(evidence: Evidence) -> xr.Dataset:
-    """Transmissibility of the periodic motion, and of a run over six of the thesis's time constants."""
+    """Transmissibility of the periodic motion, and of a run over six time constants as in the thesis."""
     omegas = rounded(np.linspace(0.4, 2.0, 9 if evidence.fast else 41))
     return _over_motions(
         evidence, "two_dof_dwelt", _dwelt, capacities(evidence), omegas, ("periodic", "six_time_constants")
@@ -100,7 +100,7 @@ def dwelt(evidence: Evidence) -> xr.Dataset:
 
 
 def over_stiffness(evidence: Evidence) -> dict[float, float]:
-    """k_2 -> largest damping over the capacities, m_2 of Table 5.2."""
+    """k_2 -> largest damping over the capacities, with m_2 of Table 5.2."""
     count, points = (9, 80) if evidence.fast else (25, 160)
     forces = [float(c) for c in np.geomspace(1.2, 30.0, count)]
 
@@ -114,7 +114,7 @@ def over_stiffness(evidence: Evidence) -> dict[float, float]:
 
 
 def largest_damping(members: Sequence[SeriesMember], *keys: str) -> dict[tuple[float, ...], float]:
-    """Values of some keys -> largest half-power damping of the cases that have them and can be read."""
+    """Values of some keys -> largest half-power damping of the cases with these values."""
     found: dict[tuple[float, ...], float] = {}
     for member in members:
         zeta, values = float(member.data.attrs["zeta"]), tuple(float(member.values[key]) for key in keys)
@@ -124,7 +124,7 @@ def largest_damping(members: Sequence[SeriesMember], *keys: str) -> dict[tuple[f
 
 
 def over_modulus(evidence: Evidence) -> dict[float, float]:
-    """Layer modulus in Pa -> largest damping of the finite-element model over the preloads that can be read."""
+    """Layer modulus (Pa) -> largest damping of the finite-element model over the preloads."""
     found = largest_damping(evidence.study(FE_STUDY), "coil.material.E")
     return {modulus: zeta for (modulus,), zeta in found.items()}
 

@@ -10,21 +10,21 @@ EXPERIMENT = "out of scope: experiment"
 NOT_YET = "not yet"
 NOT_COMPUTED = "not computed"
 VERDICTS = (MET, NOT_MET, THESIS_ERROR, EXPERIMENT, NOT_YET, NOT_COMPUTED)
-"""Every verdict there is, in the order of the count; the last one: a run that the claim needs has failed."""
+"""All verdicts in the order of the count; the last one means that a run failed."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was computed for a claim, and whether its criterion holds.
+    """Computed value of a claim, and whether its criterion holds.
 
     Attributes
     ----------
     value
-        Our value in words, with units.
+        Computed value as text, with units.
     holds
         Whether the criterion of the checklist holds.
     instead
-        Verdict that takes the place of met and not met, one of `VERDICTS`.
+        Verdict that replaces met and not met, one of `VERDICTS`.
     """
 
     value: str
@@ -37,5 +37,5 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """Verdict as the checklist spells it."""
+        """Verdict in the spelling of the checklist."""
         return self.instead or (MET if self.holds else NOT_MET)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
-from reproduction.family import Family, study_figure
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import exactly
 from wroll_fem.case import WindingCase
@@ -18,7 +18,7 @@ from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tu
 
 
 def case_study(evidence: Evidence) -> Winding:
-    """Winding of the thesis's case study."""
+    """Winding of the case study of the thesis."""
     return evidence.case("winding_case_study").expect(WindingCase).winding
 
 
@@ -38,7 +38,7 @@ def core_of(winding: Winding) -> float:
 
 
 def at_the_mandrel(winding: Winding, modulus: RadialModulus, core: float) -> float:
-    """Pressure there on the refined grid, Pa, for a law or a core condition that the program refuses."""
+    """Pressure on the refined grid, Pa, for a law or a core condition that a case file does not allow."""
     r = winding.core.outer_radius + winding.wrap_thickness / 4 * np.arange(4 * winding.wraps + 1)
     whole, pull = np.array([winding.wraps]), np.full(winding.wraps, winding.stress)
     laid = kernels.lay_wraps(
@@ -161,7 +161,7 @@ def c7(evidence: Evidence) -> Verdict:
 
 
 def inputs(winding: Winding) -> str:
-    """Pressure at the mandrel with other values of what the thesis does not give."""
+    """Table of the pressure at the mandrel with other values of the inputs that the thesis does not state."""
     said = []
     for key, values in (("nu_theta", (0.0, 0.4)), ("nu", (0.3, 0.35))):
         section = winding.web if key == "nu_theta" else winding.core
@@ -214,7 +214,7 @@ def c11(evidence: Evidence) -> Verdict:
 
 
 def mandrel_beam(evidence: Evidence) -> Cantilever:
-    """Lab mandrel in its first mode at 5 g of the tip: inertia of tube and coil along it, 0.05 kg at the tip."""
+    """Lab mandrel in its first mode at 5 g at the tip: distributed inertia of tube and coil, 0.05 kg at the tip."""
     case = evidence.roll("lab_sweep")
     g, coil, metal = case.geometry, case.coil, case.mandrel.material
     radius, wall, t = 0.5 * g.mandrel_outer_diameter, g.mandrel_thickness, coil.total_thickness
@@ -265,7 +265,7 @@ def beam_figure(evidence: Evidence) -> Axes:
     return plot_cantilever(mandrel_beam(evidence))
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {
         "C1": c1, "C2": c2, "C3": c3, "C4": c4, "C5": c5, "C6": c6, "C7": c7, "C8": c8, "C9": c9, "C10": c10,
         "C11": c11, "C13": c13,

@@ -1,4 +1,4 @@
-"""Words and orderings that several families of claims share."""
+"""Texts and orderings shared by several claim groups."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from scipy.stats import spearmanr
 from wroll_fem.plotting.study import PRESSURE, SeriesMember
 
 SLACK = 0.005
-"""Share of the range that a monotone series may go the other way: numerical noise (note 10 of the checklist)."""
+"""Tolerated violation of monotonicity due to numerical noise, relative to the range (note 10 of the checklist)."""
 
 
 def exactly(error: float) -> str:
-    """Relative error as text; an exact zero as below rounding."""
+    """Relative error as text; an exact zero is given as below rounding."""
     return f"{error:.0e}" if error > 0 else "rounding"
 
 
 def numbers(values: Iterable[float], form: str, joined: str = ", ") -> str:
-    """Numbers in one format, joined."""
+    """Numbers in one format, joined to a text."""
     return joined.join(f"{value:{form}}" for value in values)
 
 
 def listed(members: Iterable[SeriesMember], value: Callable[[SeriesMember], float], form: str) -> str:
-    """One number of every case of a study."""
+    """One value of every case of a study."""
     return numbers((value(m) for m in members), form)
 
 
 def kpa(member: SeriesMember) -> str:
-    """Pressure outside of a case, "17.8 kPa"."""
+    """External pressure of a case as text, "17.8 kPa"."""
     return f"{member.values[PRESSURE] / 1e3:.3g} kPa"
 
 
 def monotone(values: Sequence[float], sign: int) -> bool:
-    """Strictly rising (sign 1) or falling (-1), with the slack of the checklist."""
+    """Whether a series increases (sign 1) or decreases (-1), within the tolerance of the checklist."""
     return bool(np.all(sign * np.diff(values) > -SLACK * np.ptp(values)))
 
 
 def rank_correlation(a: Sequence[float], b: Sequence[float]) -> float:
-    """Spearman's."""
+    """Spearman's rank correlation."""
     return float(spearmanr(a, b).statistic)
 
 

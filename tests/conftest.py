@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support.stand_in import StandIn
+from support.fake_analyses import FakeAnalyses
 from typer.testing import CliRunner, Result
 
 import wroll_fem
@@ -28,15 +28,15 @@ def root() -> Path:
 
 
 @pytest.fixture
-def analyses(monkeypatch: pytest.MonkeyPatch) -> StandIn:
-    module = StandIn()
+def analyses(monkeypatch: pytest.MonkeyPatch) -> FakeAnalyses:
+    module = FakeAnalyses()
     monkeypatch.setitem(sys.modules, "wroll_fem.analyses", module)
     monkeypatch.setattr(wroll_fem, "analyses", module, raising=False)
     return module
 
 
 @pytest.fixture
-def wroll(analyses: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def wroll(analyses: FakeAnalyses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     monkeypatch.chdir(tmp_path)
     runner = CliRunner()
 

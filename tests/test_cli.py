@@ -1,4 +1,4 @@
-"""The commands that check, mesh, draw and tell, with a stand-in for the analyses."""
+"""The commands that check, mesh, draw and tell, with fake analyses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support.stand_in import CONFIGS, TINY
+from support.fake_analyses import CONFIGS, TINY
 from typer.testing import Result
 
 from wroll_fem import __version__

@@ -127,7 +127,7 @@ def comparison(path: Path, base: str) -> None:
 def studies() -> None:
     """Figures of studies that no claim is judged on."""
     from reproduction import Evidence
-    from reproduction.family import study_figure
+    from reproduction.claim_group import study_figure
     from wroll_fem.plotting.names import save
 
     with Evidence(ROOT / "runs" / "reproduce", workers=WORKERS) as evidence:

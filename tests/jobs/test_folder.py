@@ -1,4 +1,4 @@
-"""The run folder, with a stand-in for the analyses: what a run leaves, what it refuses, how it stops and goes on."""
+"""The run folder, with fake analyses: what a run leaves, what it refuses, how it stops and goes on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from filelock import FileLock
-from support.stand_in import CONFIGS, TINY, StandIn, failure, tree
+from support.fake_analyses import CONFIGS, TINY, FakeAnalyses, failure, tree
 from typer.testing import Result
 
 from wroll_fem import example_case, load_case
@@ -52,7 +52,7 @@ def test_a_run_leaves_the_documented_files(wroll: Callable[..., Result], tmp_pat
     assert {"versions", "git", "machine"} <= set(provenance)
     log = (out / "run.log").read_text()
     assert "warning: the mesh is coarse" in log
-    assert "stand-in: done in" in log
+    assert "fake analysis: done in" in log
 
 
 def test_the_run_ends_with_a_table_and_the_paths(wroll: Callable[..., Result]) -> None:
@@ -99,7 +99,9 @@ def test_output_can_be_switched_off(wroll: Callable[..., Result], tmp_path: Path
     assert not (tmp_path / "here" / "figures").exists()
 
 
-def test_a_done_case_is_not_computed_again(wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path) -> None:
+def test_a_done_case_is_not_computed_again(
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
+) -> None:
     wroll("run", TINY, "--out", "here")
     before = tree(tmp_path / "here")
     again = wroll("run", TINY, "--out", "here")
@@ -113,7 +115,7 @@ def test_a_done_case_is_not_computed_again(wroll: Callable[..., Result], analyse
 
 @pytest.mark.parametrize("without", [None, "provenance.json"])
 def test_results_of_another_case_are_never_written_over(
-    wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path, without: str | None
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path, without: str | None
 ) -> None:
     wroll("run", TINY, "--out", "here")
     if without is not None:
@@ -160,7 +162,7 @@ def test_a_bad_case_leaves_nothing_behind(wroll: Callable[..., Result], tmp_path
 
 
 def test_dry_run_says_how_large_and_writes_nothing(
-    wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
 ) -> None:
     done = wroll("run", TINY, "--dry-run")
     assert done.exit_code == 0
@@ -174,7 +176,7 @@ def test_dry_run_says_how_large_and_writes_nothing(
 
 
 def test_a_step_that_does_not_converge_exits_3_and_keeps_what_was_computed(
-    wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
 ) -> None:
     analyses.fails, analyses.leaves_checkpoint = failure(analyses.dataset()), True
     done = wroll("run", TINY, "--out", "here")
@@ -190,7 +192,7 @@ def test_a_step_that_does_not_converge_exits_3_and_keeps_what_was_computed(
 
 
 def test_a_preload_that_does_not_converge_exits_3_without_results(
-    wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
 ) -> None:
     analyses.fails = failure(None)
     assert wroll("run", TINY, "--out", "here").exit_code == 3
@@ -198,7 +200,7 @@ def test_a_preload_that_does_not_converge_exits_3_without_results(
 
 
 def test_a_failed_run_does_not_block_the_folder_for_the_mended_case(
-    wroll: Callable[..., Result], analyses: StandIn
+    wroll: Callable[..., Result], analyses: FakeAnalyses
 ) -> None:
     analyses.fails = failure(None)
     wroll("run", TINY, "--out", "here")
@@ -207,7 +209,7 @@ def test_a_failed_run_does_not_block_the_folder_for_the_mended_case(
 
 
 def test_an_interrupted_run_exits_130_and_resumes(
-    wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
 ) -> None:
     analyses.fails, analyses.leaves_checkpoint = KeyboardInterrupt(), True
     stopped = wroll("run", TINY, "--out", "here")
@@ -227,7 +229,7 @@ def test_an_interrupted_run_exits_130_and_resumes(
     assert (provenance["status"], provenance["resumed"]) == ("complete", True)
 
 
-def test_interrupted_before_a_checkpoint_says_so(wroll: Callable[..., Result], analyses: StandIn) -> None:
+def test_interrupted_before_a_checkpoint_says_so(wroll: Callable[..., Result], analyses: FakeAnalyses) -> None:
     analyses.fails = KeyboardInterrupt()
     stopped = wroll("run", TINY)
     assert stopped.exit_code == 130
@@ -235,7 +237,7 @@ def test_interrupted_before_a_checkpoint_says_so(wroll: Callable[..., Result], a
 
 
 def test_interrupted_analysis_without_checkpoints_promises_none(
-    wroll: Callable[..., Result], analyses: StandIn
+    wroll: Callable[..., Result], analyses: FakeAnalyses
 ) -> None:
     analyses.fails = KeyboardInterrupt()
     stopped = wroll("run", TINY.parent / "lab_modal.yaml")
@@ -243,14 +245,18 @@ def test_interrupted_analysis_without_checkpoints_promises_none(
     assert stopped.stderr == "interrupted; this analysis has no checkpoints: run the same command again\n"
 
 
-def test_resume_without_a_checkpoint_starts_from_the_beginning(wroll: Callable[..., Result], analyses: StandIn) -> None:
+def test_resume_without_a_checkpoint_starts_from_the_beginning(
+    wroll: Callable[..., Result], analyses: FakeAnalyses
+) -> None:
     done = wroll("run", TINY, "--out", "here", "--resume")
     assert done.exit_code == 0
     assert "here: no checkpoint to resume from, starting from the beginning" in done.stdout
     assert analyses.calls[0]["resume"] is False
 
 
-def test_a_defect_of_the_program_is_not_hidden(wroll: Callable[..., Result], analyses: StandIn, tmp_path: Path) -> None:
+def test_a_defect_of_the_program_is_not_hidden(
+    wroll: Callable[..., Result], analyses: FakeAnalyses, tmp_path: Path
+) -> None:
     analyses.fails = ZeroDivisionError("defect")
     done = wroll("run", TINY, "--out", "here")
     assert isinstance(done.exception, ZeroDivisionError)
@@ -259,8 +265,8 @@ def test_a_defect_of_the_program_is_not_hidden(wroll: Callable[..., Result], ana
 
 def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
     code = (
-        "import sys, time; sys.path.insert(0, 'tests'); from support.stand_in import StandIn\n"
-        "class Slow(StandIn):\n"
+        "import sys, time; sys.path.insert(0, 'tests'); from support.fake_analyses import FakeAnalyses\n"
+        "class Slow(FakeAnalyses):\n"
         "    def run_analysis(self, case, **keywords):\n"
         "        print('started', flush=True); time.sleep(60)\n"
         "sys.modules['wroll_fem.analyses'] = Slow()\n"
@@ -281,11 +287,11 @@ def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
 # ---- from Python --------------------------------------------------------------------------------
 
 
-def test_run_case_is_the_same_from_python(analyses: StandIn, tmp_path: Path) -> None:
+def test_run_case_is_the_same_from_python(analyses: FakeAnalyses, tmp_path: Path) -> None:
     report = SilentProgress()
     done = run_case(example_case(), tmp_path / "run", progress=report)
     assert done.summary["f_n_hz"] == 150.25
     assert done.figures == [tmp_path / "run" / "figures" / "tip.png"]
     assert report.warnings == ["the mesh is coarse; use mesh.axial >= 20"]
-    assert report.stages == ["stand-in", "figures"]
+    assert report.stages == ["fake analysis", "figures"]
     assert run_case(example_case(), tmp_path / "run").already_done

@@ -13,7 +13,7 @@ import xarray as xr
 from support.paths import ROOT
 from typer.testing import CliRunner
 
-from reproduction import CHAPTERS, Evidence, Family, Verdict, checklist, evidence, page, reproduce
+from reproduction import CHAPTERS, ClaimGroup, Evidence, Verdict, checklist, evidence, page, reproduce
 from reproduction.checklist import explanations, of_chapters
 from reproduction.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
 from wroll_fem.cli import app
@@ -21,7 +21,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 
-REPRODUCED = list(reproduce.FAMILIES)
+REPRODUCED = list(reproduce.GROUPS)
 
 
 def test_checklist_is_complete_and_in_order() -> None:
@@ -46,12 +46,12 @@ def test_explanations_belong_to_claims() -> None:
 
 @pytest.mark.parametrize("chapter", REPRODUCED)
 def test_every_claim_of_a_chapter_has_one_judge(chapter: str) -> None:
-    names = [name for family in reproduce.families(chapter) for name in family.judges]
+    names = [name for group in reproduce.claim_groups(chapter) for name in group.judges]
     assert sorted(names) == sorted(claim.id for claim in of_chapters([chapter]))
 
 
 def test_every_figure_has_a_name_of_its_own() -> None:
-    names = [name for chapter in REPRODUCED for family in reproduce.families(chapter) for name in family.figures]
+    names = [name for chapter in REPRODUCED for group in reproduce.claim_groups(chapter) for name in group.figures]
     assert len(names) == len(set(names)) > 30
 
 
@@ -190,7 +190,7 @@ def missing(_: Evidence):
 @pytest.fixture
 def pretend(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three claims of chapter 6: met, not met, one whose run fails; a figure that can be drawn and one that cannot."""
-    family = Family(
+    group = ClaimGroup(
         {
             "C91": lambda _: Verdict("a | b", True),
             "C92": lambda _: Verdict("off", False),
@@ -199,9 +199,9 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> None:
         figures={"line": ("A line", figure), "none": ("Nothing", missing)},
         tables={"Numbers": lambda _: "| a |\n|---|\n| 1 |\n"},
     )
-    real = reproduce.families
-    monkeypatch.setattr(reproduce, "families", lambda name: [family] if name == "ch6" else real(name))
-    monkeypatch.setattr(page, "families", lambda name: [family] if name == "ch6" else real(name))
+    real = reproduce.claim_groups
+    monkeypatch.setattr(reproduce, "claim_groups", lambda name: [group] if name == "ch6" else real(name))
+    monkeypatch.setattr(page, "claim_groups", lambda name: [group] if name == "ch6" else real(name))
     texts = {"C92": "Because of the sign."}
     monkeypatch.setattr(page, "explanations", lambda: texts)
 
@@ -264,7 +264,7 @@ def test_wrong_input_is_one_line(words: list[str], said: str, tmp_path: Path) ->
 
 
 def test_the_claims_on_winding_from_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reproduce, "FAMILIES", {"ch2": ("winding",)})
+    monkeypatch.setattr(reproduce, "GROUPS", {"ch2": ("winding",)})
     done = CliRunner().invoke(app, ["reproduce", "ch2", "--fast", "--workers", "1", "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     lines = {line.split()[0]: line for line in done.output.splitlines() if line.startswith("C")}

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from support.pretend_evidence import judges
+from support.fake_evidence import judges
 
-from reproduction import Evidence, elastic_slip, estimators, integrators, kapton_friction, shear_tests, smoothed_sign
+from reproduction import Evidence, elastic_slip, estimators, integrators, kapton_friction, regularised_sign, shear_tests
 from reproduction.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.plotting.study import SeriesMember
@@ -82,7 +82,7 @@ def test_schemes_are_compared_by_their_peaks(evidence: Evidence, monkeypatch: py
         assert integrators.c113(evidence).word == word
 
 
-def test_scales_of_the_smoothed_sign_are_compared_on_the_whole_band(
+def test_scales_of_the_regularised_sign_are_compared_on_the_whole_band(
     evidence: Evidence, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     values, omegas = np.ones((2, 4, 5)), np.linspace(0.9, 1.15, 5)
@@ -90,10 +90,10 @@ def test_scales_of_the_smoothed_sign_are_compared_on_the_whole_band(
         values[1, 0, 3] = 1.0 + off
         data = xr.Dataset(
             {"transmissibility": (("capacity", "scale", "omega"), values)},
-            {"capacity": list(smoothed_sign.STUCK), "scale": list(smoothed_sign.SCALES), "omega": omegas},
+            {"capacity": list(regularised_sign.STUCK), "scale": list(regularised_sign.SCALES), "omega": omegas},
         )
-        monkeypatch.setattr(smoothed_sign, "in_band", lambda _, data=data: data)
-        verdict = smoothed_sign.c114(evidence)
+        monkeypatch.setattr(regularised_sign, "in_band", lambda _, data=data: data)
+        verdict = regularised_sign.c114(evidence)
         assert verdict.word == word
         assert "at 1.0875" in verdict.value
 
@@ -107,9 +107,9 @@ def test_one_rough_point_of_an_orbit_is_noticed(evidence: Evidence, monkeypatch:
             {"orbit": ("omega", orbit), "loose": ("dwell", [1.0, 1.3]), "tight": ("dwell", [1.0, 1.0])},
             {"omega": omega, "dwell": [0.4, 2.0]},
         )
-        found = {(1.0, s): one for s in smoothed_sign.SCALES}
-        monkeypatch.setattr(smoothed_sign, "curves", lambda _, found=found: found)
-        verdict = smoothed_sign.c115(evidence)
+        found = {(1.0, s): one for s in regularised_sign.SCALES}
+        monkeypatch.setattr(regularised_sign, "curves", lambda _, found=found: found)
+        verdict = regularised_sign.c115(evidence)
         assert verdict.word == word
         assert "1, 1, 1, 1 of 2 points" in verdict.value
 
@@ -121,11 +121,11 @@ def test_orbits_and_runs_are_kept_one_by_one(tmp_path: Path, monkeypatch: pytest
         calls.append((capacity, scale))
         return xr.Dataset({"orbit": ("omega", [capacity * scale])}, attrs={"points": points})
 
-    monkeypatch.setattr(smoothed_sign, "orbits_and_runs", short)
+    monkeypatch.setattr(regularised_sign, "orbits_and_runs", short)
     for _ in range(2):
         with Evidence(tmp_path, fast=True, workers=1) as evidence:
-            found = smoothed_sign.curves(evidence)
-    assert len(calls) == len(found) == 4 * len(smoothed_sign.SCALES)
+            found = regularised_sign.curves(evidence)
+    assert len(calls) == len(found) == 4 * len(regularised_sign.SCALES)
     assert float(found[3.0, 5.0]["orbit"][0]) == 15.0
 
 

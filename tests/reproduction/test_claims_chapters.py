@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from support.pretend_evidence import Pretend, bending_at, judges, member, reference
+from support.fake_evidence import FakeEvidence, bending_at, judges, member, reference
 from support.synthetic_roll import contact_points
 
 from reproduction import Evidence, friction_rate, lab_model, layers, preload_series
@@ -86,7 +86,7 @@ def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, sk
     return member(dataset, name=f"p{pressure:g}", preload__pressure=pressure)
 
 
-def roll(folder: Path, **changed: Sequence[float]) -> Pretend:
+def roll(folder: Path, **changed: Sequence[float]) -> FakeEvidence:
     """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed."""
     series = GOOD | changed
     free = [sweep(p, **{key: values[k] for key, values in series.items()}) for k, p in enumerate(PRELOADS)]
@@ -100,10 +100,10 @@ def roll(folder: Path, **changed: Sequence[float]) -> Pretend:
     ]  # fmt: skip
     alone = reference(bending_at(150.5, mass_total_kg=0.18))
     summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
-    return Pretend(folder, {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone]}, summaries)
+    return FakeEvidence(folder, {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone]}, summaries)
 
 
-SERIES = {**preload_series.FAMILY.judges, **{name: lab_model.FAMILY.judges[name] for name in ("C59", "C60", "C76")}}
+SERIES = {**preload_series.GROUP.judges, **{name: lab_model.GROUP.judges[name] for name in ("C59", "C60", "C76")}}
 
 
 @pytest.mark.parametrize("name", list(SERIES))
@@ -174,7 +174,7 @@ def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_
         member(sweep(1e5, f, 0.02, 30.0, 0.1).data, mesh__grading=grading, mesh__axial=along)
         for grading, along, f in ((1, 10, 152.0), (6, 10, 153.0), (6, 20, 154.0))
     ]
-    evidence = Pretend(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
+    evidence = FakeEvidence(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
     verdict = lab_model.c63(evidence)
     assert verdict.word == word
     assert "-1.30 % off in f_n" in verdict.value
@@ -195,15 +195,15 @@ def dwelt(strength: Sequence[float]) -> list[SeriesMember]:
     return found
 
 
-def stack(folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0)) -> Pretend:
+def stack(folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0)) -> FakeEvidence:
     summaries = {"1 g": {"interface_pressure_mean_pa": [1000.0, 800.0, 600.0, 400.0, 200.0]}}
     members = dwelt(strength)
-    return Pretend(folder, {"dwell_layers": members, "dwell_layers_clamped": members}, summaries)
+    return FakeEvidence(folder, {"dwell_layers": members, "dwell_layers_clamped": members}, summaries)
 
 
 @pytest.mark.parametrize("name", ["C71", "C72", "C73", "C74"])
 def test_layers_that_slip_as_the_source_has_it_are_met(name: str, tmp_path: Path) -> None:
-    verdict = layers.FAMILY.judges[name](stack(tmp_path))
+    verdict = layers.GROUP.judges[name](stack(tmp_path))
     assert verdict.word == MET, verdict.value
 
 
@@ -248,7 +248,7 @@ def test_one_interface_is_compared_with_two(two: float, word: str, tmp_path: Pat
         member(sweep(p, 140.0, zeta, 20.0, 0.1).data, preload__pressure=p, coil__layers=n)
         for n, p, zeta in ((1, 1e4, 0.03), (1, 3e4, 0.04), (2, 1e4, two), (2, 3e4, 0.5 * two))
     ]
-    assert layers.c75(Pretend(tmp_path, {"layer_count": members})).word == word
+    assert layers.c75(FakeEvidence(tmp_path, {"layer_count": members})).word == word
 
 
 @pytest.mark.parametrize(
@@ -262,7 +262,7 @@ def test_rate_dependent_friction_is_compared_preload_by_preload(
         for p in (1e4, 1e5)
         for case, f, z in (("lab_sweep", 140.0, 0.03), ("lab_sweep_rate", f_n, zeta))
     ]
-    evidence = Pretend(tmp_path, {"friction_laws": members})
+    evidence = FakeEvidence(tmp_path, {"friction_laws": members})
     assert friction_rate.c125(evidence).word == word
     del members[-1]
     assert friction_rate.c125(evidence).word == NOT_MET

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from support.pretend_evidence import Pretend, bending_at, member, reference
+from support.fake_evidence import FakeEvidence, bending_at, member, reference
 
 from reproduction import Evidence, coil_slip, coiled_stiff, design_map
 from reproduction.verdict import MET, NOT_MET
@@ -42,8 +42,8 @@ RISING = (72.0, 72.1, 74.0, 80.0, 84.0, 89.0, 94.0, 98.0)
     ],
 )
 def test_scan_of_the_shear_stiffness(name: str, members: list[SeriesMember], word: str, tmp_path: Path) -> None:
-    evidence = Pretend(tmp_path, {"shear_stiffness": members})
-    assert coiled_stiff.FAMILY.judges[name](evidence).word == word
+    evidence = FakeEvidence(tmp_path, {"shear_stiffness": members})
+    assert coiled_stiff.GROUP.judges[name](evidence).word == word
 
 
 def test_heavy_modes_below_bending_are_noticed(tmp_path: Path) -> None:
@@ -51,10 +51,10 @@ def test_heavy_modes_below_bending_are_noticed(tmp_path: Path) -> None:
     share = members[-2].data["effective_mass_fraction"]
     assert members[-2].values["coil.material.G_r_theta"] == 1e4
     share[0, 0] = 0.2
-    assert coiled_stiff.c17(Pretend(tmp_path, {"shear_stiffness": members})).word == NOT_MET
+    assert coiled_stiff.c17(FakeEvidence(tmp_path, {"shear_stiffness": members})).word == NOT_MET
 
 
-def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mandrel: float = 153.0) -> Pretend:
+def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mandrel: float = 153.0) -> FakeEvidence:
     """Rolls whose frequency rises with ln G from `loose` to `tight`; those of 4 GPa have `stiffer` times as much."""
 
     def answer(config: str, *overrides: str) -> xr.Dataset:
@@ -74,7 +74,7 @@ def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mand
         )
         for E in (2.5e9, 4e9) for G in (1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
     ]  # fmt: skip
-    return Pretend(folder, {"shear_stiffness_kapton": [*members, reference(bending_at(mandrel))]}, answer=answer)
+    return FakeEvidence(folder, {"shear_stiffness_kapton": [*members, reference(bending_at(mandrel))]}, answer=answer)
 
 
 @pytest.mark.parametrize(
@@ -89,13 +89,13 @@ def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mand
 def test_kapton_roll_against_its_mandrel(ends: tuple[float, ...], words: dict[str, str], tmp_path: Path) -> None:
     evidence = kapton(tmp_path, *ends)
     for name, word in words.items():
-        verdict = coiled_stiff.FAMILY.judges[name](evidence)
+        verdict = coiled_stiff.GROUP.judges[name](evidence)
         assert verdict.word == word, (name, verdict.value)
 
 
 @pytest.mark.parametrize(("f", "word"), [(97.0, MET), (94.0, NOT_MET), (106.0, NOT_MET)])
 def test_case_study_bends_at_about_100_hz(f: float, word: str, tmp_path: Path) -> None:
-    assert coiled_stiff.c14(Pretend(tmp_path, answer=lambda *_: bending_at(f))).word == word
+    assert coiled_stiff.c14(FakeEvidence(tmp_path, answer=lambda *_: bending_at(f))).word == word
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_mandrel_is_read_with_shells_and_solids(shell: float, solid: float, word
     def answer(_: str, *overrides: str) -> xr.Dataset:
         return bending_at(solid if coiled_stiff.HARMONICS in overrides else shell)
 
-    assert coiled_stiff.c31(Pretend(tmp_path, answer=answer)).word == word
+    assert coiled_stiff.c31(FakeEvidence(tmp_path, answer=answer)).word == word
 
 
 # ---- map of mandrels -----------------------------------------------------------------------------
@@ -134,7 +134,7 @@ def test_map_of_mandrels(plastic: np.ndarray, metal: np.ndarray, words: tuple[st
     def answer(_: str, *overrides: str) -> xr.Dataset:
         return mandrels(metal if "mandrel.material.E=70.0e9" in overrides else plastic)
 
-    evidence = Pretend(tmp_path, answer=answer)
+    evidence = FakeEvidence(tmp_path, answer=answer)
     assert (design_map.c26(evidence).word, design_map.c27(evidence).word) == words
     assert design_map.variants(evidence).count("\n") == len(design_map.OTHERS) + 1
 
@@ -151,15 +151,15 @@ def coarse(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
 
 
 def test_slip_of_the_case_study_is_judged_where_it_is(coarse: xr.Dataset, tmp_path: Path) -> None:
-    evidence = Pretend(tmp_path, answer=lambda *_: coarse)
-    found = {name: judge(evidence) for name, judge in coil_slip.FAMILY.judges.items() if name != "C25"}
+    evidence = FakeEvidence(tmp_path, answer=lambda *_: coarse)
+    found = {name: judge(evidence) for name, judge in coil_slip.GROUP.judges.items() if name != "C25"}
     assert {name for name, verdict in found.items() if verdict.word != MET} <= {"C18", "C21", "C22"}
     assert coil_slip.onset(coarse) == pytest.approx(
         float((coarse["friction_capacity"] / coarse["shear_resultant"]).min()), rel=1e-12
     )
     firm = coil_slip.other_capacity(coarse, lambda r: 8.0 * np.interp(r, *capacity(coarse)))
     assert coil_slip.onset(firm) == pytest.approx(8.0 * coil_slip.onset(coarse), rel=1e-6)
-    assert coil_slip.c18(Pretend(tmp_path, answer=lambda *_: firm)).word == MET
+    assert coil_slip.c18(FakeEvidence(tmp_path, answer=lambda *_: firm)).word == MET
 
 
 def capacity(data: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -176,7 +176,7 @@ def test_slip_in_the_wrong_place_is_noticed(name: str, mirror: str, coarse: xr.D
     values = coarse[mirror].values
     changed = values + 0.5 * np.pi if mirror == "theta_rad" else values.max() + values.min() - values
     turned[mirror] = "point", changed
-    assert coil_slip.FAMILY.judges[name](Pretend(tmp_path, answer=lambda *_: turned)).word == NOT_MET
+    assert coil_slip.GROUP.judges[name](FakeEvidence(tmp_path, answer=lambda *_: turned)).word == NOT_MET
 
 
 @pytest.mark.parametrize(("top", "word"), [(15.0, MET), (14.5, NOT_MET)])
@@ -185,11 +185,11 @@ def test_level_scales_the_stress(top: float, word: str, tmp_path: Path) -> None:
         level = 1.0 if override.endswith("[1]") else top
         return xr.Dataset({"shear_resultant_history": ("time", level * np.abs(np.sin(np.linspace(0.0, 9.0, 200))))})
 
-    assert coil_slip.c25(Pretend(tmp_path, answer=answer)).word == word
+    assert coil_slip.c25(FakeEvidence(tmp_path, answer=answer)).word == word
 
 
 @pytest.mark.parametrize(("ratio", "word"), [(1.9, MET), (1.5, NOT_MET), (2.3, NOT_MET)])
 def test_root_section_is_the_lowest_row(ratio: float, word: str, coarse: xr.Dataset, tmp_path: Path) -> None:
     scaled = coarse.copy()
     scaled["shear_rz"] = coarse["shear_rz"] * ratio / coil_slip.RootSection(coarse).ratio()[0]
-    assert coil_slip.c21(Pretend(tmp_path, answer=lambda *_: scaled)).word == word
+    assert coil_slip.c21(FakeEvidence(tmp_path, answer=lambda *_: scaled)).word == word

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
-from support.pretend_evidence import judges
+from support.fake_evidence import judges
 
 from reproduction import Evidence, two_dof, two_dof_figures, two_dof_study
 from reproduction.verdict import MET, NOT_MET

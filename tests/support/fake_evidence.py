@@ -9,16 +9,16 @@ import numpy as np
 import xarray as xr
 
 from reproduction import Evidence, Verdict
-from reproduction.reproduce import families
+from reproduction.reproduce import claim_groups
 from wroll_fem.plotting.study import SeriesMember
 
 
 def judges(*chapters: str) -> dict[str, Callable[[Evidence], Verdict]]:
     """Judges of some chapters by claim."""
-    return {name: one for chapter in chapters for f in families(chapter) for name, one in f.judges.items()}
+    return {name: one for chapter in chapters for f in claim_groups(chapter) for name, one in f.judges.items()}
 
 
-class Pretend(Evidence):
+class FakeEvidence(Evidence):
     """Evidence that is given: studies and summaries by name, results by a function of (config, override, ...)."""
 
     def __init__(

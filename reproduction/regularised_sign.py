@@ -1,6 +1,7 @@
-"""Claims on the scale s of the smoothed sign: C114 and C115 (appendix C).
+"""Claims on the scale s of the regularised sign function: C114 and C115 (appendix C).
 
-Orbits by shooting (`two_dof.shooting`), beside runs as the thesis made them (`two_dof.explicit`).
+Periodic orbits by shooting (`wroll_fem.two_dof.shooting`) are compared with explicit runs as in the thesis
+(`explicit`).
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
 from reproduction.explicit import run_from_rest
-from reproduction.family import Family
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting import style
@@ -27,11 +28,11 @@ STUCK = (50.0, 100.0)
 """Capacities of C114, N."""
 CAPACITIES = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 TOLERANCES = {"loose": (1e-3, 1e-6), "tight": (1e-8, 1e-8)}
-"""Name -> rtol (ode45's default, and a tight one) and atol."""
+"""Name -> rtol (the default of ode45, and a tight one) and atol."""
 
 
 def pressed(capacity: float, scale: float) -> PreloadedTwoMasses:
-    """Table 5.2 under a capacity, N, with the scale s."""
+    """Parameters of Table 5.2 at a capacity (N) with the scale s."""
     return TwoMasses(smoothing=scale).preloaded(capacity)
 
 
@@ -41,7 +42,7 @@ def capacities(evidence: Evidence) -> tuple[float, ...]:
 
 
 def band(evidence: Evidence) -> FloatArray:
-    """Frequencies of C114, fine around the resonance of the stuck masses, rad/s."""
+    """Frequencies of C114, rad/s, dense around the natural frequency of the stuck masses."""
     count, fine = (51, 21) if evidence.fast else (251, 401)
     return np.unique(np.concatenate([np.linspace(0.9, 1.15, count), np.linspace(1.07, 1.09, fine)]))
 
@@ -67,7 +68,7 @@ def in_band(evidence: Evidence) -> xr.Dataset:
 
 
 def curves(evidence: Evidence) -> dict[tuple[float, float], xr.Dataset]:
-    """(capacity, scale) -> orbits on an adapted grid (omega) and on that of the runs (dwell), and runs from rest."""
+    """(capacity, scale) -> orbits on an adapted grid (omega) and at the runs (dwell), and runs from rest."""
     wanted, points = list(product(capacities(evidence), SCALES)), runs_per_curve(evidence)
     inputs = [{"capacity": c, "scale": s, "points": points} for c, s in wanted]
     return dict(zip(wanted, evidence.kept_each("smoothed_sign", orbits_and_runs, inputs), strict=True))
@@ -89,13 +90,13 @@ def c114(evidence: Evidence) -> Verdict:
 
 
 def spread_of(data: xr.Dataset) -> FloatArray:
-    """Largest difference between the scales, over the value at the last of them."""
+    """Largest difference between the scales, relative to the value at the last one."""
     values = data["transmissibility"].values
     return np.asarray(np.ptp(values, axis=0) / values[-1])
 
 
 def wrong_runs(data: xr.Dataset) -> FloatArray:
-    """Relative difference of the loose runs from the tight ones."""
+    """Relative difference between runs with loose and tight tolerances."""
     return np.abs(data["loose"].values / data["tight"].values - 1.0)
 
 
@@ -113,7 +114,7 @@ def c115(evidence: Evidence) -> Verdict:
 
 
 def band_table(evidence: Evidence) -> str:
-    """C114: how far the curves of the scales are apart."""
+    """C114: difference between the curves of the scales."""
     head = (
         "F_c", "largest spread", "at omega", "part of the band within 1e-3", "largest spread beyond 2 % of the peak",
         *(f"peak at s = {s:g}" for s in SCALES),
@@ -133,7 +134,7 @@ def band_table(evidence: Evidence) -> str:
 
 
 def spikes_table(evidence: Evidence) -> str:
-    """C115: orbits are smooth; what loose tolerances make of them."""
+    """C115: the orbits are smooth; effect of loose tolerances."""
     head = (
         "F_c", "s", "peak", "points", "off its neighbours", "loose against tight", "loose points off by > 1 %",
         "steps of the loose run", "tight 6 tau against orbit", "tight points off by > 1 %",
@@ -195,7 +196,7 @@ def plot_responses(evidence: Evidence) -> Axes:
 
 
 def plot_differences(evidence: Evidence) -> Axes:
-    """How far s = 1, 2, 5 are from s = 10 where the masses stick."""
+    """Table of the differences of s = 1, 2, 5 from s = 10 where the masses stick."""
     ax = style.axes(None)
     data = in_band(evidence)
     for capacity, dash in zip(STUCK, ("-", "--"), strict=True):
@@ -222,7 +223,7 @@ def _orbits(task: tuple[float, float, FloatArray]) -> FloatArray:
 
 
 def orbits_and_runs(capacity: float, scale: float, points: int) -> xr.Dataset:
-    """Curves under one capacity (N) with one scale; ``points`` runs from rest by each tolerance."""
+    """Curves at one capacity (N) with one scale, and ``points`` runs from rest with each tolerance."""
     model, at = pressed(capacity, scale), np.linspace(0.4, 2.0, points)
     grid, orbit = adapted_curve(model, np.linspace(0.4, 2.0, 161))
     data = {"orbit": ("omega", orbit), "dwell_orbit": ("dwell", orbit_curve(model, at))}
@@ -233,7 +234,7 @@ def orbits_and_runs(capacity: float, scale: float, points: int) -> xr.Dataset:
     return xr.Dataset(data, {"omega": grid, "dwell": at})
 
 
-FAMILY = Family(
+GROUP = ClaimGroup(
     {"C114": c114, "C115": c115},
     figures={
         "appendix_c_sign": ("Figs 5.5 and C.1: the smoothed sign", plot_sign),

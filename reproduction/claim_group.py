@@ -1,4 +1,4 @@
-"""A family of claims: those that look at the same runs."""
+"""Claim group: claims that are judged from the same runs."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ Drawing = Callable[[Evidence], "Axes"]
 
 
 @dataclass(frozen=True)
-class Family:
-    """Claims judged from the same runs, and the figures of these.
+class ClaimGroup:
+    """Claims judged from the same runs, with the figures and tables of these runs.
 
     Attributes
     ----------
     judges
-        Id of a claim -> function that computes our value and the verdict.
+        Id of each claim -> function that computes the value and the verdict.
     figures
-        Name of a figure (without suffix) -> (caption, function that draws it).
+        Name of each figure (without suffix) -> caption and function that draws it.
     tables
-        Name of a table -> function that writes it as Markdown; they follow the figures on the page.
+        Name of each table -> function that returns it as Markdown; tables follow the figures on the page.
     """
 
     judges: Mapping[str, Judge]
@@ -36,7 +36,7 @@ class Family:
 
 
 def study_figure(study: str, figure: str = "") -> Drawing:
-    """Figure of a study by its name in `plotting.series.FIGURES`; that of the study without."""
+    """Function that draws a figure of a study; `figure` names it in `plotting.series.FIGURES`, by default `study`."""
 
     def draw(evidence: Evidence) -> Axes:
         from wroll_fem.plotting.series import FIGURES

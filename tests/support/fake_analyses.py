@@ -1,4 +1,4 @@
-"""Stand-in for the analyses, so that the command line and the run folder are tested in milliseconds."""
+"""Fake analyses that replace the real ones, so that command line and run folder are tested in milliseconds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wroll_fem.errors import ConvergenceError
 TINY = CONFIGS / "tiny.yaml"
 
 
-class StandIn(ModuleType):
+class FakeAnalyses(ModuleType):
     """What `wroll_fem.analyses` offers, without finite elements."""
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class StandIn(ModuleType):
         self, case: Any, *, progress: Any, checkpoint: Path | None = None, resume: bool = False
     ) -> xr.Dataset:
         self.calls.append({"case": case, "checkpoint": checkpoint, "resume": resume})
-        with progress.stage("stand-in", 2, "steps") as stage:
+        with progress.stage("fake analysis", 2, "steps") as stage:
             stage.update(1, "half")
             if self.leaves_checkpoint and checkpoint is not None:
                 np.savez(checkpoint, step=1)
