@@ -11,7 +11,10 @@ from pydantic_core import PydanticCustomError
 class Section(BaseModel):
     """A section of the case file: frozen, unknown keys refused, SI units throughout."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False,
+        defer_build=True,  # the commands that read no case start faster
+    )  # fmt: skip
 
 
 class SparseSection(Section):
