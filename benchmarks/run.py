@@ -167,11 +167,11 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
         full = window_full["set_up_cpu_s"] + per_step * steps
     lines = [
         f"CPU seconds on one core ({machine()}); each method in a fresh process, compilation caches warm.",
-        "Set-up holds imports, mesh, matrices, preload, condensation and the reading of the curves; the loop of",
-        "`reduced` and `harmonic` holds their training. The last column compares with the 50 to 100 CPU hours that the",
-        "thesis states for one sweep **on another machine with another program**: an order of magnitude, no more.",
+        "Set-up includes imports, mesh, matrices, preload, condensation and the damping estimate; the loop of",
+        "`reduced` and `harmonic` includes their training. The last column compares with the 50 to 100 CPU hours that",
+        "the thesis states for one sweep **on another machine with another program**: an order of magnitude, no more.",
         "",
-        "| method | set-up | loop | total | steps/s | peak memory | times faster than full | than the thesis |",
+        "| method | set-up | loop | total | steps/s | peak memory | faster than full by | faster than the thesis by |",
         "|---|---|---|---|---|---|---|---|",
     ]
     if full is not None:
@@ -203,7 +203,7 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
         lines += [
             "",
             f"Lab roll of `configs/lab_sweep.yaml` on a {AROUND} x {ALONG - 1} mesh ({AROUND * ALONG} contact points",
-            f"around, {half} with the symmetry plane), {int(chirp['steps']):,} steps as dense as the thesis's; the",
+            f"around, {half} with the symmetry plane), {int(chirp['steps']):,} steps as dense as in the thesis; the",
             "default integrator takes 40 steps per cycle at 175 Hz. Errors, each relative to the reference:",
         ]
     lines += [
@@ -228,7 +228,7 @@ def tables(reports: dict[str, dict], folder: Path) -> str:
             "| `harmonic`, against the default steps | " + " | ".join(["–"] * 4 + cells) + " |",
             "",
             "`harmonic` is the steady state; a chirp differs by its rate and by the integrator, whose steps, when as",
-            "dense as the thesis's, lengthen the period.",
+            "dense as in the thesis, lengthen the period.",
         ]
     return "\n".join(lines) + "\n"
 

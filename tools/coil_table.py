@@ -94,7 +94,7 @@ def convergence() -> list[str]:
     for roll in ROLLS:
         f = fourier(case_of(roll, "mesh.discretisation=fourier"))
         other.append(f"{f:.2f} Hz ({100 * (f / finest[roll] - 1):+.2f} %)")
-    return [*lines, "| " + " | ".join(["harmonics around the axis (solid mandrel)", "", "", *other]) + " |"]
+    return [*lines, "| " + " | ".join(["Fourier elements (solid mandrel)", "", "", *other]) + " |"]
 
 
 def limits() -> list[str]:
@@ -125,7 +125,7 @@ def main() -> None:
     text = [
         "Bending frequency of the solid coil, difference from the finest mesh in brackets; CPU seconds per frequency.",
         "The mesh in bold is that of the case files `configs/coiled_stiff.yaml` and `configs/kapton_roll.yaml`.",
-        "Made by `.venv/bin/python tools/coil_table.py`.",
+        "Computed by `.venv/bin/python tools/coil_table.py`.",
         "",
         *convergence(),
         "",

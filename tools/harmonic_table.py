@@ -51,7 +51,7 @@ def main() -> None:
     """Run all, write the table."""
     lines = [
         "Lab roll, 30 x 10 cells. In brackets: difference from harmonic balance with five harmonics, the steady state.",
-        "CPU seconds from case file to results. Made by `.venv/bin/python tools/harmonic_table.py`.",
+        "CPU seconds from case file to results. Computed by `.venv/bin/python tools/harmonic_table.py`.",
         "",
         "| preload | method | f_n | peak T | zeta | CPU |",
         "|---|---|---|---|---|---|",

@@ -56,7 +56,7 @@ def main() -> None:
     """Run all variants and write the table."""
     head = (
         "level, g | steps per cycle | reduction tolerance | largest open fraction "
-        "| tip: largest difference (own estimate) | friction work, condensed (mJ) | reduced "
+        "| tip: largest difference (error estimate) | friction work, condensed (mJ) | reduced "
         "| slipping area, inner interface, condensed | reduced "
         "| points that slip in one only | largest slip | impact over friction work | cuts | CPU s, condensed | reduced"
     )

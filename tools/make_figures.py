@@ -62,8 +62,8 @@ def run(name: str, words: list[str]) -> dict:
 def base_table(summaries: dict[str, dict]) -> str:
     """Free against clamped, preload by preload, as Markdown."""
     lines = [
-        "Half-power zeta and skewness of a roll that does not slip describe the sweep's ringing, not damping.",
-        "Last column: friction work until the tip first moves as strongly as the free roll does at its peak.",
+        "Half-power zeta and skewness of a roll that does not slip describe the sweep, not damping.",
+        "Last column: friction work until the tip acceleration reaches the peak of the roll with a free layer base.",
         "",
         "| base | preload | interface pressure | f_n | zeta | peak T | skewness | friction work "
         "| friction work / largest stored energy | friction work at equal motion |",

@@ -68,12 +68,12 @@ def main() -> None:
         run_analysis(lab_chirp(1.0e5, method, "excitation.f_start=174"), progress=SilentProgress())
     steps = run_steps(lab_chirp(1.0e5, "reduced"))
     heads = (
-        "preload", "f_n", "condensed: loop, all", "reduced: loop, training, all", "shapes",
-        "tip", "f_n", "peak", "zeta", "friction work", "own estimate",
+        "preload", "f_n", "condensed: loop, all", "reduced: loop, training, all", "basis vectors",
+        "tip", "f_n", "peak", "zeta", "friction work", "error estimate",
     )  # fmt: skip
     text = f"""Lab chirp, 30 x 10 cells, {steps} steps (10 kPa: band 110 to 154 Hz), one core. CPU seconds: time loop;
-training (looks at the whole structure, enrichment, steps done again); all, from case file to results.
-Differences from `condensed`, which is exact. Made by `.venv/bin/python tools/reduced_table.py`.
+training (residual checks, enrichment, repeated steps); all, from case file to results.
+Differences from `condensed`, which is exact. Computed by `.venv/bin/python tools/reduced_table.py`.
 """
     lines = [*text.splitlines(), "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     lines += [row(label, pressure) for label, pressure in PRESSURES.items()]
