@@ -28,12 +28,12 @@ A batch adds `batch.csv` and `batch.nc`, one row per case. Amplitudes are 0-peak
 
 _GROUPS = (
     ("Axes and places", ("time", "area")),
-    ("Histories", ("base_acceleration", "step_cuts")),
+    ("Histories", ("base_acceleration", "slipping_fraction")),
     ("Energies, cumulative from the start of the motion", ("input_work", "numerical_dissipation")),
     ("Interfaces", ("cumulative_slip", "relative_displacement_axial")),
     ("Curves over frequency", ("transmissibility_real", "transmissibility_spectrum_magnitude")),
     ("Periodic motions", ("branch_point", "memory_change")),
-    ("Modes", ("mode_frequency", "corner")),
+    ("Modes", ("mode_frequency", "solid_cell_nodes")),
     ("Solid coil under a steady sine", ("amplitude_g", "slip_zone_depth")),
     ("The wound roll", ("r", "wrap_hoop_stress_pa")),
     ("Map of mandrels", ("mandrel_radius", "limit_kind")),

@@ -1,0 +1,93 @@
+"""Every name of results.nc and summary.json is produced, with the dimensions that the registry states."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.analyses.registry import MODULES, find_analysis
+from wroll_fem.progress import SilentProgress
+from wroll_fem.results.dataset import FIELDS
+from wroll_fem.results.interface_slip import slipping_area_fraction
+from wroll_fem.results.summary import SUMMARY
+from wroll_fem.signals.transmissibility import magnitude
+from wroll_fem.tribology import RateAndState, ShearTest, VelocitySteps, run_shear_test, shear_history
+
+COARSE = ["mesh.circumferential=8", "mesh.axial=2"]
+FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20"]
+CASES: dict[str, tuple[str, list[str]]] = {
+    "sweep": ("oscillator", [*FAST, "output.damping=gaussian_fit"]),
+    "dwell": (
+        "lab_dwell",
+        [
+            *COARSE, "integrator.steps_per_cycle=20", "excitation.cycles=4", "excitation.ramp_cycles=1",
+            "output.every=20",
+        ],
+    ),
+    "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
+    "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32"]),
+    "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3"]),
+    "modal_transient": ("case_study", ["mesh.discretisation=fourier", "mesh.axial=4", "mesh.radial=1"]),
+    "preload": ("winding_sweep", [*COARSE, "analysis=preload", "preload.steps=2"]),
+    "winding": ("winding_lab", []),
+    "design_map": (
+        "design_map",
+        ["design_map.mandrel_radius=[0.04]", "design_map.mandrel_thickness=[1.5e-3]", "mesh.axial=4"],
+    ),
+    "two_dof": (
+        "two_dof_design_space",
+        [
+            "two_dof.omega.points=20", "two_dof.design_space.m2.points=2", "two_dof.design_space.k2.points=2",
+            "two_dof.friction_capacity=[2, 10]",
+        ],
+    ),
+    "sweep above the resonance": ("oscillator", [*FAST, "excitation.f_start=20", "output.damping=gaussian_fit"]),
+}  # fmt: skip
+"""Case file and overrides, as coarse as they may be: only names are looked at."""
+
+Produced = dict[str, tuple[xr.Dataset, dict]]
+
+
+@pytest.fixture(scope="module")
+def produced(tmp_path_factory: pytest.TempPathFactory) -> Produced:
+    """Dataset and summary of each case; one of them through a run folder."""
+    folder = tmp_path_factory.mktemp("names")
+    found: Produced = {}
+    for name, (config, overrides) in CASES.items():
+        out = folder / "run" if name == "winding" else None
+        case = wf.load_case(CONFIGS / f"{config}.yaml", overrides)
+        data = wf.run(case, out=out, progress=SilentProgress())
+        found[name] = data, wf.summarise(data)
+    data, _ = found["winding"]
+    found["winding"] = data, json.loads(Path(folder / "run" / "summary.json").read_text(encoding="utf-8"))
+    return found
+
+
+def test_every_name_of_the_summary_is_produced(produced: Produced) -> None:
+    names = {name for _, summary in produced.values() for name in summary}
+    assert names == set(SUMMARY)
+
+
+def test_every_field_is_produced(produced: Produced) -> None:
+    shear = run_shear_test(ShearTest(2, 100.0), steps=31)
+    rates = shear_history(RateAndState(), *VelocitySteps(1e-6, 1e-5).history(points=3))
+    dwell, sweep = produced["dwell"][0], produced["sweep"][0]
+    derived = [slipping_area_fraction(dwell), magnitude(sweep), magnitude(sweep, "transmissibility_spectrum")]
+    names = {str(name) for data in (shear, rates) for name in data.variables} | {str(array.name) for array in derived}
+    names |= {str(name) for data, _ in produced.values() for name in data.variables}
+    assert names == set(FIELDS)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_an_analysis_has_the_variables_that_the_registry_states(name: str, produced: Produced) -> None:
+    data, summary = produced[name]
+    assert summary["analysis"] == name
+    for dims, variables in find_analysis(name).variables.items():
+        for variable in variables:
+            shown = ", ".join(map(str, data[variable].dims)).replace("branch_point", "frequency")
+            assert shown == dims, variable
