@@ -24,20 +24,21 @@ _CONDITIONAL = {("Coil", "total_thickness"), ("Coil", "material")}
 
 _INTRO = """# Case file
 
-Every section and key of a case file (YAML). A case is one file; nothing else changes a number. Units are SI; numbers
-may be written as `1e-3`. Unknown keys are refused, with the nearest known one. Any key can be changed from the command
-line by its dotted name, `--set contact.friction.mu=0.5`, and varied by [wroll batch](../batch.md).
+This page lists every section and key of a case file (YAML). A case is one file, and no other setting changes a result.
+Units are SI; numbers may be written as `1e-3`. An unknown key is refused, and the message names the nearest known key.
+Any key can be changed on the command line by its dotted name, `--set contact.friction.mu=0.5`, and varied by
+[wroll batch](../batch.md).
 
-"required" keys have no default; where a default depends on other keys the description says so. Editors complete and
-check the file by [wroll-case.schema.json](../wroll-case.schema.json); the first line of each file in `configs/`
-points to it. Start from one of those.
+"required" keys have no default. A default that depends on other keys is explained in the description. Editors complete
+and check the file with [wroll-case.schema.json](../wroll-case.schema.json); the first line of each file in `configs/`
+points to it. Start from one of these files.
 """
 
 
-_ANALYSES = """`contact` and `preload` are asked for with `coil.model: layers` alone (by `modal` with `modal.interface:
-stuck`). `structure` replaces geometry, mandrel, coil, mesh and preload; contact may then be left out.
-`preload.kind: winding_tension` asks for `winding`. `design_map`, `two_dof` and `damping_ratio` belong to one analysis
-each; other sections may stand in the file unused."""
+_ANALYSES = """`contact` and `preload` are needed only with `coil.model: layers` (by `modal` only with
+`modal.interface: stuck`). `structure` replaces geometry, mandrel, coil, mesh and preload; contact is then optional.
+`preload.kind: winding_tension` needs `winding`. `design_map`, `two_dof` and `damping_ratio` belong to one analysis each;
+other sections may be in the file without use."""
 
 
 def case_page() -> str:

@@ -13,7 +13,7 @@ from tools.reference.markdown import GENERATED, code, prose, table
 _INTRO = """# Commands
 
 `wroll` is installed in `.venv/bin`; the pages write `.venv/bin/wroll`, or `wroll` for short (after `source
-.venv/bin/activate`). `wroll COMMAND --help` prints what stands here.
+.venv/bin/activate`). `wroll COMMAND --help` prints the same information.
 """
 
 _CODES = """## Exit codes

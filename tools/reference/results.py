@@ -10,7 +10,7 @@ _INTRO = """# Results
 
 A run folder holds
 
-| file | what |
+| file | contents |
 |---|---|
 | `case.yaml` | the case with all defaults filled in |
 | `summary.json` | the numbers of the table below: flat, SI, the unit in the name |
@@ -20,10 +20,10 @@ A run folder holds
 | `run.log` | progress and warnings |
 | `.lock` | empty; locked while a process works in the folder |
 | `provenance.json` | versions, machine, command, wall time |
-| `checkpoint*` | while a sweep or dwell runs: what `--resume` goes on from |
+| `checkpoint*` | during a sweep or dwell: state from which `--resume` continues |
 
 A batch adds `batch.csv` and `batch.nc`, one row per case. Amplitudes are 0-peak. Lists run over interfaces or layers
-(inner first), over modes, or over the levels of the case; `null` stands where there is nothing to read.
+(inner first), over modes, or over the levels of the case; `null` means that there is no value.
 """
 
 _GROUPS = (
