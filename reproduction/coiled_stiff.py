@@ -130,7 +130,9 @@ def softest(evidence: Evidence, modulus: float) -> float:
 
         found = softest_coil(FourierRoll(case), case.coil.material.solid())
         if found is None:
-            raise InputError(f"a Kapton roll of {modulus:g} Pa does not bend in its lowest mode")
+            raise InputError(
+                f"a Kapton roll of {modulus:g} Pa has no fundamental bending mode", remedy="use another modulus"
+            )
         return xr.Dataset({"shear_modulus": found.shear_modulus})
 
     return float(evidence.kept("softest_kapton", search, case=case.hash())["shear_modulus"])

@@ -94,7 +94,7 @@ class Evidence:
         return self.results([(config, *overrides)])[0]
 
     def results(self, cases: Iterable[Sequence[str]]) -> list[xr.Dataset]:
-        """Results of many cases, each (config, override, ...), computed side by side."""
+        """Results of many cases, each (config, override, ...), computed in parallel."""
         wanted = [(words[0], self.case(*words)) for words in cases]
         keys = [f"{config}-{case.hash()[:16]}" for config, case in wanted]
         todo = {
@@ -179,7 +179,7 @@ class Evidence:
         for member in self.study(study):
             if not member.reference and all(member.values.get(key) == value for key, value in values.items()):
                 return member
-        raise InputError(f"study {study} has no finished case with {values}", remedy="see its run folders")
+        raise InputError(f"study {study} has no finished case with {values}", remedy="check its run folders")
 
     def reference(self, study: str) -> SeriesMember:
         """Reference case of a study, outside its grid.

@@ -161,7 +161,7 @@ def reproduce(
     progress = progress if progress is not None else SilentProgress()
     of_chapters(chapters)  # before any work
     if workers < 1:
-        raise InputError(f"{workers} workers cannot run anything", key="--workers", remedy="use 1 or more")
+        raise InputError(f"must be at least 1, got {workers}", key="--workers", remedy="use 1 or more")
     folder = Path(folder)
     with Evidence(folder, fast=fast, workers=workers, progress=progress) as evidence:
         judged = judge(chapters, evidence, progress)

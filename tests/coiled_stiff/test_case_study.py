@@ -1,4 +1,4 @@
-"""The case study of section 2.4: what its case file may say, and both discretisations end to end on coarse meshes."""
+"""Case study of section 2.4: valid inputs of its case file, and runs with both discretisations on coarse meshes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Search for the shear modulus at which another mode meets bending."""
+"""Search for the interlayer shear modulus at which another mode falls to the bending frequency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Response of modes to a sine of the base: against exact solutions of the same equations."""
+"""Modal response to a sinusoidal base acceleration against exact solutions of the same equations."""
 
 from __future__ import annotations
 

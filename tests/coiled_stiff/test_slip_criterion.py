@@ -1,4 +1,4 @@
-"""Slip of a solid coil: stress over a cycle, onset, zone and what a run says of them, on hand-made modes."""
+"""Slip criterion of a solid coil on synthetic modes: stress over a cycle, onset, slip zone, outputs of a run."""
 
 from __future__ import annotations
 

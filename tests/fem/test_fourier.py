@@ -1,4 +1,4 @@
-"""The form in harmonics around the axis against closed forms and exact fields."""
+"""Fourier axisymmetric elements against closed forms and exact fields."""
 
 import dataclasses
 

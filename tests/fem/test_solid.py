@@ -1,4 +1,4 @@
-"""27-node hexes with material axes from the roll's axis: zero modes, patch, rotation, closed forms, convergence."""
+"""27-node hexahedra with cylindrical material axes: zero modes, patch test, rotation, closed forms, convergence."""
 
 from dataclasses import replace
 from functools import cache

@@ -1,4 +1,4 @@
-"""`wroll reproduce`: the checklist, what verdicts rest on, how failures show."""
+"""`wroll reproduce`: the checklist, the evidence for verdicts, reports of failures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Judges of the appendices, and all that need no run: criteria fail on changed evidence."""
+"""Judges of the appendices: claims that need no run, and criteria that fail on changed evidence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Judges of chapters 2 and 4: real evidence where it is cheap, written-down results where a criterion must fail."""
+"""Judges of chapters 2 and 4: real evidence if it is cheap, fake evidence for criteria that must fail."""
 
 from __future__ import annotations
 

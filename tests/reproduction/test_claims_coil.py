@@ -1,4 +1,4 @@
-"""Judges of chapter 2 on the coil as a solid: written-down results and one coarse case study."""
+"""Judges of chapter 2 on the solid coil: fake evidence, and one case study on a coarse mesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Judges of chapter 5 (two masses): criteria fail on changed evidence; the figures of both models."""
+"""Judges of chapter 5 (two-mass model): criteria fail on changed evidence; figures of both models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Half-power reading against the closed form of a base-excited oscillator, solved independently."""
+"""Half-power damping against the closed form of a base-excited oscillator, solved independently."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What several tests share: exact systems, synthetic rolls, fake analyses, paths."""
+"""Helpers shared by several tests: exact systems, synthetic rolls, fake analyses, paths."""

@@ -1,4 +1,4 @@
-"""Timoshenko's beam with the section of a thin tube: closed forms for the cantilever tests."""
+"""Closed forms of a Timoshenko cantilever with the cross-section of a thin tube."""
 
 import numpy as np
 import scipy.linalg as la

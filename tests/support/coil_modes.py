@@ -1,4 +1,4 @@
-"""Hand-made modes of a roll with a solid coil: a cantilever's shear stress in closed form."""
+"""Synthetic modes of a roll with a solid coil: shear stress of a cantilever in closed form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small systems with exact solutions, built from matrices like a user's own, and what the tests measure on them."""
+"""Small systems with exact solutions, built from matrices, and the quantities that tests compute from them."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

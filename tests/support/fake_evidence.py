@@ -1,4 +1,4 @@
-"""Results written down, in place of runs, for the judges of `wroll reproduce`."""
+"""Fake evidence for the judges of `wroll reproduce`: given results in place of runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def judges(*chapters: str) -> dict[str, Callable[[Evidence], Verdict]]:
 
 
 class FakeEvidence(Evidence):
-    """Evidence that is given: studies and summaries by name, results by a function of (config, override, ...)."""
+    """Evidence with given studies and summaries (by name) and results (function of config, override, ...)."""
 
     def __init__(
         self,

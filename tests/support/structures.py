@@ -1,4 +1,4 @@
-"""A hand-written structure (mass on a spring, pressed onto the ground) as a case file with its matrices."""
+"""Case file with matrices for a mass on a spring that is pressed onto the ground."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Double shear test of stacks: series of stiffnesses, capacity, modulus, energy; exact but for Newton's tolerance."""
+"""Double shear test: series stiffness, capacity, modulus and energy, exact up to the tolerance of Newton's method."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fit of the two masses: parameters of computed curves are recovered."""
+"""Fit of the two-mass model: parameters of computed curves are recovered."""
 
 from __future__ import annotations
 

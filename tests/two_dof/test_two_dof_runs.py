@@ -1,4 +1,4 @@
-"""Analysis two_dof from case file to run folder: contents, summary, figures, input that is refused."""
+"""Analysis two_dof from case file to run folder: results, summary, figures, invalid inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stress in the wound roll: against exact solutions, against the thesis's scheme written out, and its limits."""
+"""Wound-roll stress against exact solutions and against the scheme of the thesis, and its limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wound roll from the case file: inputs that are wrong, the run folder, the preload of the layers."""
+"""Winding from case file to run folder: invalid inputs, results, preload of the layers."""
 
 from __future__ import annotations
 

@@ -70,7 +70,17 @@ def assemble_bodies(
 
 
 def shell_section(roll: RollSections, index: int, thickness: float) -> ShellSection:
-    """Shell section of the mandrel (index 0) or of a layer (index > 0) of the given thickness, m."""
+    """Shell section of the mandrel or of a layer.
+
+    Parameters
+    ----------
+    roll
+        The sections geometry, mandrel and coil are used.
+    index
+        0 for the mandrel, k > 0 for layer k, counted from the inside.
+    thickness
+        Thickness of the shell, m.
+    """
     if index > 0:
         m = roll.coil.layer_material
         return ShellSection(m.E, m.nu, m.rho, thickness, bending=1.0 if roll.coil.bending else 0.0)

@@ -25,11 +25,11 @@ import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.fem import compat
-from wroll_fem.fem.constraints import Constraints
+from wroll_fem.fem.constraints import Constraints, mirrored_values
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import axial_stations
-from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, mirror_nodes
+from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
 from wroll_fem.structure.body import Body, SolidPart
 from wroll_fem.typing import FloatArray, IntArray
 
@@ -173,16 +173,19 @@ def bonded_map(
         Nodes of the mandrel above which all coil nodes are clamped.
     symmetric
         Keep only motions symmetric about the x-z plane.
+
+    Returns
+    -------
+    expand : (3 n layers, n_shell + n_coil) sparse map.
+    component : (n_coil,) component (0, 1, 2 for x, y, z) of each unknown of the coil.
+
+    Raises
+    ------
+    InputError
+        If `symmetric` is set but the nodes do not mirror about the x-z plane.
     """
     n = len(nodes)
-    source, sign, free = np.arange(n), np.ones((n, 3)), np.ones((n, 3), bool)
-    if symmetric:
-        partner = mirror_nodes(nodes)
-        if partner is None:
-            raise ValueError("the mandrel's constraints are symmetric, its nodes are not")
-        below = nodes[:, 1] < -1e-9 * np.abs(nodes).max()
-        source[below], sign[below] = partner[below], _MIRROR_SIGN
-        free[partner == np.arange(n)] = _MIRROR_SIGN > 0
+    source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
     free[clamped] = False
     own = free & (source == np.arange(n))[:, None]
     column = np.full((n, 3), -1, np.int64)
@@ -218,7 +221,17 @@ def bond_coil(body: Body, coil: CoilMatrices) -> Body:
 
 
 def pad(matrix: sp.spmatrix, columns: int, *, rows: bool = False) -> sp.csr_matrix:
-    """Append zero columns (with `rows`, also zero rows) for the unknowns of the coil."""
+    """Append zero columns for the unknowns of the coil.
+
+    Parameters
+    ----------
+    matrix
+        (m, n) matrix over the unknowns of the shell.
+    columns
+        Number of unknowns of the coil.
+    rows
+        Append as many zero rows as well.
+    """
     padded = sp.csr_matrix(matrix, copy=True)
     padded.resize(padded.shape[0] + (columns if rows else 0), padded.shape[1] + columns)
     return padded

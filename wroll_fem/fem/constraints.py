@@ -17,7 +17,7 @@ import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.shells import mirror_nodes
-from wroll_fem.typing import FloatArray, IntArray
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 _MIRROR_SIGN = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 """Signs of [u, theta] under reflection y -> -y: displacement is a polar vector, rotation an axial vector."""
@@ -75,20 +75,7 @@ def build_constraints(
         If `symmetric` is set but the nodes do not mirror about the x-z plane.
     """
     n = len(nodes)
-    source, sign = np.arange(n), np.ones((n, 6))
-    free = np.ones((n, 6), bool)
-    if symmetric:
-        partner = mirror_nodes(nodes)
-        if partner is None:
-            raise InputError(
-                "the mesh's nodes do not mirror about the x-z plane",
-                key="solver.symmetry",
-                remedy="set solver.symmetry: false, or mesh with a node at theta = 0 and mirrored divisions",
-            )
-        below = nodes[:, 1] < -1e-9 * np.abs(nodes).max()
-        source[below] = partner[below]
-        sign[below] = _MIRROR_SIGN
-        free[partner == np.arange(n)] = _MIRROR_SIGN > 0
+    source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
     free[clamped] = False
     tied = np.zeros(n, bool)
     if rigid is not None:
@@ -113,6 +100,47 @@ def build_constraints(
     row, col, value = (np.concatenate(part) for part in zip(*entries, strict=True))
     expand = sp.csr_matrix((value, (row, col)), shape=(6 * n, count))
     return Constraints(expand, master, component, node)
+
+
+def mirrored_values(
+    nodes: FloatArray, parity: FloatArray, *, symmetric: bool
+) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Nodal values that determine all others by symmetry about the x-z plane.
+
+    Parameters
+    ----------
+    nodes
+        (n, 3) coordinates, m.
+    parity
+        (k,) sign of each component of the nodal values under reflection y -> -y.
+    symmetric
+        Impose the symmetry; otherwise every node determines itself.
+
+    Returns
+    -------
+    source : (n,) node whose values determine those of each node.
+    sign : (n, k) factor between both values.
+    free : (n, k) False for components that vanish on the symmetry plane.
+
+    Raises
+    ------
+    InputError
+        If `symmetric` is set but the nodes do not mirror about the x-z plane.
+    """
+    n, k = len(nodes), len(parity)
+    source, sign, free = np.arange(n), np.ones((n, k)), np.ones((n, k), bool)
+    if symmetric:
+        partner = mirror_nodes(nodes)
+        if partner is None:
+            raise InputError(
+                "the mesh's nodes do not mirror about the x-z plane",
+                key="solver.symmetry",
+                remedy="set solver.symmetry: false, or mesh with a node at theta = 0 and mirrored divisions",
+            )
+        below = nodes[:, 1] < -1e-9 * np.abs(nodes).max()
+        source[below], sign[below] = partner[below], parity
+        free[partner == np.arange(n)] = parity > 0
+    return source, sign, free
 
 
 def rigid_motions(nodes: FloatArray, centre: FloatArray) -> FloatArray:

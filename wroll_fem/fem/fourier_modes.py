@@ -144,7 +144,7 @@ def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
 
 
 def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float) -> list[FourierMode]:
-    """Modes of a symmetry class up to the frequency `limit` (Hz): at least one, at most those that `count` can hold."""
+    """Modes of a symmetry class up to the frequency `limit` (Hz), at least one and at most as many as can be needed."""
     most = count if symmetry.wave_number == 0 else (count + 1) // 2
     some = min(3, most)
     while True:

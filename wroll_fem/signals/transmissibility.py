@@ -345,16 +345,16 @@ def dwell_response(
 
 
 def undamped(frequency: FloatArray, natural: FloatArray, participation: FloatArray) -> FloatArray:
-    """|T| of undamped modes, |1 + sum of p f^2 / (f_n^2 - f^2)|.
+    """Magnitude of the transmissibility of undamped modes, |1 + sum of p f^2 / (f_n^2 - f^2)|.
 
     Parameters
     ----------
     frequency
-        (n,) Hz.
+        (n,) frequencies, Hz.
     natural
         (n_modes,) natural frequencies, Hz.
     participation
-        (n_modes,) p: displacement of the tip in the mode times the mode's base participation factor.
+        (n_modes,) products p of tip displacement and participation factor of each mode.
     """
     with np.errstate(divide="ignore"):
         return np.asarray(np.abs(1.0 + participation @ (frequency**2 / (natural[:, None] ** 2 - frequency**2))))

@@ -1,4 +1,4 @@
-"""Probes: the displacement of one point of a shell in one direction, as a row of its degrees of freedom."""
+"""Probes: displacement of one point of a shell in one direction, as a row over its degrees of freedom."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ DIRECTIONS: tuple[str, ...] = get_args(Direction)
 
 _ITERATIONS = 20
 _ON_CELL = 1e-6
-"""How far outside of its cell, in reference coordinates, a point may lie."""
+"""Tolerated distance of a point from its cell, in reference coordinates."""
 
 
 @dataclass(frozen=True)
 class Probe:
-    """A point on the mid-surface of a shell, and a direction.
+    """Point on the mid-surface of a shell and direction of the displacement.
 
     Attributes
     ----------
     theta, z
-        Angle from the x-axis in rad and height above the base in m.
+        Angle from the x axis, rad, and height above the base, m.
     direction
         x, y, z (axial), radial (outward) or hoop (towards growing theta).
     body
@@ -40,14 +40,14 @@ class Probe:
 
 
 def probe_row(body: Body, probe: Probe) -> FloatArray:
-    """Return the row (n_dofs,) that gives the displacement at the probe, m, from the degrees of freedom of the body.
+    """Row (n_dofs,) that gives the displacement at the probe, m, from the degrees of freedom of a body.
 
-    The displacement is interpolated by the body's own shape functions, so the row is exact between nodes as well.
+    The displacement is interpolated with the shape functions of the body, so the row is exact between nodes as well.
 
     Raises
     ------
     InputError
-        When the point is not on the body.
+        If the point is not on the body.
     """
     cell, local = _locate(body, probe)
     weights = shape_functions(local)
@@ -69,7 +69,7 @@ def _unit_vector(probe: Probe) -> FloatArray:
 def shape_functions(local: FloatArray) -> FloatArray:
     """Values (9,) of the biquadratic shape functions at reference coordinates (2,) in [-1, 1].
 
-    Order of VTK_BIQUADRATIC_QUAD: corners, middles of the edges, centre.
+    The order is that of VTK_BIQUADRATIC_QUAD: corners, midpoints of the edges, centre.
     """
     along, across = (np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]) for x in local)
     order = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
@@ -77,7 +77,7 @@ def shape_functions(local: FloatArray) -> FloatArray:
 
 
 def _slopes(local: FloatArray) -> FloatArray:
-    """Derivatives (9, 2) of the shape functions."""
+    """Derivatives (9, 2) of the biquadratic shape functions with respect to the reference coordinates."""
     step = 1e-6  # quadratic: central differences are exact but for rounding
     offsets = step * np.eye(2)
     return np.column_stack(
@@ -86,7 +86,7 @@ def _slopes(local: FloatArray) -> FloatArray:
 
 
 def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
-    """Cell that holds the probe, and its reference coordinates (2,) there."""
+    """Number of the cell with the probe, and reference coordinates (2,) of the probe in it."""
     nodes = body.nodes
     low, high = float(nodes[:, 2].min()), float(nodes[:, 2].max())
     length = high - low
@@ -112,7 +112,7 @@ def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
 
 
 def _invert(places: FloatArray) -> FloatArray:
-    """Reference coordinates (2,) at which the nodes' ``places`` (9, 2) interpolate to the origin (Newton)."""
+    """Reference coordinates (2,) at which the interpolated nodal positions ``places`` (9, 2) are zero (Newton)."""
     local = np.zeros(2)
     for _ in range(_ITERATIONS):
         change = np.linalg.solve(places.T @ _slopes(local), -places.T @ shape_functions(local))

@@ -93,6 +93,7 @@ class _Problem:
     high: FloatArray
 
     def unpack(self, x: FloatArray) -> tuple[TwoMasses, FloatArray]:
+        """Model and friction capacities (N) for the logarithms of the free parameters."""
         values = np.exp(x)
         count = len(self.names)
         changes: dict[str, Any] = dict(zip(self.names, map(float, values[:count]), strict=True))
@@ -101,6 +102,7 @@ class _Problem:
         return model, values[count:] if len(values) > count else given
 
     def residuals(self, x: FloatArray) -> FloatArray:
+        """Differences of ln(T) between model and measurement at all points of all curves."""
         model, capacities = self.unpack(x)
         found = []
         for one, capacity in zip(self.measured, capacities, strict=True):
@@ -112,6 +114,7 @@ class _Problem:
         return np.concatenate(found)
 
     def solve(self, start: FloatArray) -> tuple[FloatArray, float]:
+        """Best logarithms of the parameters from one start, and root mean square residual."""
         with threadpool_limits(1, "blas"):
             done = least_squares(
                 self.residuals, start, bounds=(self.low, self.high), diff_step=STEP, x_scale=1.0, xtol=1e-5, ftol=1e-5

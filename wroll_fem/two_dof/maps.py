@@ -70,6 +70,7 @@ class _Curve:
         self.motions: dict[float, PeriodicMotion] = {}
 
     def add(self, omegas: FloatArray) -> None:
+        """Compute the motions at frequencies (rad/s), each from the nearest known motion."""
         known = np.array(sorted(self.motions))
         last: PeriodicMotion | None = None
         for omega in np.sort(omegas):

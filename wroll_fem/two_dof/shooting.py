@@ -17,7 +17,7 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.two_dof import time as in_time
 from wroll_fem.two_dof.model import PreloadedTwoMasses
-from wroll_fem.two_dof.time import _rates, _slopes, parameters, rates_into
+from wroll_fem.two_dof.time import _slopes, parameters, rates_into
 from wroll_fem.typing import FloatArray
 
 drop_stale_cache(__file__, in_time.__file__)
@@ -116,10 +116,7 @@ def orbit_transmissibility(
     """
     times = np.linspace(0.0, np.pi / omega, points)
     path = in_time.integrate(preloaded, omega, state, times, tolerance)
-    k = int(np.argmax(np.abs(path[:, 0])))
-    x, v = path[k, 0], path[k, 2]
-    a = _rates(times[k], path[k], omega, parameters(preloaded))[2]
-    return float(abs(x - 0.5 * v * v / a) / preloaded.base_amplitude)
+    return in_time.peak_of_path(preloaded, omega, times, path)
 
 
 def orbit_curve(preloaded: PreloadedTwoMasses, omegas: FloatArray) -> FloatArray:

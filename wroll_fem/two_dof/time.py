@@ -41,7 +41,19 @@ class SteadyState:
 
 @numba.njit(cache=True)
 def rates_into(state: FloatArray, t: float, omega: float, p: FloatArray, out: FloatArray) -> None:
-    """Write the time derivative of (x1, x2, v1, v2) into ``out`` (4,): equations 5.2 and 5.3."""
+    """Compute the time derivative of the state (equations 5.2 and 5.3 in absolute displacements).
+
+    Parameters
+    ----------
+    state
+        (4,) x1, x2 (m), v1, v2 (m/s).
+    t, omega
+        Time (s) and frequency of the base motion (rad/s).
+    p
+        (11,) parameters, as returned by `parameters`.
+    out
+        (4,) array for the result.
+    """
     m1, k1, c1, m2, k2, c2, capacity, smoothing, amplitude, a, b = p
     x1, x2, v1, v2 = state[0], state[1], state[2], state[3]
     y, y_dot = amplitude * np.sin(omega * t), amplitude * omega * np.cos(omega * t)
@@ -203,9 +215,25 @@ def dwell(preloaded: PreloadedTwoMasses, omega: float, duration: float, *, toler
 def _largest(
     preloaded: PreloadedTwoMasses, omega: float, state: FloatArray, tolerance: float, *, begin: float = 0.0
 ) -> float:
-    """Largest abs(x_1) over Y_0 in the period from ``begin``, from the parabola of x, v and a at the largest sample."""
+    """Largest abs(x_1) over Y_0 in the period from ``begin`` (s)."""
     times = begin + 2.0 * np.pi / omega * np.linspace(0.0, 1.0, 1001)
-    path = integrate(preloaded, omega, state, times, tolerance)
+    return peak_of_path(preloaded, omega, times, integrate(preloaded, omega, state, times, tolerance))
+
+
+def peak_of_path(preloaded: PreloadedTwoMasses, omega: float, times: FloatArray, path: FloatArray) -> float:
+    """Largest abs(x_1) over Y_0 of a motion, from the parabola of x, v and a at the largest sample.
+
+    Parameters
+    ----------
+    preloaded
+        Parameters of the model.
+    omega
+        Frequency of the base motion, rad/s.
+    times
+        (n,) times, s.
+    path
+        (n, 4) states at these times.
+    """
     k = int(np.argmax(np.abs(path[:, 0])))
     x, v = path[k, 0], path[k, 2]
     a = _rates(times[k], path[k], omega, parameters(preloaded))[2]

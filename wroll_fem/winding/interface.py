@@ -53,7 +53,7 @@ def external_pressures(roll: RollSections, preload: Preload, winding: Winding | 
     Parameters
     ----------
     winding
-        How the roll was wound, with its mandrel; used by `preload.kind: winding_tension` alone.
+        Case section `winding` with its mandrel; used only for `preload.kind: winding_tension`.
 
     Raises
     ------

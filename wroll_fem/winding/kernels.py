@@ -40,7 +40,15 @@ def radial_modulus(pressure, knots, moduli, slope):
 
 @njit(cache=True)
 def coefficients(r, h, ratio):
-    """Coefficients (A, B, C) of equation 2.10 for radius ``r`` (m), web thickness ``h`` (m), ``ratio`` E_theta/E_r."""
+    """Coefficients (A, B, C) of equation 2.10.
+
+    Parameters
+    ----------
+    r, h
+        Radius and thickness of the web, m.
+    ratio
+        E_theta/E_r at this radius.
+    """
     return 1.0 + 1.5 * h / r, (h / r) ** 2 * (1.0 - ratio) - 2.0, 1.0 - 1.5 * h / r
 
 

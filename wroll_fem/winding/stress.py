@@ -94,11 +94,11 @@ class WoundRoll:
         return self._mu * self.pressure
 
     def pressure_at(self, radius: FloatArray) -> FloatArray:
-        """(k,) pressure at radii (k,) in m, Pa: that at the mandrel for smaller radii, 0 outside the roll."""
+        """(k,) pressure at radii (k,) in m, Pa; inside the mandrel the value at its surface, 0 outside the roll."""
         return np.interp(radius, self.radius, self.pressure, right=0.0)
 
     def capacity_at(self, radius: FloatArray) -> FloatArray:
-        """(k,) friction capacity at radii (k,) in m, Pa: that at the mandrel for smaller radii, 0 outside the roll.
+        """(k,) friction capacity at radii (k,) in m, Pa; inside the mandrel the value at its surface, 0 outside.
 
         Raises
         ------
