@@ -15,7 +15,7 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, slot_jump
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, contact_jump
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -84,7 +84,7 @@ def test_error_falls_with_the_tolerance_and_the_estimate_bounds_it() -> None:
 
 
 def test_the_last_step_of_a_block_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reduced, "LOOK_EVERY", 10**6)
+    monkeypatch.setattr(reduced, "CHECK_EVERY", 10**6)
     history = simulate(*prepared(), STRONG, dt=DT, scheme=HHT, method="reduced")
     assert history.attrs["reduced_coordinates"] > 25  # it starts with 14
     assert tip_error(history, exact()) < 5e-2
@@ -166,7 +166,7 @@ def test_jump_and_force_of_modal_vectors_are_those_of_the_structure() -> None:
     c = condense(system, stick_springs(system, preload), HHT, DT)
     rng = np.random.default_rng(3)
     vectors = rng.standard_normal((len(c.eigenvalues), 2)) / c.eigenvalues[:, None]
-    jump = slot_jump(c, vectors)
+    jump = contact_jump(c, vectors)
     for k in range(2):
         right = system.jump @ c.displacement(vectors[:, k])
         np.testing.assert_allclose(jump[:, k], right, atol=1e-12 * np.abs(right).max())
