@@ -14,8 +14,9 @@ import pytest
 from support.paths import ROOT
 
 PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
-FRICTION, EXCITATION, BODY = (
-    PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0] for heading in ("A friction law", "An excitation", "A body")
+FRICTION, ANALYSIS, EXCITATION, BODY = (
+    PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    for heading in ("A friction law", "An analysis", "An excitation", "A body")
 )
 
 DAHL_POINT = """
@@ -89,6 +90,30 @@ assert abs(result["input_work"].values[-1] - result["input_work"].values[time > 
 """
 
 
+TIP = """
+import sys
+from typer.testing import CliRunner
+import wroll_fem as wf
+from wroll_fem.analyses import find_analysis
+from wroll_fem.cli import app
+
+coarse = ["analysis=tip_stiffness", "mesh.circumferential=8", "mesh.axial=3", "preload.steps=2"]
+words = [word for text in coarse for word in ("--set", text)]
+done = CliRunner().invoke(app, ["run", sys.argv[1], "--out", "stiff", *words])
+assert done.exit_code == 0, done.output
+result = wf.load_result("stiff")
+stiffness = wf.summarise(result)["tip_stiffness_n_m"]
+whole = wf.run(wf.load_case(sys.argv[1], [*coarse, "solver.symmetry=false"]), progress=False)
+assert abs(wf.summarise(whole)["tip_stiffness_n_m"] / stiffness - 1.0) < 1.0e-6, stiffness
+case, pi = wf.case_of(result), 3.141592653589793
+tubes = ((case.mandrel.material.E, 0.03925, 1.5e-3), (case.coil.material.E, 0.040625, 1.25e-3))
+bonded = sum(3.0 * E * pi * r**3 * t for E, r, t in tubes) / case.geometry.length**3  # without shear flexibility
+assert 0.3 * bonded < stiffness < bonded, (stiffness, bonded)
+page = CliRunner().invoke(app, ["report", "stiff"])
+assert page.exit_code == 0 and find_analysis("tip_stiffness").sentence in open("stiff/report.html").read()
+"""
+
+
 def blocks(text: str, language: str) -> list[str]:
     """Content of the fenced blocks of one language."""
     return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
@@ -135,6 +160,15 @@ def test_the_friction_law_of_the_recipe_runs(copy: Path) -> None:
     apply(registration, copy)
     assert run_in(copy, DAHL_POINT, compiled=True) == ""
     assert run_in(copy, check + DAHL_POINT + DAHL_CASE) == ""
+
+
+def test_the_analysis_of_the_recipe_runs(copy: Path) -> None:
+    (analysis,) = blocks(ANALYSIS, "python")
+    (copy / "wroll_fem" / "analyses" / "tip_stiffness.py").write_text(analysis, encoding="utf-8")
+    for diff in blocks(ANALYSIS, "diff"):
+        apply(diff, copy)
+    case = ROOT / "configs" / "lab_dwell.yaml"
+    assert run_in(copy, TIP.replace("sys.argv[1]", repr(str(case)))) == ""
 
 
 def test_the_excitation_of_the_recipe_runs(copy: Path) -> None:

@@ -1,12 +1,9 @@
-"""`wroll report`: what the file says, that it is sound HTML, that it needs nothing but itself."""
+"""`wroll report`: content of the page about a run or a batch."""
 
 from __future__ import annotations
 
 import base64
-import json
-import re
 import shutil
-import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -15,12 +12,10 @@ import pytest
 import xarray as xr
 from support import synthetic_roll
 from support.paths import ROOT
-from typer.testing import CliRunner
+from support.report_pages import parsed, rows, section, with_modulation, words
 
-from wroll_fem import analyses, cli, load_case
-from wroll_fem.jobs.batch import Outcome, write_tables
+from wroll_fem import load_case
 from wroll_fem.jobs.folder import RunFolder
-from wroll_fem.jobs.grid import Member
 from wroll_fem.jobs.run import run_case
 from wroll_fem.report import write_report
 from wroll_fem.report.damping import damping_table
@@ -29,73 +24,6 @@ from wroll_fem.report.run import metrics
 from wroll_fem.report.values import quantity
 from wroll_fem.results.summary import label
 from wroll_fem.signals.estimators import single_dof_transmissibility
-
-CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
-SWEEP = ROOT / "configs" / "lab_sweep.yaml"
-NASTY = "<script>alert('1')</script> & \"quoted\" \x07"
-
-
-def with_modulation(data: xr.Dataset) -> xr.Dataset:
-    """The synthetic roll's stick stiffness does not depend on the pressure."""
-    return data.assign(pressure_modulation_work=0.0 * data["friction_energy"])
-
-
-def synthetic_run(out: Path, *overrides: str) -> RunFolder:
-    """Run folder as `wroll run` leaves it, with a synthetic roll's results in place of finite elements."""
-    data = with_modulation(synthetic_roll.sweep())
-    data.attrs |= {"f_n_hz": 148.25, "zeta": 0.0123, "zeta_method": "half power", "half_power_reason": "just a remark"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analyses, "run_analysis", lambda case, **_: data)
-        return run_case(load_case(SWEEP, overrides), out, command="wroll run lab_sweep.yaml").folder
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
-    return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
-
-
-@pytest.fixture(scope="module")
-def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a batch: two finished cases, one that failed, one figure."""
-    out = tmp_path_factory.mktemp("batch")
-    outcomes = []
-    for pressure in (1.0e4, 3.0e4, 1.0e5):
-        name, override = f"pressure_{pressure:.0f}", f"preload.pressure={pressure}"
-        case = load_case(SWEEP, [override])
-        member = Member(name, SWEEP, {"preload.pressure": pressure, "mesh.axial": 12}, [override], case)
-        if pressure == 1.0e5:
-            outcomes.append(Outcome(member, "failed", f"no convergence {NASTY[:-2]}", 3))
-            continue
-        shutil.copytree(run.path, out / name)
-        (out / name / "case.yaml").write_text(case.resolved_yaml())
-        folder = RunFolder(out / name)
-        folder.log_file.write_text(f"now warning: the root element is {pressure / 1e3:g} mm high\n")
-        folder.write_json(folder.summary_file, {**run.summary(), "energy_balance_error": pressure * 1e-6})
-        outcomes.append(Outcome(member, "complete"))
-    write_tables(outcomes, out)
-    (out / "figures").mkdir()
-    shutil.copy(run.figures / "transmissibility.png", out / "figures" / "damping_over_frequency.png")
-    return out
-
-
-def parsed(file: Path) -> ElementTree.Element:
-    """Root of the file, which must be well-formed even as XML."""
-    return ElementTree.fromstring(file.read_text(encoding="utf-8"))
-
-
-def section(root: ElementTree.Element, heading: str) -> ElementTree.Element:
-    return next(s for s in root.iter("section") if s.findtext("h2") == heading)
-
-
-def words(element: ElementTree.Element) -> str:
-    return " ".join("".join(element.itertext()).split())
-
-
-def rows(element: ElementTree.Element) -> dict[str, list[str]]:
-    """First cell -> the others, of every table inside."""
-    lines = [[words(cell) for cell in line] for body in element.iter("tbody") for line in body]
-    return {line[0]: line[1:] for line in lines}
-
 
 # ---- a run -----------------------------------------------------------------------------------------
 
@@ -278,136 +206,3 @@ def test_report_of_a_batch_tells_what_varies_and_what_failed(batch: Path, tmp_pa
     everything = words(section(root, "All metrics"))
     assert "f_n_hz" in everything
     assert "148.25" in everything
-
-
-# ---- the file itself -------------------------------------------------------------------------------
-
-
-def test_nothing_is_fetched_and_nothing_runs(run: RunFolder, batch: Path, tmp_path: Path) -> None:
-    for folder in (run.path, batch):
-        root = parsed(write_report(folder, tmp_path / "r.html"))
-        ids = [element.get("id") for element in root.iter() if element.get("id")]
-        assert len(ids) == len(set(ids))
-        tags = {element.tag for element in root.iter()}
-        assert not tags & {"script", "link", "iframe", "object", "embed", "base", "form", "video", "audio"}
-        for element in root.iter():
-            for name, value in element.attrib.items():
-                assert not name.startswith("on")
-                if name in ("src", "srcset"):
-                    assert value.startswith("data:image/png;base64,")
-                elif name == "href":
-                    assert value.removeprefix("#") in ids
-                else:
-                    assert "://" not in value
-        style = root.findtext("head/style") or ""
-        assert style
-        assert not re.search(r"url\(|@import|://", style)
-        policy = next(m for m in root.iter("meta") if m.get("http-equiv") == "Content-Security-Policy")
-        assert policy.get("content", "").startswith("default-src 'none'")
-
-
-def test_a_screen_reader_and_a_printer_find_their_way(run: RunFolder, batch: Path, tmp_path: Path) -> None:
-    for folder in (run.path, batch):
-        root = parsed(write_report(folder, tmp_path / "r.html"))
-        assert root.get("lang") == "en"
-        assert root.findtext("head/title") == root.findtext("body/main/h1")
-        assert [e.tag for e in root.iter() if e.tag in ("h1", "h2")].count("h1") == 1
-        assert root.find("body/main/nav").get("aria-label")  # type: ignore[union-attr]
-        tables = list(root.iter("table"))
-        assert tables
-        for table in tables:
-            width = len(table.findall("thead/tr/th"))
-            assert all(th.get("scope") == "col" and words(th) for th in table.iter("th"))
-            assert all(len(row) == width for row in table.findall("tbody/tr"))
-            for row in table.findall("tbody/tr"):  # heads stand over their numbers
-                assert all(
-                    th.get("class") == "n" for th, td in zip(table.iter("th"), row, strict=True) if td.get("class")
-                )
-        assert all(e.get("tabindex") == "0" for e in root.iter("div") if e.get("class") == "wide")
-        captions = [words(figure.find("figcaption")) for figure in root.iter("figure")]  # type: ignore[arg-type]
-        assert [image.get("alt") for image in root.iter("img")] == captions
-        assert all(captions)
-        paper = (root.findtext("head/style") or "").partition("@media print")[2]
-        assert "overflow: visible" in paper
-        assert "nav { display: none; }" in paper
-
-
-def test_every_text_is_escaped(run: RunFolder, tmp_path: Path) -> None:
-    folder = RunFolder(tmp_path / "<b>bold & brave<")
-    shutil.copytree(run.path, folder.path)
-    folder.case_file.write_text(f"# {NASTY}\n{run.case_file.read_text()}")
-    folder.log_file.write_text(f"now warning: {NASTY}\n")
-    folder.write_json(folder.provenance_file, {**run.provenance(), "command": NASTY, "versions": {NASTY: NASTY}})
-    folder.write_json(folder.summary_file, {NASTY: NASTY, "zeta": None, "list": [NASTY]})
-    shutil.copy(run.figures / "transmissibility.png", folder.figures / "<i>&'.png")
-    root = parsed(write_report(folder.path))
-    assert not {"script", "b", "i"} & {element.tag for element in root.iter()}
-    assert root.findtext("body/main/h1") == "Run <b>bold & brave<"
-    for heading in ("What was solved", "Warnings", "Metrics", "Versions and origin"):
-        assert "<script>alert('1')</script> & \"quoted\"" in words(section(root, heading))
-    assert "none" in words(section(root, "Metrics"))
-
-
-def test_broken_folders_are_refused_in_one_line(run: RunFolder, tmp_path: Path) -> None:
-    (tmp_path / "batch.csv").write_text("a,b\n1,2\n")
-    empty = tmp_path / "empty"
-    empty.mkdir()
-    for arguments, told in (
-        ([empty], "neither the folder of a run"),
-        ([tmp_path / "missing"], "is not a folder"),
-        ([tmp_path], "no table of a batch"),
-        ([run.path, "--out", empty], "cannot be written"),
-    ):
-        result = CliRunner().invoke(cli.app, ["report", *map(str, arguments)])
-        assert result.exit_code == 2
-        assert told in result.output
-        assert len(result.output.strip().splitlines()) == 1
-    assert list(empty.iterdir()) == []
-
-
-def test_command_prints_the_file_it_wrote(run: RunFolder, tmp_path: Path) -> None:
-    target = tmp_path / "deep" / "out.html"
-    result = CliRunner().invoke(cli.app, ["report", str(run.path), "--out", str(target)])
-    assert (result.exit_code, result.output.strip()) == (0, str(target))
-    assert parsed(target).findtext("head/title") == "Run a run"
-    assert [p.name for p in target.parent.iterdir()] == ["out.html"]
-
-
-CHECK = """<script>
-window.addEventListener("load", () => {
-  const images = [...document.images];
-  const found = {images: images.length, drawn: images.filter(i => i.complete && i.naturalWidth > 300).length,
-    wide: document.documentElement.scrollWidth, window: window.innerWidth,
-    tables: document.querySelectorAll("table tbody tr").length,
-    heading: document.querySelector("h1").getBoundingClientRect().height};
-  document.body.setAttribute("data-found", JSON.stringify(found));
-});
-</script></body>"""
-
-
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chromium-headless-shell"))), None)
-
-
-@pytest.mark.skipif(BROWSER is None, reason="no browser: `apt-get install chromium-headless-shell` to open the report")
-@pytest.mark.parametrize("width", [1200, 700])
-def test_a_browser_shows_the_report(run: RunFolder, batch: Path, tmp_path: Path, width: int) -> None:
-    assert BROWSER is not None
-    for folder in (run.path, batch):
-        file = write_report(folder, tmp_path / "r.html")
-        text = file.read_text(encoding="utf-8")
-        policy = re.search(r"<meta http-equiv=\"Content-Security-Policy\"[^>]*>", text)
-        assert policy is not None  # taken out of the copy alone: it would stop the check's own script
-        file.write_text(text.replace(policy[0], "").replace("</body>", CHECK), encoding="utf-8")
-        command = [
-            BROWSER, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
-            f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=10000",
-            "--dump-dom", file.as_uri(),
-        ]  # fmt: skip
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-        held = re.search(r'data-found="([^"]*)"', done.stdout)
-        assert held is not None, done.stderr[-2000:]
-        found = json.loads(held[1].replace("&quot;", '"'))
-        assert found["images"] == found["drawn"] == len(list((folder / "figures").glob("*.png")))
-        assert found["wide"] <= found["window"]  # tables and code scroll by themselves
-        assert found["tables"] > 3
-        assert found["heading"] > 10

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from wroll_fem.case.base import Real
-from wroll_fem.case.case import Case, case_kind
+from wroll_fem.case.case import Case, case_kind, case_kinds
 from wroll_fem.case.checks import (
     check_damping_method,
     check_design_map,
@@ -279,7 +279,5 @@ class TwoDofCase(Case):
         return None if problem is None else ("analysis two_dof does not use it", f"leave {key} out")
 
 
-ANALYSES = (
-    "sweep", "dwell", "harmonic", "backbone", "modal", "modal_transient", "preload", "winding", "design_map", "two_dof",
-)  # fmt: skip
+ANALYSES = tuple(dict.fromkeys(analysis for analysis, _ in case_kinds()))
 """Names of the analyses: the values of `analysis`."""

@@ -1,0 +1,43 @@
+"""Folders of a run and of a batch, with a synthetic roll's results."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from support.report_pages import NASTY, SWEEP, synthetic_run
+
+from wroll_fem import load_case
+from wroll_fem.jobs.batch import Outcome, write_tables
+from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.grid import Member
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
+
+
+@pytest.fixture(scope="module")
+def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a batch: two finished cases, one that failed, one figure."""
+    out = tmp_path_factory.mktemp("batch")
+    outcomes = []
+    for pressure in (1.0e4, 3.0e4, 1.0e5):
+        name, override = f"pressure_{pressure:.0f}", f"preload.pressure={pressure}"
+        case = load_case(SWEEP, [override])
+        member = Member(name, SWEEP, {"preload.pressure": pressure, "mesh.axial": 12}, [override], case)
+        if pressure == 1.0e5:
+            outcomes.append(Outcome(member, "failed", f"no convergence {NASTY[:-2]}", 3))
+            continue
+        shutil.copytree(run.path, out / name)
+        (out / name / "case.yaml").write_text(case.resolved_yaml())
+        folder = RunFolder(out / name)
+        folder.log_file.write_text(f"now warning: the root element is {pressure / 1e3:g} mm high\n")
+        folder.write_json(folder.summary_file, {**run.summary(), "energy_balance_error": pressure * 1e-6})
+        outcomes.append(Outcome(member, "complete"))
+    write_tables(outcomes, out)
+    (out / "figures").mkdir()
+    shutil.copy(run.figures / "transmissibility.png", out / "figures" / "damping_over_frequency.png")
+    return out
