@@ -41,6 +41,10 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     data["input_work_per_cycle"] = (dim, curve.dissipation)
     most = int(np.argmax(curve.damping))
     dataset = xr.Dataset(data, coords={dim: tip})
+    if len(system.probe_names) > 1:
+        model = curve.balance.model
+        reach = np.abs([curve.fundamental(row) for row in np.vstack([model.tip, model.probes])])
+        dataset = dataset.assign_coords(probe=list(system.probe_names)).assign(probe_amplitude=(("probe", dim), reach))
     dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[most])])
     sampling = curve.balance.contact.sampling
     dataset.attrs |= {

@@ -112,8 +112,18 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
         },
         coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
     )
+    dataset = with_probes(dataset, system, vectors)
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": total}
     return annotate(dataset)
+
+
+def with_probes(dataset: xr.Dataset, system: System, vectors: FloatArray) -> xr.Dataset:
+    """Dataset with the displacement of M-normalised modes at the probes, where there are more than the tip."""
+    names = list(system.probe_names)
+    if len(names) == 1:
+        return dataset
+    rows = np.array([system.probes[name] for name in names])
+    return dataset.assign_coords(probe=names).assign(mode_at_probe=(("mode", "probe"), (rows @ vectors).T))
 
 
 def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
@@ -154,6 +164,7 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
         },
         coords={"mode": np.arange(1, count + 1)},
     )
+    dataset = with_probes(dataset, system, vectors)
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": moved}
     return annotate(dataset)
 

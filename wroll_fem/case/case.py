@@ -32,7 +32,8 @@ from wroll_fem.errors import InputError
 
 SECTIONS = (
     "analysis", "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation",
-    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "output",
+    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "probes",
+    "output",
 )  # fmt: skip
 """Keys at the top of a case file, in the order in which they are written."""
 

@@ -8,12 +8,14 @@ from wroll_fem.case.base import validation_error
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
+from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.output import Output
 from wroll_fem.case.preload import Preload
+from wroll_fem.case.probes import Probes
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.two_dof import TwoDof
 
@@ -94,6 +96,26 @@ def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str])
         if section not in written:
             remedy = f"add it ({what}): {reason}"
             raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
+
+
+def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
+    """Refuse probes that are not on a shell of the roll, and names that results cannot have."""
+    layers = coil.layers if coil.model in ("layers", "bonded") else 0
+    shells = ["mandrel", *(f"layer_{k:02d}" for k in range(1, layers + 1))]
+    for name, probe in probes.items():
+        key = f"probes.{name}"
+        if name == "tip":
+            remedy = "choose another name; every result holds the tip"
+            raise validation_error("is the name of the default probe", key=key, show_value=False, remedy=remedy)
+        if not name.isidentifier():
+            remedy = "use letters, digits and underscores, for example mid_height"
+            raise validation_error("is not a name", key=key, show_value=False, remedy=remedy)
+        if probe.z > geometry.length:
+            remedy = f"give at most geometry.length = {geometry.length:g} m"
+            raise validation_error("is above the roll", key=f"{key}.z", value=probe.z, remedy=remedy)
+        if probe.body not in shells:
+            remedy = f"use one of: {', '.join(shells)}"
+            raise validation_error("the roll has no such shell", key=f"{key}.body", value=probe.body, remedy=remedy)
 
 
 def check_layers(coil: Coil) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -135,6 +135,11 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
     parent: type[BaseModel] | None = model
     here: Any = model
     for part in loc:
+        named = _entries_of(here)
+        if named is not None:
+            keys.append(str(part))
+            here = named
+            continue
         options = sections(here)
         tagged = [m for m in options if len(options) > 1 and part in _tags(m)]
         if tagged:
@@ -145,6 +150,15 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
         field = parent.model_fields.get(str(part)) if parent else None
         here = field.annotation if field is not None else None
     return keys, parent
+
+
+def _entries_of(annotation: Any) -> Any:
+    """Type of the entries of a section whose keys are names; None for any other annotation."""
+    if get_origin(annotation) is dict:
+        return get_args(annotation)[1]
+    if isinstance(annotation, type):
+        return None
+    return next((found for argument in get_args(annotation) if (found := _entries_of(argument)) is not None), None)
 
 
 def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:

@@ -7,7 +7,14 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from wroll_fem.case.case import Case
-from wroll_fem.case.checks import check_base, check_direction_of_file, check_fourier, check_interfaces, check_pressures
+from wroll_fem.case.checks import (
+    check_base,
+    check_direction_of_file,
+    check_fourier,
+    check_interfaces,
+    check_pressures,
+    check_probes,
+)
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
 from wroll_fem.case.contact import Contact, Friction
 from wroll_fem.case.excitation import Excitation
@@ -16,6 +23,7 @@ from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.preload import DEFAULT_STEPS, Preload
+from wroll_fem.case.probes import Probes
 from wroll_fem.case.roll import ROLL, RollSections
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.structure import Structure
@@ -31,8 +39,9 @@ SOLVER = "how a step is solved"
 MODAL = "the eigenvalue analysis"
 HARMONIC = "periodic motions by harmonic balance"
 BACKBONE = "range of the backbone"
+PROBES = "points whose motion the results hold, by name; the tip is always one"
 
-_OF_ROLL = (*ROLL, "mesh", "preload")
+_OF_ROLL = (*ROLL, "mesh", "preload", "probes")
 """Sections that matrices from a file replace."""
 
 
@@ -83,6 +92,7 @@ class OnRoll(StructuralCase, RollSections):
     """A case on a roll, described by geometry, mandrel and coil."""
 
     preload: Preload | None = Field(default=None, description=PRELOAD)
+    probes: Probes | None = Field(default=None, description=PROBES)
 
     ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*StructuralCase.ALWAYS_WRITTEN, *ROLL, "mesh")
 
@@ -91,6 +101,7 @@ class OnRoll(StructuralCase, RollSections):
         check_base(self.mandrel, self.analysis)
         if self.preload is not None:
             check_pressures(self.preload, self.coil.layers)
+        check_probes(self.probes or {}, self.geometry, self.coil)
         check_winding_given(self.winding, self.preload)
         if self.winding is not None:
             check_winding_size(self.winding, self.geometry, self.coil)

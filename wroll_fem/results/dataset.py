@@ -54,6 +54,10 @@ FIELDS: dict[str, Field] = {
     "tip_displacement": Field("m", "tip displacement relative to the base"),
     "tip_velocity": Field("m s-1", "tip velocity relative to the base"),
     "tip_acceleration": Field(_ACCELERATION, "tip acceleration relative to the base"),
+    "probe": Field("1", "probe: the tip, then the named points of the case"),
+    "probe_displacement": Field("m", "displacement at the probe relative to the base"),
+    "probe_velocity": Field("m s-1", "velocity at the probe relative to the base"),
+    "probe_acceleration": Field(_ACCELERATION, "acceleration at the probe relative to the base"),
     "tip_acceleration_absolute": Field(_ACCELERATION, "absolute tip acceleration"),
     "newton_iterations": Field("1", "Newton iterations of the step"),
     "open_fraction": Field("1", "fraction of the contact points that are open"),
@@ -92,6 +96,11 @@ FIELDS: dict[str, Field] = {
     "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
     # periodic motions
     "branch_point": Field("1", "point along the branch"),
+    "probe_amplitude": Field("m", "amplitude of the displacement at the probe (fundamental, 0-peak)"),
+    "probe_transmissibility_real": Field("1", "absolute acceleration at the probe over base acceleration, real part"),
+    "probe_transmissibility_imag": Field(
+        "1", "absolute acceleration at the probe over base acceleration, imaginary part"
+    ),
     "tip_amplitude": Field("m", "amplitude of the tip's displacement (fundamental, 0-peak)"),
     "resonance_frequency": Field("Hz", "resonance frequency"),
     "modal_damping": Field("1", "modal damping ratio"),
@@ -110,6 +119,7 @@ FIELDS: dict[str, Field] = {
     "mode_harmonic": Field("1", "circumferential wave number of the mode"),
     "mode_residual": Field("1", "relative residual of the eigenpair"),
     "effective_mass_fraction": Field("1", "effective mass over total mass"),
+    "mode_at_probe": Field("kg-1/2", "displacement at the probe in the mode of unit modal mass"),
     "tip_participation": Field("1", "share of the mode in the tip's motion under motion of the base"),
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
     "node_position": Field("m", "node coordinates"),

@@ -53,13 +53,13 @@ def probe_row(body: Body, probe: Probe) -> FloatArray:
     weights = shape_functions(local)
     row = np.zeros(body.n_dofs)
     for node, weight in zip(body.cells[cell], weights, strict=True):
-        for component, share in enumerate(_unit_vector(probe)):
+        for component, share in enumerate(unit_vector(probe)):
             if share != 0.0:
                 row += weight * share * np.asarray(body.expand[6 * node + component].todense()).ravel()
     return row
 
 
-def _unit_vector(probe: Probe) -> FloatArray:
+def unit_vector(probe: Probe) -> FloatArray:
     """Cartesian components (3,) of the probe's direction."""
     c, s = np.cos(probe.theta), np.sin(probe.theta)
     vectors = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "radial": (c, s, 0), "hoop": (-s, c, 0)}

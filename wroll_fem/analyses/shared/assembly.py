@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wroll_fem.case.contact import Friction, Normal
 from wroll_fem.case.kinds import ModalCase
+from wroll_fem.case.probes import ProbePoint
 from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
+from wroll_fem.structure.probe import Probe, probe_row, unit_vector
 
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
@@ -78,9 +81,9 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     """
     from wroll_fem.winding.interface import external_pressures
 
-    direction = DIRECTIONS[case.direction]
+    direction, points = DIRECTIONS[case.direction], case.probes or {}
     if len(bodies) == 1:
-        return System.from_bodies(bodies, direction=direction)
+        return with_probes(System.from_bodies(bodies, direction=direction), bodies, points, direction)
     linear = isinstance(case, ModalCase) and case.modal.interface != "stuck"
     contact, preload = case.contact, case.preload
     if contact is None and not isinstance(case, ModalCase):
@@ -97,9 +100,24 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
         normal=NormalPenalty(normal_penalty(case, normal), normal.separation),
         pressures=() if preload is None else external_pressures(case, preload, case.wound),
     )
+    system = with_probes(system, bodies, points, direction)
     if preload is None or preload.kind != "winding_tension" or case.wound is None or linear:
         return system
     return _wound(case, case.wound, bodies, system)
+
+
+def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, ProbePoint], direction: int) -> System:
+    """System with the named points of the case among its probes, after the tip; ``direction`` is the excitation's."""
+    starts = np.concatenate([[0], np.cumsum([body.n_dofs for body in bodies])])
+    rows, rigid = dict(system.probes), {}
+    for name, point in points.items():
+        index = next(k for k, body in enumerate(bodies) if body.name == point.body)
+        row = np.zeros(system.n_dofs)
+        probe = Probe(point.theta, point.z, point.direction, point.body)
+        row[starts[index] : starts[index + 1]] = probe_row(bodies[index], probe)
+        rows[name] = row
+        rigid[name] = float(unit_vector(probe)[direction])
+    return replace(system, probes=rows, probe_base=rigid)
 
 
 def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:

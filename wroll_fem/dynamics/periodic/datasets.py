@@ -88,6 +88,22 @@ def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMoti
     return fields
 
 
+def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset:
+    """Absolute acceleration over base acceleration, complex, at every probe (probe, ``dim``).
+
+    A probe along another direction than the excitation has no part of the base motion: its ratio starts from zero.
+    """
+    model = curve.balance.model
+    rows = np.vstack([model.tip, model.probes])
+    rigid = np.array([system.rigid_motion(name) for name in system.probe_names])
+    relative = np.array([curve.fundamental(row) for row in rows])
+    ratio = rigid[:, None] - curve.frequencies**2 * relative / curve.balance.acceleration
+    data = {"probe_transmissibility_real": ratio.real, "probe_transmissibility_imag": ratio.imag}
+    return xr.Dataset(
+        {name: (("probe", dim), values) for name, values in data.items()}, {"probe": list(system.probe_names)}
+    )
+
+
 def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     """Response curve over `frequency`, or over `branch_point` with `frequency` as a variable when it leans over.
 
@@ -109,6 +125,8 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     } | per_motion(motions, system, dim)
     place = {dim: hertz} if rises else {dim: np.arange(len(hertz)), "frequency": (dim, hertz)}
     dataset = xr.Dataset(data, coords=place)
+    if len(system.probe_names) > 1:
+        dataset = xr.merge([dataset, probe_response(system, curve, dim)])
     peak = int(np.abs(ratio).argmax())
     dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[peak])])
     sampling = curve.balance.contact.sampling

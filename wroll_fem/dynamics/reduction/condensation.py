@@ -44,6 +44,7 @@ class Condensation:
     profiles : (n_blocks, 3, n_theta) shape of these components around a row
     base : (r,) inertia force per unit base acceleration, kg^(1/2)
     tip : (r,) tip displacement
+    probes : (p, r) displacement at the other probes
     springs : (3 n_points,) D_0, Pa/m
     exact : False when a large structure without symmetry was projected, good to about 1e-4
     damping : (r, r) viscous damping between modes, 1/s; None without
@@ -57,6 +58,7 @@ class Condensation:
     profiles: FloatArray
     base: FloatArray
     tip: FloatArray
+    probes: FloatArray
     springs: FloatArray
     exact: bool
     damping: FloatArray | None = None
@@ -140,6 +142,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         profiles=np.ones((1, 3, 1)),
         base=vectors.T @ (system.mass @ system.influence),
         tip=vectors.T @ system.probes["tip"],
+        probes=system.named_probes @ vectors,
         springs=springs,
         exact=exact,
         damping=None if system.damping is None else vectors.T @ (system.damping @ vectors),
@@ -149,7 +152,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
 def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
     system = blocks.system
     inertia, tip = system.mass @ system.influence, system.probes["tip"]
-    values, vectors, jumps, base, probe = [], [], [], [], []
+    values, vectors, jumps, base, end, probes = [], [], [], [], [], []
     for b in range(len(blocks)):
         basis, jump = blocks.basis(b), blocks.jump(b)
         stiffness, mass = blocks.stiffness(b), blocks.mass(b)
@@ -163,7 +166,8 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         vectors.append((basis, ritz))
         jumps.append(np.ascontiguousarray(jump @ ritz))
         base.append(ritz.T @ ends[:, 0])
-        probe.append(ritz.T @ ends[:, 1])
+        end.append(ritz.T @ ends[:, 1])
+        probes.append(system.named_probes @ basis @ ritz)
     return Condensation(
         eigenvalues=np.concatenate(values),
         blocks=np.concatenate([[0], np.cumsum([len(v) for v in values])]),
@@ -171,7 +175,8 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         jump=jumps,
         profiles=blocks.profiles,
         base=np.concatenate(base),
-        tip=np.concatenate(probe),
+        tip=np.concatenate(end),
+        probes=np.column_stack(probes),
         springs=blocks.springs,
         exact=True,
         moments=moments,

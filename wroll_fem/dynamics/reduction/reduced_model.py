@@ -35,6 +35,7 @@ class ReducedModel:
     jump : (3 n_points, m) relative displacement per coordinate
     base : (m,) inertia force per unit base acceleration
     tip : (m,) tip displacement
+    probes : (p, m) displacement at the other probes
     springs : (3 n_points,) springs D_0 that are part of the structure, Pa/m
     vectors : (r, m) the coordinates in modes of ``condensation``
     condensation : the exact structure
@@ -45,6 +46,7 @@ class ReducedModel:
     jump: FloatArray
     base: FloatArray
     tip: FloatArray
+    probes: FloatArray
     springs: FloatArray
     vectors: FloatArray
     condensation: Condensation
@@ -84,6 +86,7 @@ class ReducedModel:
             jump=contact_jump(condensation, vectors),
             base=vectors.T @ condensation.base,
             tip=vectors.T @ condensation.tip,
+            probes=condensation.probes @ vectors,
             springs=condensation.springs,
             vectors=vectors,
             condensation=condensation,

@@ -6,6 +6,7 @@ Field names, units, signs and orders are documented in docs/matrices.md; the sho
 ``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C may be left out
 ``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
 ``probe_<name>``                (n,) row that gives a displacement in m; "tip" is needed
+``base_<probe>``                displacement of a probe under a unit base translation, where its row does not give it
 ``load_<name>``                 (n,) force in N; "preload" is applied before the motion
 ``interface_<k>_operator``      (3 n_k, n), row 3 i + c: component c of (normal, hoop, axial) of outer minus inner body
 ``interface_<k>_area``          (n_k,) m^2 per point
@@ -91,6 +92,7 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
             if not re.fullmatch(r"\w{1,40}", name, re.ASCII):
                 raise InputError(f"{kind} {name!r} cannot name a field", remedy="use letters, digits and underscores")
             content[f"{kind}_{name}"] = vector
+    content |= {f"base_{name}": np.array([motion]) for name, motion in system.probe_base.items()}
     for number, interface in enumerate(system.interfaces, start=1):
         content |= {f"interface_{number}_{key}": value for key, value in _interface_content(interface).items()}
     if preload is not None:
@@ -178,6 +180,7 @@ def load_system(
         influence=file.vector("influence", n, "displacement of each DOF under a unit base translation"),
         interfaces=tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
         probes=_vectors(file, "probe", n, "row that gives a displacement in m"),
+        probe_base={name: float(value[0]) for name, value in _vectors(file, "base", 1, "motion with the base").items()},
         loads=_vectors(file, "load", n, "static force, N"),
         subspaces=_subspaces(file, n),
     )
@@ -204,7 +207,7 @@ def _check_names(file: ArrayFile) -> int:
         *(f"interface_{k}_{key}" for k in sorted(numbers) for key in (*_OF_INTERFACE, *law_field_names(file))),
     ]
     for name in file.names:
-        if name in known or name.startswith(("probe_", "load_", _OWN)):
+        if name in known or name.startswith(("probe_", "base_", "load_", _OWN)):
             continue
         near = [_MEANT[name]] if name in _MEANT else difflib.get_close_matches(name, [*known, "probe_tip"], n=1)
         meant = f"did you mean {near[0]}? " if near else ""

@@ -43,6 +43,9 @@ class System:
         (n, n) sparse symmetric viscous damping, N s/m; None for none.
     pressures
         External pressure on each layer in Pa, inner first, behind the load "preload"; empty for other loads.
+    probe_base
+        Displacement of probes under a unit base translation, for points near a clamped end, where degrees of freedom
+        are missing. Other probes follow from their row and the influence vector.
     """
 
     stiffness: sp.csr_matrix
@@ -54,6 +57,7 @@ class System:
     subspaces: tuple[Subspace, ...] = ()
     damping: sp.csr_matrix | None = None
     pressures: tuple[float, ...] = ()
+    probe_base: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -77,6 +81,20 @@ class System:
     def n_points(self) -> int:
         """Contact points of all interfaces."""
         return sum(interface.n_points for interface in self.interfaces)
+
+    @property
+    def probe_names(self) -> tuple[str, ...]:
+        """Names of the probes: the tip first, then those of the case or the file."""
+        return ("tip", *(name for name in self.probes if name != "tip"))
+
+    def rigid_motion(self, probe: str) -> float:
+        """Displacement of a probe when the base translates by 1 along the excitation."""
+        return float(self.probe_base.get(probe, self.probes[probe] @ self.influence))
+
+    @cached_property
+    def named_probes(self) -> FloatArray:
+        """(p, n) rows of the probes beside the tip, in the order of `probe_names`."""
+        return np.array([self.probes[name] for name in self.probe_names[1:]]).reshape(-1, self.n_dofs)
 
     @cached_property
     def laws(self) -> PointLaws:

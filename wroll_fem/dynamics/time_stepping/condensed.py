@@ -93,7 +93,7 @@ class CondensedStepper(Stepper):
             blocks, compliance = c.compliance((1.0 + s.alpha) * inverse, self.system.laws.area)
             profiles = np.ascontiguousarray(c.profiles.transpose(1, 0, 2))
             interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance)
-            self._operators[dt] = Modal(c.eigenvalues, c.base, c.tip, inverse), interface
+            self._operators[dt] = Modal(c.eigenvalues, c.base, c.tip, c.probes, inverse), interface
         return self._operators[dt]
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:

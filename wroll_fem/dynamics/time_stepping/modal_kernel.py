@@ -9,9 +9,11 @@ from wroll_fem.contact import point
 from wroll_fem.contact.point import point_of
 from wroll_fem.dynamics.time_stepping import records
 from wroll_fem.dynamics.time_stepping.records import (
+    FIRST_PROBE,
     INPUT_FLOW,
     KINETIC,
     NUMERICAL_FLOW,
+    OF_PROBE,
     TIP_ACCELERATION,
     TIP_DISPLACEMENT,
     TIP_VELOCITY,
@@ -61,10 +63,10 @@ def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulate
     h, q_hat : of `predict`
     force : (m,) modal force of the interface correction
     motion, accumulated : `Motion` and `Accumulated`, updated
-    record : (len(RECORDS),) output
+    record : (record_size(p),) output
     """
     dt, alpha, beta, gamma = step
-    eigenvalues, base, tip, inverse = modal
+    eigenvalues, base, tip, probes, inverse = modal
     q, v, a, residual, residual_change = motion
     ag, ag_new = acceleration[0], acceleration[1]
     du_dr, du_da, aa, aa_new, da_da, base_du = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -95,4 +97,12 @@ def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulate
     record[TIP_VELOCITY] = v_tip
     record[TIP_ACCELERATION] = a_tip
     record[KINETIC] = kinetic
+    for k in range(probes.shape[0]):
+        u_probe, v_probe, a_probe = 0.0, 0.0, 0.0
+        for i in range(q.shape[0]):
+            u_probe += probes[k, i] * q[i]
+            v_probe += probes[k, i] * v[i]
+            a_probe += probes[k, i] * a[i]
+        first = FIRST_PROBE + OF_PROBE * k
+        record[first], record[first + 1], record[first + 2] = u_probe, v_probe, a_probe
     record_flows(record, accumulated)

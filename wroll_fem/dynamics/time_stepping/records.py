@@ -35,6 +35,15 @@ RECORDS = (
 ) = range(16)  # fmt: skip
 """Number of each column of `RECORDS`."""
 
+FIRST_PROBE, OF_PROBE = len(RECORDS), 3
+"""Columns behind those of `RECORDS`: displacement, velocity and acceleration of each probe beside the tip."""
+
+
+def record_size(probes: int) -> int:
+    """Columns of a step record with ``probes`` probes beside the tip."""
+    return FIRST_PROBE + OF_PROBE * probes
+
+
 INPUT_FLOW, NUMERICAL_FLOW, VISCOUS_FLOW = range(3)
 """Entries of `Accumulated.flows`: work of the base, dissipation of the scheme, work of the dashpots, J."""
 

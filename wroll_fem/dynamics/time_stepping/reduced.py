@@ -161,7 +161,7 @@ class ReducedStepper(Stepper):
             sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, inverse)
             kept.inverse[:] = la.inv(kept.matrix)
             self.state.time_step[0] = dt
-        return Modal(model.eigenvalues, model.base, model.tip, inverse)
+        return Modal(model.eigenvalues, model.base, model.tip, model.probes, inverse)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""

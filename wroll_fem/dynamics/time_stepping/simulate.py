@@ -19,7 +19,16 @@ from wroll_fem.dynamics.time_stepping.energy_check import check_energy
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.records import INPUT, ITERATIONS, KINETIC, RECORDS, STRAIN
+from wroll_fem.dynamics.time_stepping.records import (
+    FIRST_PROBE,
+    INPUT,
+    ITERATIONS,
+    KINETIC,
+    OF_PROBE,
+    RECORDS,
+    STRAIN,
+    TIP_ACCELERATION,
+)
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
@@ -126,7 +135,7 @@ def simulate(
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     times = dt * np.arange(steps + 1)
     base = np.asarray(motion.acceleration(times))
-    run = _Run(stepper, np.zeros((steps, len(RECORDS))), [], [])
+    run = _Run(stepper, np.zeros((steps, stepper.record_size)), [], [])
     fingerprint = np.array([dt, steps, every, system.n_dofs, system.n_points, float(np.abs(base).sum())])
     if checkpoint is not None and checkpoint.resume:
         run.load(checkpoint.path, fingerprint)
@@ -241,14 +250,20 @@ class _Run:
     ) -> xr.Dataset:
         """Everything computed so far."""
         m = self.done + 1
-        columns = np.vstack([np.zeros(len(RECORDS)), self.records[: self.done]])
-        columns[0, RECORDS.index("tip_acceleration")] = -base[0] * (system.probes["tip"] @ system.influence)
+        columns = np.vstack([np.zeros(self.stepper.record_size), self.records[: self.done]])
+        columns[0, TIP_ACCELERATION] = -base[0] * (system.probes["tip"] @ system.influence)
+        columns[0, FIRST_PROBE + 2 :: OF_PROBE] = -base[0] * (system.named_probes @ system.influence)
         data: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
             name: (("time",), columns[:m, i]) for i, name in enumerate(RECORDS)
         }
         data["base_acceleration"] = (("time",), base[:m])
         data["instantaneous_frequency"] = (("time",), np.asarray(motion.frequency(times[:m])))
         dataset = xr.Dataset(data, coords={"time": times[:m]})
+        if len(system.probe_names) > 1:
+            dataset = dataset.assign_coords(probe=list(system.probe_names))
+            motions = np.column_stack([columns[:m, :OF_PROBE], columns[:m, FIRST_PROBE:]])
+            for c, name in enumerate(("displacement", "velocity", "acceleration")):
+                dataset[f"probe_{name}"] = (("probe", "time"), motions[:, c::OF_PROBE].T)
         if system.interfaces:
             dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper)])
         if self.kept:

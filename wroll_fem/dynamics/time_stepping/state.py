@@ -33,12 +33,14 @@ class Modal(NamedTuple):
     eigenvalues : (m,) rad^2/s^2
     base : (m,) inertia force per unit base acceleration
     tip : (m,) tip displacement per coordinate
+    probes : (p, m) displacement of the other probes per coordinate
     inverse : (m,) 1 / (1 / (beta dt^2) + (1 + alpha) eigenvalue), s^2
     """
 
     eigenvalues: FloatArray
     base: FloatArray
     tip: FloatArray
+    probes: FloatArray
     inverse: FloatArray
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.records import ITERATIONS, RECORDS
+from wroll_fem.dynamics.time_stepping.records import ITERATIONS, record_size
 from wroll_fem.dynamics.time_stepping.state import (
     Accumulated,
     ContactMemory,
@@ -102,6 +102,11 @@ class Stepper(ABC):
         """Slip of the points since the start."""
         return self.accumulated.slip
 
+    @property
+    def record_size(self) -> int:
+        """Columns of a step record."""
+        return record_size(len(self.system.named_probes))
+
     def step(self, dt: float) -> Step:
         """Step of ``dt`` (s) with the parameters of the scheme, for compiled code."""
         return Step(dt, self.scheme.alpha, self.scheme.beta, self.scheme.gamma)
@@ -110,7 +115,7 @@ class Stepper(ABC):
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance through ``acceleration`` (k + 1,) in m/s^2, first entry the current time's.
 
-        Fills ``records`` (k, len(RECORDS)) and returns the number of steps done; fewer than k when a
+        Fills ``records`` (k, record_size) and returns the number of steps done; fewer than k when a
         step failed (`last_history` then holds its residuals).
         """
 
@@ -132,7 +137,7 @@ class Stepper(ABC):
 
         Returns
         -------
-        (k, len(RECORDS)) array
+        (k, record_size) array: the columns of `RECORDS`, then those of the probes
 
         Notes
         -----
@@ -147,7 +152,7 @@ class Stepper(ABC):
             motion.a[:] -= jump * influence
             motion.residual[:] += jump * inertia
             self.base_acceleration[...] = acceleration[0]
-        records = np.zeros((k, len(RECORDS)))
+        records = np.zeros((k, self.record_size))
         done = 0
         while done < k:
             done += self.try_steps(acceleration[done:], dt, records[done:])
@@ -163,7 +168,7 @@ class Stepper(ABC):
         start, history = self.snapshot(), self.last_history
         for cut in range(1, self.options.max_cuts + 1):
             parts = 2**cut
-            sub = np.zeros((parts, len(RECORDS)))
+            sub = np.zeros((parts, self.record_size))
             inner = np.linspace(ends[0], ends[1], parts + 1)
             if self.try_steps(inner, dt / parts, sub) == parts:
                 record[0] = sub[-1]
