@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from wroll_fem.case.modal import Modal
     from wroll_fem.case.output import Output
     from wroll_fem.case.preload import Preload
+    from wroll_fem.case.probes import ProbePoint
     from wroll_fem.case.solver import Solver
     from wroll_fem.case.winding import Winding
     from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
@@ -76,6 +77,7 @@ _HOMES = {
     "case.material": "IsotropicMaterial OrthotropicMaterial",
     "case.contact": "Contact Normal PenaltyFriction RateFriction RateTable SmoothedFriction",
     "case.preload": "Preload",
+    "case.probes": "ProbePoint",
     "case.winding": "Winding",
     "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation Sine=SineExcitation",
     "case.integrator": "Integrator",
@@ -110,8 +112,8 @@ _WHERE = {
 __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell", "Geometry",
     "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal",
-    "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload", "RateCoulomb",
-    "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel", "SmoothedCoulomb",
+    "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint",
+    "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel", "SmoothedCoulomb",
     "SmoothedFriction", "Solver", "System", "Winding", "WrollError", "__version__", "batch_table", "case_of",
     "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case", "load_grid", "load_result",
     "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model", "summarise",

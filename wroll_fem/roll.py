@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Self
@@ -19,6 +20,7 @@ from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.output import Output
 from wroll_fem.case.preload import Preload
+from wroll_fem.case.probes import ProbePoint
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.winding import Winding
 from wroll_fem.result import Result, ShowProgress, run_case
@@ -38,6 +40,8 @@ class Roll:
         Friction and normal contact between the layers, and what presses them together. Needed with layers.
     winding
         How the roll was wound: needed for `run_winding`, for slip of a solid coil, and for a preload by tension.
+    probes
+        Points whose motion the results hold, by name; the tip is always one.
     mesh
         Element counts, or a mesh file.
 
@@ -64,6 +68,7 @@ class Roll:
     contact: Contact | None = None
     preload: Preload | None = None
     winding: Winding | None = None
+    probes: Mapping[str, ProbePoint] | None = None
     mesh: Mesh = field(default_factory=Mesh)
 
     @classmethod
