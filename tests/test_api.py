@@ -175,7 +175,7 @@ def test_wrong_input_is_one_line(tmp_path: Path, dwell: wf.Case) -> None:
         (lambda: dwell.changed({"preload.presure": 1}), "preload.presure: unknown key, got 1; did you mean pressure?"),
         (lambda: dwell.changed(3), "cannot change a case by 3; give"),
         (lambda: wf.load_result(tmp_path), "no such results file"),
-        (lambda: wf.case_of(bare), "result: does not say which case it is from"),
+        (lambda: wf.case_of(bare), "result: does not hold its case"),
         (lambda: wf.transmissibility(bare), "result: holds no transmissibility over frequency"),
         (lambda: wf.batch_table(tmp_path), "no table of a batch"),
         (lambda: wf.run_grid(tmp_path / "no.yaml", tmp_path), "file not found"),

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from wroll_fem import progress
-from wroll_fem.jobs import batch_progress as tally
-from wroll_fem.jobs.batch_progress import Tally
+from wroll_fem.jobs import batch_progress
+from wroll_fem.jobs.batch_progress import BatchProgress
 from wroll_fem.progress import TerminalProgress, draws_bars
 
 
@@ -161,13 +161,13 @@ def test_a_stage_may_know_better_how_much_time_is_left(
 
 def test_time_left_of_a_batch_follows_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [1000.0]
-    monkeypatch.setattr(tally.time, "time", lambda: clock[0])
-    count = Tally(10, begun=1000.0)
-    count.settle(failed=False)  # done before: no pace
-    count.settle(failed=True)
+    monkeypatch.setattr(batch_progress.time, "time", lambda: clock[0])
+    count = BatchProgress(10, begun=1000.0)
+    count.add(failed=False)  # done before: no pace
+    count.add(failed=True)
     assert isnan(count.left({}))
     clock[0] += 20.0
-    count.settle(failed=False, started=1000.0)
+    count.add(failed=False, started=1000.0)
     assert count.left({}) == 20.0 * 7  # one after the other
     assert count.left({"b": 1010.0}) == pytest.approx(20.0 * 6.5 / 1.5)  # half of a second one is done, side by side
     assert count.left({"b": 0.0}) == pytest.approx(20.0 * 6.1 / 1.9)  # a long one is never counted as done
@@ -175,7 +175,7 @@ def test_time_left_of_a_batch_follows_its_pace(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_batch_names_what_runs_longest_first() -> None:
-    count = Tally(9, failed=2)
+    count = BatchProgress(9, failed=2)
     assert count.note({}) == "2 failed"
     assert count.note({"a": 2.0, "b": 1.0}) == "2 failed; running b, a"
-    assert Tally(9).note({name: 1.0 * k for k, name in enumerate("abcde")}) == "running a, b, c and 2 more"
+    assert BatchProgress(9).note({name: 1.0 * k for k, name in enumerate("abcde")}) == "running a, b, c and 2 more"

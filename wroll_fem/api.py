@@ -28,7 +28,7 @@ ShowProgress = bool | Progress | None
 
 
 class CaseWarning(UserWarning):
-    """Something doubtful in a case or its results, with what to change; said where no progress is shown."""
+    """Warning about a case or its results, with what to change; issued where no progress is shown."""
 
 
 class _Quiet(TerminalProgress):
@@ -75,13 +75,13 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     progress
         True shows bars, or lines where the output is no terminal; False is silent; None, the default, shows bars on a
         terminal and is silent elsewhere, in notebooks for example. Also any object with the methods of
-        `wroll_fem.progress.Progress`. Where nothing is shown, doubts about the case are told as `CaseWarning`.
+        `wroll_fem.progress.Progress`. Where nothing is shown, warnings about the case are issued as `CaseWarning`.
 
     Returns
     -------
     xr.Dataset
-        Variables with `units` and `long_name`; which ones, docs/api.md tells for each analysis. Attributes: readings,
-        and with `case_yaml`, `case_hash` and `provenance` where it all comes from.
+        Variables with `units` and `long_name`; docs/api.md lists them for each analysis. Attributes: numbers of the
+        summary, and the origin in `analysis`, `case_yaml`, `case_hash` and `provenance`.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def case_of(result: xr.Dataset) -> Case:
     import yaml
 
     if "case_yaml" not in result.attrs:
-        raise InputError("does not say which case it is from", key="result", remedy="pass the result of run(case)")
+        raise InputError("does not hold its case", key="result", remedy="pass the result of run(case)")
     return build_case(yaml.safe_load(result.attrs["case_yaml"]))
 
 
@@ -269,7 +269,7 @@ def run_grid(
     -------
     list of Outcome
         `member` (name, values, case), `status` and `error` of every case. A failed case stops no other; where no
-        progress is shown, failures are told as a `CaseWarning`.
+        progress is shown, failures are issued as a `CaseWarning`.
 
     Raises
     ------

@@ -313,7 +313,7 @@ def test_a_case_that_the_cluster_gave_up_names_the_scheduler(tmp_path: Path) -> 
     lost.cancel()
     outcome = batch._outcome(member, lost)
     assert (outcome.status, outcome.exit_code) == ("failed", 1)
-    assert "is the scheduler still there?" in outcome.error
+    assert "check that the scheduler still runs" in outcome.error
 
 
 # ---- tables and figures ----------------------------------------------------------------------------

@@ -35,7 +35,7 @@ class Design:
     loosest_shear_modulus
         Shear modulus between wraps of the loosest coil, Pa.
     limit_kind
-        The mode that is lower than bending when the coil is looser still; where a frequency is nan, the fundamental
+        The mode that is lower than bending in a softer coil; where a frequency is nan, the fundamental
         mode in place of bending; "" for a loosest coil that the case gives, and where bending is always lowest.
     """
 

@@ -1,4 +1,4 @@
-"""Natural frequencies and modes of a case in harmonics around the axis (`mesh.discretisation: fourier`)."""
+"""Natural frequencies and modes by semi-analytical (Fourier) finite elements (`mesh.discretisation: fourier`)."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
     """Lowest modes of the whole roll; the same Dataset as the three-dimensional model's.
 
-    Modes of harmonics m >= 1 come in pairs, that along x first. Shapes are those of the skin of the revolved section,
-    with `mesh.circumferential` cells around.
+    Modes of wave numbers m >= 1 come in degenerate pairs, the one along x first. Shapes are given on the outer surface
+    of the revolved half plane, with `mesh.circumferential` cells around.
     """
     from wroll_fem.fem.fourier_modes import lowest_modes
     from wroll_fem.fem.fourier_roll import FourierRoll

@@ -1,4 +1,4 @@
-"""Steady response of a case by harmonic balance: preload, modes, a basis made for the curve, the curve."""
+"""Steady response of a case by harmonic balance: preload, modes, adaptive basis, response curve."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
-"""A mode within this relative distance of an odd multiple of the resonance, up to this order, is worth a word if its
+"""A mode within this relative distance of an odd multiple of the resonance, up to this order, gives a warning if its
 share in the tip's response to the base is at least that of the main mode times the last."""
 
 MEMORY_WARNING = 0.02
-"""Elastic slip that still changes by more than this share of gamma* per period is worth a word."""
+"""Elastic slip that still changes by more than this share of gamma* per period gives a warning."""
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
@@ -58,7 +58,7 @@ def pass_line(number: int, size: int, error: float, target: float) -> str:
 
 
 def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
-    """Response curve with work per cycle and slip, and its half-power reading.
+    """Response curve with work per cycle and slip, and its damping estimate.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
 
 
 def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int) -> str:
-    """Sentence about a mode near a multiple of the resonance ``frequency`` (rad/s) beyond the harmonics kept, or empty.
+    """Warning about a mode near a multiple of the resonance ``frequency`` (rad/s) beyond the harmonics kept, or empty.
 
     Friction's force is odd in the motion: its odd harmonics are the strong ones, and fall off with the order.
     """
@@ -126,7 +126,7 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
 
 
 def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
-    """Reading of the curve by an estimator of `ESTIMATORS`; of one that leans over, of its highest motions.
+    """Damping estimate of the curve by a method of `ESTIMATORS`; of a folded curve, of its highest branch.
 
     On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
     every frequency, the largest of them: the envelope, which has no phase.
@@ -161,7 +161,7 @@ def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:
 
 
 def memory_remark(dataset: xr.Dataset) -> str:
-    """Sentence about friction whose memory has not settled; empty when it has."""
+    """Warning about a friction hysteresis that is not periodic yet; empty when it is."""
     change = float(dataset.attrs["memory_change"])
     if change <= MEMORY_WARNING:
         return ""

@@ -40,7 +40,7 @@ DENSE_MODES = 500
 def interface_springs(
     case: RollModalCase | StructureModalCase, system: System, state: ContactState | None = None
 ) -> FloatArray:
-    """(3 n_points,) spring per slot that stands for the interface in a linear analysis, Pa/m.
+    """(3 n_points,) spring per contact degree of freedom that represents the interface in a linear analysis, Pa/m.
 
     frictionless: normal contact (bilateral) alone; bonded: no relative motion; stuck: the preloaded interface,
     normal penalty and elastic-slip stiffness mu p / gamma*.
@@ -64,7 +64,7 @@ def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
 
 
 def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the three-dimensional model, named and weighed.
+    """Lowest modes of the three-dimensional model, with kinds and effective masses.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def _starts(bodies: list[Body]) -> list[int]:
 
 
 def _cells(bodies: list[Body]) -> np.ndarray:
-    """(n, 9) quads of the shells and of what is seen of the solid coil."""
+    """(n, 9) quads of the shells and of the outer surface of the solid coil."""
     quads = []
     for body, start in zip(bodies, _starts(bodies), strict=False):
         quads.append(body.cells + start)

@@ -55,7 +55,7 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
 
 @dataclass(frozen=True)
 class SlipModel:
-    """Modes of a coil with their shear stress, and what winding holds.
+    """Modes of a coil with their shear stress, and the friction capacity from winding.
 
     The coil is linear, so that one set of modes answers for every level, friction, damping, frequency and winding.
 
@@ -98,7 +98,7 @@ class SlipModel:
         return cls(case, modes, roll)
 
     def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:
-        """Result of a case with the same modes, as the analysis itself computes it; that of the own case when None.
+        """Result of a case with the same modes, as the analysis itself computes it; of its own case when None.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Run a grid of cases: only what is not yet done, each case in a process of its own; one table of all."""
+"""Batch: run the cases of a grid that are not yet done, each in its own process, and write one table of all."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.jobs.batch_progress import Tally
+from wroll_fem.jobs.batch_progress import BatchProgress
 from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
@@ -31,12 +31,12 @@ STOP_SECONDS = 30.0
 """How long cases may take to save themselves when a batch is interrupted."""
 
 LOOK_SECONDS = 1.0
-"""How often the pool is asked which cases are at work."""
+"""Interval at which the running cases are looked up."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one case.
+    """Result of one case of a batch.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def run_grid(
     Returns
     -------
     list of Outcome
-        In the order of the grid. A failed case stops no other.
+        In the order of the grid. A failed case does not stop the others.
 
     Raises
     ------
@@ -120,12 +120,12 @@ def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress, *, retry: bo
             f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"
         ) from None
     outcomes: dict[str, Outcome] = {}
-    tally = Tally(len(grid.members))
+    counts = BatchProgress(len(grid.members))
 
     def finished(outcome: Outcome, started: float | None = None) -> None:
         outcomes[outcome.member.name] = outcome
-        tally.settle(failed=outcome.status == "failed", started=started)
-        progress.info(f"{tally.done} of {tally.total}  {outcome.member.name}: {_told(outcome, out)}")
+        counts.add(failed=outcome.status == "failed", started=started)
+        progress.info(f"{counts.done} of {counts.total}  {outcome.member.name}: {_outcome_line(outcome, out)}")
 
     todo = []
     for member in grid.members:
@@ -136,28 +136,33 @@ def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress, *, retry: bo
             finished(done)
     try:
         if todo:
-            _run_some(todo, out, pool, progress, tally, finished)
+            _run_some(todo, out, pool, progress, counts, finished)
     finally:
         write_tables([outcomes[member.name] for member in grid.members if member.name in outcomes], out)
     return [outcomes[member.name] for member in grid.members]
 
 
 def _run_some(
-    todo: Sequence[Member], out: Path, pool: Pool, progress: Progress, tally: Tally, finished: Callable[..., None]
+    todo: Sequence[Member],
+    out: Path,
+    pool: Pool,
+    progress: Progress,
+    counts: BatchProgress,
+    finished: Callable[..., None],
 ) -> None:
-    """Run cases side by side, tell which are at work, and report each that ends."""
+    """Run cases side by side, show which are running, and report each that ends."""
     seen: dict[str, float] = {}  # name -> start of every case that was seen at work
     pending = {pool.submit(_words(member, out), out / member.name): member for member in todo}
-    with progress.stage("batch", tally.total, "cases") as stage:
+    with progress.stage("batch", counts.total, "cases") as stage:
         try:
             while pending:
                 ended, _ = wait(pending, timeout=LOOK_SECONDS, return_when=FIRST_COMPLETED)
                 for future in ended:
                     member = pending.pop(future)
-                    finished(_outcome(member, future), seen.get(member.name, tally.begun))
+                    finished(_outcome(member, future), seen.get(member.name, counts.begun))
                 running = pool.at_work()
                 seen |= running
-                stage.update(tally.done, tally.note(running), tally.left(running))
+                stage.update(counts.done, counts.note(running), counts.left(running))
         except KeyboardInterrupt:
             pool.stop()
             wait(pending, timeout=STOP_SECONDS)
@@ -172,14 +177,17 @@ def _words(member: Member, out: Path) -> list[str]:
 
 def _outcome(member: Member, future: Future[Ended]) -> Outcome:
     try:
-        code, said = future.result()
+        code, message = future.result()
     except CancelledError:
         return Outcome(
-            member, "failed", "the cluster gave it up (is the scheduler still there?); run the batch again", 1
+            member,
+            "failed",
+            "the cluster cancelled it; check that the scheduler still runs, then run the batch again",
+            1,
         )
     except Exception as error:  # a worker lost for good must not stop the other cases
         return Outcome(member, "failed", f"its worker failed: {type(error).__name__}: {error}".splitlines()[0], 1)
-    return Outcome(member, "complete") if code == 0 else Outcome(member, "failed", said, code)
+    return Outcome(member, "complete") if code == 0 else Outcome(member, "failed", message, code)
 
 
 def _check_own(grid: Grid, out: Path) -> None:
@@ -209,11 +217,11 @@ def _found(member: Member, out: Path, *, retry: bool) -> Outcome | None:
     ended = held.get("status") in ("not_converged", "failed") and held.get("case_hash") == member.case.hash()
     if retry or not ended:
         return None
-    said = str(held.get("error", "see its run.log")).splitlines()[0]
-    return Outcome(member, "failed", said, int(held.get("exit_code", ConvergenceError.exit_code)), tried=False)
+    message = str(held.get("error", "see its run.log")).splitlines()[0]
+    return Outcome(member, "failed", message, int(held.get("exit_code", ConvergenceError.exit_code)), tried=False)
 
 
-def _told(outcome: Outcome, out: Path) -> str:
+def _outcome_line(outcome: Outcome, out: Path) -> str:
     if outcome.status == "failed":
         return f"FAILED{'' if outcome.tried else ' before'}: {outcome.error}"
     summary = RunFolder(out / outcome.member.name).summary()

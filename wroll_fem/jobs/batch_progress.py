@@ -1,4 +1,4 @@
-"""Where a batch stands: what is done, failed and running, and how long the rest takes."""
+"""Progress of a batch: finished, failed and running cases, and the time that the rest takes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NAMED = 3
 
 
 @dataclass
-class Tally:
+class BatchProgress:
     """Counts of one call of `run_grid`.
 
     Attributes
@@ -20,7 +20,7 @@ class Tally:
     total
         Cases of the grid.
     done, failed
-        Cases settled, before the call or in it, and those of them that failed.
+        Cases finished, before the call or in it, and those of them that failed.
     seconds
         Wall time of each case that ended in this call.
     """
@@ -31,7 +31,7 @@ class Tally:
     seconds: list[float] = field(default_factory=list)
     begun: float = field(default_factory=time.time)
 
-    def settle(self, *, failed: bool, started: float | None = None) -> None:
+    def add(self, *, failed: bool, started: float | None = None) -> None:
         """Count a case; ``started`` (time.time) when it ran in this call."""
         self.done += 1
         self.failed += failed

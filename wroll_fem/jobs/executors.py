@@ -35,10 +35,10 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None  # loaded here: n
 
 
 class Ended(NamedTuple):
-    """How a `wroll run` ended: exit code, and the last line it said on stderr."""
+    """End of a `wroll run`: exit code, and the last line on stderr."""
 
     code: int
-    said: str
+    message: str
 
 
 class Pool(Protocol):
@@ -79,8 +79,8 @@ def _follow_parent() -> None:
 
 def _ended(process: subprocess.Popen[str]) -> Ended:
     lines = process.communicate()[1].strip().splitlines()
-    said = lines[-1] if lines else f"the process ended with code {process.returncode}"
-    return Ended(process.returncode if process.returncode >= 0 else 1, said)
+    message = lines[-1] if lines else f"the process ended with code {process.returncode}"
+    return Ended(process.returncode if process.returncode >= 0 else 1, message)
 
 
 class LocalPool:
@@ -160,7 +160,7 @@ class ClusterPool:
         for name in (
             "distributed",
             "distributed.client",
-        ):  # a lost scheduler is told as failed cases, without traceback
+        ):  # a lost scheduler is reported as failed cases, without traceback
             logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             self._client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)

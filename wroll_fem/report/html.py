@@ -1,7 +1,7 @@
 """Pages and pieces of a report, from the templates beside this file.
 
 Jinja2 escapes every text that does not come from a template, figures are embedded, and nothing points outside the
-file. The browser is told the same by a content security policy: no script, no request.
+file. A content security policy forbids scripts and requests as well.
 """
 
 from __future__ import annotations

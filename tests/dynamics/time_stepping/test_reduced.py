@@ -15,7 +15,7 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force, contact_jump
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload

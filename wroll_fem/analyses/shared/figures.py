@@ -38,13 +38,13 @@ def _save(stem: str, name: str, dataset: xr.Dataset, folder: Path, **options: An
 
 
 def _surfaces(dataset: xr.Dataset) -> list[int]:
-    """Numbers of the interfaces whose points span a cylinder: those of matrices from a file need not."""
+    """Numbers of the interfaces whose points span a cylinder: matrices from a file may have others."""
     count = dataset.sizes["interface"] if "pressure" in dataset else 0
     return [number for number in range(count) if has_surface(dataset, number)]
 
 
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Slip of every interface: map, and vectors at its largest."""
+    """Slip of every interface: map, and vectors of the largest relative displacement."""
     kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
     return [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)

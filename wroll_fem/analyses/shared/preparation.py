@@ -1,4 +1,4 @@
-"""From a case to a system at rest under its preload: a roll meshed here, or matrices from a file."""
+"""System of a case at rest under its preload: a meshed roll, or matrices from a file."""
 
 from __future__ import annotations
 
