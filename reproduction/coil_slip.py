@@ -134,8 +134,8 @@ def c22(evidence: Evidence) -> Verdict:
     section = RootSection(data)
     rows = {"lowest row": 0, "1 % of L up": int(np.abs(section.grid.z - 0.01 * data.attrs["length_m"]).argmin())}
     depth = {where: [1e3 * section.half_depth(name, row) for name in ("rz", "rt")] for where, row in rows.items()}
-    told = "; ".join(f"{where}: {rz:.2f} mm (srz), {rt:.2f} mm (srt)" for where, (rz, rt) in depth.items())
-    return Verdict(f"above half its largest value: {told}", all(rt > rz for rz, rt in depth.values()))
+    text = "; ".join(f"{where}: {rz:.2f} mm (srz), {rt:.2f} mm (srt)" for where, (rz, rt) in depth.items())
+    return Verdict(f"above half its largest value: {text}", all(rt > rz for rz, rt in depth.values()))
 
 
 def c23(evidence: Evidence) -> Verdict:

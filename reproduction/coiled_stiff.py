@@ -100,11 +100,14 @@ def c16(evidence: Evidence) -> Verdict:
 
 def c17(evidence: Evidence) -> Verdict:
     members = evidence.study("shear_stiffness")
-    loosest = min((m for m in members if not m.reference), key=lambda m: float(m.values[SHEAR])).data
-    kinds, share = loosest["mode_kind"].values.tolist(), loosest["effective_mass_fraction"].sel(component="x").values
-    index = bending_index(loosest)
-    lower = [(str(kinds[k]), float(loosest["mode_frequency"].values[k]), float(share[k])) for k in range(index)]
-    value = ", ".join(f"{kind} {f:.1f} Hz" for kind, f, _ in lower) + f" below bending at {bending(loosest):.1f} Hz; "
+    soft = min((m for m in members if not m.reference), key=lambda m: float(m.values[SHEAR])).data
+    kinds, share = (
+        soft["mode_kind"].values.tolist(),
+        soft["effective_mass_fraction"].sel(component="x").values,
+    )
+    index = bending_index(soft)
+    lower = [(str(kinds[k]), float(soft["mode_frequency"].values[k]), float(share[k])) for k in range(index)]
+    value = ", ".join(f"{kind} {f:.1f} Hz" for kind, f, _ in lower) + f" below bending at {bending(soft):.1f} Hz; "
     value += f"effective mass along x at most {max((s for *_, s in lower), default=0.0):.0e} against {share[index]:.2f}"
     names = {kind for kind, *_ in lower} <= {"torsion", "axial"}
     return Verdict(value, bool(lower) and names and all(s < 0.1 * share[index] for *_, s in lower))
@@ -184,7 +187,7 @@ def c31(evidence: Evidence) -> Verdict:
     )
     pairs = dict(zip(readings, zip(found[::2], found[1::2], strict=True), strict=True))
     value = "; ".join(f"{words}: {a:.2f} Hz (solid {b:.2f} Hz)" for words, (a, b) in pairs.items())
-    value += f"; tip not held round: {free:.2f} Hz"
+    value += f"; tip free to ovalise: {free:.2f} Hz"
     outer = [a for words, (a, _) in pairs.items() if "outer" in words]  # section 2.4 defines r_m as outer radius
     alike = all(abs(a / b - 1) < 0.01 for a, b in pairs.values())
     return Verdict(value, alike and all(145 <= f <= 155 for f in outer))

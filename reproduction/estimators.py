@@ -73,16 +73,16 @@ def reach(estimate: DampingEstimate) -> float:
 def c116(evidence: Evidence) -> Verdict:
     found = zetas(HALF_POWER)
     gap = max(abs(found[z] / single_dof_half_power(z) - 1.0) for z in PRESCRIBED if z >= 0.05)
-    told = "; ".join(f"{z:g}: {found[z]:.4f}" for z in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5))
+    text = "; ".join(f"{z:g}: {found[z]:.4f}" for z in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5))
     over = all(found[z] > z for z in PRESCRIBED if z > 0.2)
-    value = f"on |T| of a base-excited single degree of freedom: {told}; within {gap:.1e} of the closed form"
+    value = f"on |T| of a base-excited single degree of freedom: {text}; within {gap:.1e} of the closed form"
     return Verdict(value, over and gap < 1e-4)
 
 
 def c117(evidence: Evidence) -> Verdict:
     found = {z: one for z, one in exact(PRINTED).items() if z >= 0.05}
-    told = "; ".join(f"{z:g}: {one.zeta:.4f} (d = {reach(one):.3f} f_n)" for z, one in found.items())
-    return Verdict(told, all(one.zeta < z for z, one in found.items() if z > 0.2))
+    text = "; ".join(f"{z:g}: {one.zeta:.4f} (d = {reach(one):.3f} f_n)" for z, one in found.items())
+    return Verdict(text, all(one.zeta < z for z, one in found.items() if z > 0.2))
 
 
 def c118(evidence: Evidence) -> Verdict:

@@ -159,9 +159,9 @@ def plot_sign(evidence: Evidence) -> Axes:
         ax.plot(x, regularised_sign(scale * x), color=colour, lw=1.6, label=f"S({scale:g} x)")
     ax.plot([-6, 0, 0, 6], [-1, -1, 1, 1], color="black", lw=1.0, ls="--", label="sgn(x)")
     ax.set_xlabel("Relative velocity x (–)")
-    ax.set_ylabel("Smoothed sign S(s x) (–)")
+    ax.set_ylabel("Regularised sign S(s x) (–)")
     ax.legend(fontsize=8)
-    style.title(ax, "The smoothed sign is a viscous damper of slope s/2 below |x| = 1/s and reaches 0.987 at |x| = 5/s")
+    style.title(ax, "The regularised sign is viscous with slope s/2 below |x| = 1/s and reaches 0.987 at |x| = 5/s")
     return ax
 
 
@@ -237,7 +237,7 @@ def orbits_and_runs(capacity: float, scale: float, points: int) -> xr.Dataset:
 GROUP = ClaimGroup(
     {"C114": c114, "C115": c115},
     figures={
-        "appendix_c_sign": ("Figs 5.5 and C.1: the smoothed sign", plot_sign),
+        "appendix_c_sign": ("Figs 5.5 and C.1: the regularised sign", plot_sign),
         "appendix_c_response": ("Fig C.2: orbits, and runs with a loose tolerance", plot_responses),
         "appendix_c_scale": ("What the scale s changes where the masses stick (C114)", plot_differences),
     },

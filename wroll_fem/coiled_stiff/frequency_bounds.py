@@ -67,7 +67,7 @@ def fundamental(roll: FourierRoll) -> FourierMode:
 
 
 def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> SoftestCoil | None:
-    """Reduce the interlayer shear modulus until the frequency of another mode falls to that of bending.
+    """Reduce the interlayer shear modulus until the frequency of another mode falls to the bending frequency.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ def slip_zone(modes: ShearModes, slipping: npt.NDArray[np.bool_], mandrel_radius
 
 
 def driven_mode(modes: ShearModes) -> int:
-    """Index of the mode excited with `frequency: resonance`: that of the largest effective mass along the excitation.
+    """Index of the mode with the largest effective mass along the excitation, which `frequency: resonance` excites.
 
     For a cantilevered roll this is the first bending mode, even if modes of torsion or axial shear, which the base
     motion hardly excites, have lower frequencies.

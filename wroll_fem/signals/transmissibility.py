@@ -214,7 +214,7 @@ def demodulated(
 
     Notes
     -----
-    For a steady sine the error is that of the cubic spline through the samples: below 1e-6 at 40 samples per cycle,
+    For a steady sine the only error is due to the cubic spline through the samples: below 1e-6 at 40 samples per cycle,
     1e-4 at 12, 1e-3 at 8 (`tests/signals/test_signals.py`). The mean of the tip acceleration has no effect, because a
     constant lies at a zero of the kernel. The limits of the sweep rate are given in the docstring of the module.
     """

@@ -261,7 +261,7 @@ def shear_history(
     rates, durations
         (n,) slip rates of either sign, m/s, and their durations, s.
     state
-        Initial state, s; None for that of steady sliding at the first rate.
+        Initial state, s; None for steady sliding at the first rate.
 
     Returns
     -------

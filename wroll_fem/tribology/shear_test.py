@@ -54,7 +54,7 @@ class ShearTest:
     layer_thickness
         Thickness h of a layer, m.
     layer_shear_modulus
-        Shear modulus G_l of a layer, Pa; that of Kapton by default.
+        Shear modulus G_l of a layer, Pa; by default the value of Kapton.
     machine_stiffness
         Stiffness of the spring between actuator and platen, N/m.
 

@@ -21,7 +21,7 @@ def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, c
     radius
         Radii at which the increment is evaluated, m.
     inner, outer
-        Inner radius (that of the mandrel) and current outer radius of the roll, m.
+        Inner radius (surface of the mandrel) and current outer radius of the roll, m.
     ratio
         E_theta/E_r.
     core
