@@ -11,16 +11,16 @@
 # %% [markdown]
 # # A first roll
 #
-# A tube of 300 mm x 80 mm x 1.5 mm with one layer of web pressed onto it, shaken at its base through the first
-# bending resonance: the laboratory roll of chapter 4 of the thesis, on a coarse mesh. Between tube and layer there is
-# Coulomb friction; it is the only damping.
+# The laboratory roll of chapter 4 of the thesis, on a coarse mesh: a tube of 300 mm x 80 mm x 1.5 mm with one
+# preloaded layer of web. The base is excited through the first bending resonance. Coulomb friction between tube and
+# layer is the only damping.
 #
-# **What is solved**: shells by finite elements, reduced to what their contact points see, and 30 000 time steps of a
-# chirp.
+# **What is solved**: shell finite elements, a reduced-order model with friction at every contact point, and 30 000
+# time steps of a chirp.
 #
-# **Against what it is compared**: the tube's frequency with a model in harmonics around the axis, which shares
-# nothing with the shells but the material; the resonance with periodic motions found by harmonic balance, without
-# time steps; and the terms of the energy balance, each computed on its own, must add up.
+# **Against what it is compared**: the frequency of the tube with Fourier elements, which share only the material with
+# the shells; the resonance with periodic motions by harmonic balance, without time steps; and the energy balance,
+# whose terms are computed independently.
 
 # %%
 import tempfile
@@ -36,10 +36,10 @@ case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_pe
 print(case.resolved_yaml())
 
 # %% [markdown]
-# ## How it vibrates while nothing slips
+# ## Natural frequencies without slip
 #
-# Two bounds: the layer bonded to the tube, and free to slide without friction. Friction puts the resonance between
-# them.
+# There are two bounds: a layer bonded to the tube, and a layer that slides without friction. With friction the
+# resonance lies between them.
 
 # %%
 modal = wf.load_case("../configs/lab_modal.yaml", [*mesh, "modal.count=8"])
@@ -52,22 +52,22 @@ f_bonded, f_frictionless = (wf.summarise(result)["bending_hz"] for result in (bo
 print(f"first bending: {f_bonded:.2f} Hz bonded, {f_frictionless:.2f} Hz without friction")
 
 # %% [markdown]
-# Modes come in pairs, along x and along y. The tube alone once more, in harmonics around the axis:
+# Modes occur in pairs, along x and along y. The tube alone, with shells and with Fourier elements:
 
 # %%
 tube = modal.changed("coil.model=none")
-shells, harmonics = (
+shells, fourier = (
     wf.summarise(wf.run(tube.changed({"mesh.discretisation": kind})))["bending_hz"]
     for kind in ("three_dimensional", "fourier")
 )
-print(f"tube alone: {shells:.3f} Hz by shells, {harmonics:.3f} Hz in harmonics")
-assert np.isclose(shells, harmonics, rtol=1e-3)
+print(f"tube alone: {shells:.3f} Hz by shells, {fourier:.3f} Hz by Fourier elements")
+assert np.isclose(shells, fourier, rtol=1e-3)
 
 # %% [markdown]
-# ## Through the resonance
+# ## Chirp through the resonance
 #
-# `run` returns an `xarray.Dataset` with units on every variable; `summarise` reads the numbers that `summary.json` of
-# a run folder holds.
+# `run` returns an `xarray.Dataset` with units on every variable. `summarise` returns the numbers of `summary.json` in
+# a run folder.
 
 # %%
 result = wf.run(case)
@@ -79,10 +79,10 @@ for name in ("f_n_hz", "zeta", "peak_transmissibility", "skewness", "friction_en
 assert f_frictionless < numbers["f_n_hz"] < f_bonded
 
 # %% [markdown]
-# ## The same resonance without time steps
+# ## Steady state by harmonic balance
 #
-# Harmonic balance finds the periodic motion at each frequency. A sweep that is slow enough follows it; this one, at
-# six octaves per minute, arrives at its peak a little late.
+# Harmonic balance computes the periodic motion at each frequency. A slow sweep follows it; this one, at six octaves
+# per minute, passes the peak a little late.
 
 # %%
 steady = wf.run(case.changed({"analysis": "harmonic", "harmonic.harmonics": 5, "harmonic.samples": 64}))
@@ -95,10 +95,10 @@ assert np.isclose(numbers["peak_transmissibility"], balance["peak_transmissibili
 assert np.isclose(numbers["f_n_hz"], balance["f_n_hz"], rtol=0.01)
 
 # %% [markdown]
-# ## Where it slips
+# ## Slip zone
 #
-# At the root, on the faces that look along the excitation: there the tube's surface stretches most in bending, and
-# the layer, free at its base, wants to stay behind.
+# The layer slips at the root, on the faces along the excitation. There the surface of the tube stretches most in
+# bending, and the layer with its free base does not follow.
 
 # %%
 wf.plot.slip_map(result)
@@ -110,25 +110,25 @@ print(f"{share:.0f} % of the interface slipped at some time, up to {1e3 * height
 assert height < 0.1 * case.geometry.length
 
 # %% [markdown]
-# ## Where the energy went
+# ## Energy balance
 #
-# What the base put in is stored or dissipated. The terms are computed apart from each other, so their sum is a check
-# of the whole computation.
+# The work of the base is stored or dissipated. The terms are computed independently, so their sum is a check of the
+# whole computation.
 
 # %%
 wf.plot.energy_ledger(result)
 plt.show()
 share = numbers["friction_energy_j"] / numbers["input_work_j"]
 gap = numbers["energy_balance_error"]
-print(f"friction took {100 * share:.1f} % of the work of the base; the balance closes to {gap:.1e}")
+print(f"friction dissipated {100 * share:.1f} % of the work of the base; energy balance error {gap:.1e}")
 assert gap < 1e-5
 assert 0.97 < share < 1.0
 
 # %% [markdown]
-# ## Into a folder
+# ## Run folder
 #
-# `run(case, out=...)` does what `wroll run` does: results, summary, figures, files for ParaView, log. A second call
-# reads what is there; an interrupted one goes on where it was.
+# `run(case, out=...)` writes the same folder as `wroll run`: results, summary, figures, files for ParaView, log. A
+# second call reads the stored results; an interrupted run continues.
 
 # %%
 with tempfile.TemporaryDirectory() as folder:

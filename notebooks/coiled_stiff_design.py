@@ -9,18 +9,18 @@
 # ---
 
 # %% [markdown]
-# # Choosing a mandrel for a coil that does not slip
+# # Mandrel design for a coil that does not slip
 #
-# While nothing slips, a coil is a solid whose wraps shear against each other: how stiffly, winding tension decides.
-# That shear stiffness is the least known number of a roll, and it moves the bending frequency. A good mandrel for an
-# experiment is one on which a loose and a tight coil are far apart (section 2.5 of the thesis); a good mandrel for
-# flight is one on which they are close.
+# Without slip, a coil is a solid whose wraps shear against each other. The interlayer shear modulus depends on the
+# winding tension, is the least known property of a roll, and changes the bending frequency. A good mandrel for an
+# experiment gives very different frequencies for a soft and a stiff coil (section 2.5 of the thesis); a good mandrel
+# for flight gives similar ones.
 #
-# **What is solved**: modes of mandrel and homogenised coil in harmonics around the axis (`mesh.discretisation:
-# fourier`), 0.7 s each.
+# **What is solved**: modes of mandrel and homogenised coil by Fourier elements (`mesh.discretisation: fourier`), 0.7 s
+# each.
 #
-# **Against what it is compared**: beam theory below (coil as mass alone) and above (no shear between the wraps);
-# shells and hexahedra in three dimensions at one point; the map with modal analyses of its own cases.
+# **Against what it is compared**: beam theory as a lower bound (coil as mass only) and an upper bound (no shear
+# between the wraps); shells and hexahedra at one point; the map with modal analyses of its cases.
 
 # %%
 import os
@@ -41,10 +41,10 @@ def bending(result):
 
 
 # %% [markdown]
-# ## Frequency over shear stiffness (Fig. 2.13)
+# ## Frequency over shear modulus (Fig. 2.13)
 #
-# `run_series` runs every combination of keys; the figures of a study take its list. G of 1 GPa is that of a coil as
-# tight as a solid block, 10 kPa that of one which hardly holds together.
+# `run_series` runs every combination of keys; figures of a study take its list. With G = 1 GPa the coil acts as a
+# solid block, with 10 kPa its wraps are almost uncoupled.
 
 # %%
 moduli = [1e4, 1e6, 1e8, 1e9] if quick else [1e4, 1e5, 1e6, 1e7, 5e7, 1e8, 3e8, 1e9]
@@ -53,9 +53,9 @@ wf.plot.frequency_over_shear_stiffness(series)
 plt.show()
 
 # %% [markdown]
-# Both ends by beam theory. Below: the mandrel bends and the coil is only carried, $f = (1.875^2/2\pi)\,\sqrt{EI/(m
-# L^4)}$. Above: plane sections across mandrel and coil, $EI = E_a I_a + E_z I_c$. A real roll stays under that: the
-# coil stands free on its base, so that it is strained only as far as shear between the wraps pulls it along.
+# Beam theory gives two bounds. Lower bound: the mandrel bends and the coil is only mass, $f =
+# (1.875^2/2\pi)\,\sqrt{EI/(m L^4)}$. Upper bound: plane sections across mandrel and coil, $EI = E_a I_a + E_z I_c$. A
+# real roll stays below it, because the base of the coil is free and only shear between the wraps strains it.
 
 # %%
 tube, coil = roll.geometry, roll.coil
@@ -74,26 +74,26 @@ def beam(stiffness):
 frequencies = [bending(member.data) for member in series]  # the reference last
 lowest, highest = beam(metal.E * second_moment_tube), beam(metal.E * second_moment_tube + web.E_z * second_moment_coil)
 print(f"mass alone: {frequencies[-1]:.2f} Hz, by beam theory {lowest:.2f} Hz")
-print(f"tightest coil: {frequencies[-2]:.2f} Hz, by beam theory without shear {highest:.2f} Hz")
+print(f"stiffest coil: {frequencies[-2]:.2f} Hz, by beam theory without shear {highest:.2f} Hz")
 assert np.isclose(frequencies[-1], lowest, rtol=0.01)
 assert frequencies[0] < frequencies[-2] < highest
 assert np.all(np.diff(frequencies[:-1]) > 0)
 
 # %% [markdown]
-# The same roll with shells and hexahedra, which share only the material with the harmonics:
+# The same roll with shells and hexahedra, which share only the material with the Fourier elements:
 
 # %%
 coarse = {"mesh.discretisation": "three_dimensional", "mesh.circumferential": 12, "mesh.axial": 12, "modal.count": 2}
 space = bending(wf.run(roll.changed(coarse)))
-print(f"G = 1 GPa: {space:.2f} Hz in three dimensions, {frequencies[-2]:.2f} Hz in harmonics")
+print(f"G = 1 GPa: {space:.2f} Hz in three dimensions, {frequencies[-2]:.2f} Hz by Fourier elements")
 assert np.isclose(space, frequencies[-2], rtol=0.01)
 
 # %% [markdown]
-# ## The roll of the experiment: which Kapton? (Fig. 2.17)
+# ## The roll of the experiment: modulus of Kapton (Fig. 2.17)
 #
-# Reported moduli of Kapton range from 2.5 to 4 GPa. Between a loose and a tight coil on a polycarbonate tube lie tens
-# of hertz; a coil looser than a few hundred kilopascals is slower than the mandrel without any coil, since it then
-# brings more mass than stiffness.
+# Reported moduli of Kapton range from 2.5 to 4 GPa. On a polycarbonate tube the frequencies of a soft and a stiff coil
+# differ by tens of hertz. With a shear modulus below a few hundred kilopascals the frequency is lower than that of the
+# mandrel alone, since the coil then adds more mass than stiffness.
 
 # %%
 kapton = wf.load_case("../configs/kapton_roll.yaml", ["mesh.discretisation=fourier", "modal.count=12"])
@@ -107,8 +107,8 @@ plt.show()
 # %% [markdown]
 # ## The map of mandrels (Fig. 2.16)
 #
-# For every mandrel the tightest coil is the one of the case, and the loosest the softest whose lowest mode is still
-# bending. What lies between them is the disparity.
+# For every mandrel the stiffest coil is that of the case, and the softest is the one with the lowest shear modulus
+# whose fundamental mode is still bending. The disparity is the difference of their bending frequencies.
 
 # %%
 radii, walls = ([0.02, 0.05], [1e-3, 3.2e-3]) if quick else ([0.02, 0.035, 0.05], [1e-3, 2e-3, 3.2e-3])
@@ -123,25 +123,25 @@ assert (disparity.diff("mandrel_radius") > 0).all()
 assert (disparity.diff("mandrel_thickness") < 0).all()
 
 # %% [markdown]
-# What the map says of the case's own mandrel, checked by modal analyses: the tightest coil, the loosest, and one that
-# is a tenth looser still, whose lowest mode must be another than bending.
+# Modal analyses check the mandrel of the case: the stiffest coil and the softest, where bending and torsion have the
+# same frequency. With a shear modulus 1 % higher the fundamental mode must be bending, with 10 % less another mode.
 
 # %%
 numbers = wf.summarise(result)
 sections = {name: getattr(mapped, name) for name in ("geometry", "mandrel", "coil", "mesh")}
 single = wf.Case(analysis="modal", modal={"count": 6}, **sections)
-loosest = numbers["loosest_shear_modulus_pa"]
+softest = numbers["loosest_shear_modulus_pa"]
 
 
 def with_shear(modulus):
-    """Modes of the own mandrel with a shear modulus between the wraps."""
+    """Modes of the mandrel of the case with a given interlayer shear modulus."""
     return wf.run(single.changed({"coil.material.G_r_theta": modulus, "coil.material.G_r_z": modulus}))
 
 
-tight, loose, looser = wf.run(single), with_shear(loosest), with_shear(0.9 * loosest)
-print(f"tightest {numbers['f_tightest_hz']:.2f} Hz, loosest ({loosest:.0f} Pa) {numbers['f_loosest_hz']:.2f} Hz")
-print(f"a tenth looser: lowest mode {looser['mode_kind'].values[0]}, {float(looser['mode_frequency'][0]):.1f} Hz")
-assert np.isclose(bending(tight), numbers["f_tightest_hz"], rtol=1e-6)
-assert np.isclose(bending(loose), numbers["f_loosest_hz"], rtol=1e-6)
-assert loose["mode_kind"].values[0] == "bending"
-assert looser["mode_kind"].values[0] != "bending"
+stiff, soft, above, below = (wf.run(single), *(with_shear(factor * softest) for factor in (1.0, 1.01, 0.9)))
+print(f"stiffest {numbers['f_tightest_hz']:.2f} Hz, softest ({softest:.0f} Pa) {numbers['f_loosest_hz']:.2f} Hz")
+print(f"10 % softer: fundamental mode {below['mode_kind'].values[0]}, {float(below['mode_frequency'][0]):.1f} Hz")
+assert np.isclose(bending(stiff), numbers["f_tightest_hz"], rtol=1e-6)
+assert np.isclose(bending(soft), numbers["f_loosest_hz"], rtol=1e-6)
+assert above["mode_kind"].values[0] == "bending"
+assert below["mode_kind"].values[0] != "bending"

@@ -9,18 +9,18 @@
 # ---
 
 # %% [markdown]
-# # Preload, damping and the optimum
+# # Damping over preload and amplitude
 #
-# A layer that is pressed too lightly slides freely and dissipates little; one that is pressed too hard sticks and
-# dissipates nothing. Between the two lies the preload of the largest damping. The laboratory roll of chapter 4 of the
+# A layer with too little preload slides freely and dissipates little. A layer with too much preload sticks and
+# dissipates nothing. The damping is largest in between. The example is the laboratory roll of chapter 4 of the
 # thesis: tube, one layer, Coulomb friction, no other damping.
 #
 # **What is solved**: periodic motions of the finite-element roll by harmonic balance, one curve per preload, on a
-# coarse mesh with the root resolved.
+# coarse mesh with a resolved root.
 #
 # **Against what it is compared**: modal analyses of the two limits, no friction and no slip; a chirp in the time
-# domain; two laws of friction: nearly only $\mu p$ matters, and base acceleration, preload and elastic slip can be
-# scaled together, exactly.
+# domain; two scaling laws: the response depends almost only on $\mu p$, and base acceleration, preload and elastic
+# slip scale together exactly.
 
 # %%
 import os
@@ -34,8 +34,8 @@ import wroll_fem as wf
 quick = "WROLL_QUICK" in os.environ  # fewer preloads, for a test of this notebook
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]
 case = wf.load_case("../configs/lab_harmonic.yaml", [*mesh, "harmonic.harmonics=3", "excitation.f_start=120"])
-# The second bending mode lies near five times the resonance; the fifth harmonic, left out here for speed, dents the
-# curves there and changes the damping by some 2 %. The program says so for every curve.
+# The second bending mode is near five times the resonance. The fifth harmonic, omitted here for speed, changes the
+# curves there and the damping by some 2 %. The program warns for every curve.
 warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)
 
 # %% [markdown]
@@ -45,14 +45,14 @@ warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)
 pressures = [1e4, 3e4, 1e5] if quick else [1e4, 1.8e4, 3e4, 5.6e4, 1e5, 1.5e5]  # Pa
 series = wf.run_series(case, {"preload.pressure": pressures})
 ax = wf.plot.family(series, colour="preload.pressure")
-ax.set_title("Pressed harder, the roll is stiffer; the lowest peak is not that of the loosest", loc="left")
+ax.set_title("A higher preload makes the roll stiffer; the lowest peak is at an intermediate preload", loc="left")
 plt.show()
 
 f = np.array([member.data.attrs["f_n_hz"] for member in series])
 zeta = np.array([member.data.attrs["zeta"] for member in series])
 
 # %% [markdown]
-# The resonance has to lie between that of a layer without friction and that of a layer which sticks everywhere:
+# The resonance must lie between the frequencies of a frictionless and of a bonded layer:
 
 # %%
 modal = wf.load_case("../configs/lab_modal.yaml", [*mesh, "modal.count=8"])
@@ -63,10 +63,9 @@ print(f"frictionless {free:.1f} Hz < {f[0]:.1f} to {f[-1]:.1f} Hz < bonded {stuc
 assert np.all(np.diff([free, *f, stuck]) > 0)
 
 # %% [markdown]
-# ## The optimum
+# ## Optimum preload
 #
-# Half-power damping is an equivalent number for such a curve: it leans. Its largest value marks the preload to
-# choose.
+# These peaks are skewed, so half-power damping is an equivalent value. Its maximum marks the optimum preload.
 
 # %%
 wf.plot.damping_over_frequency(series)
@@ -76,11 +75,11 @@ print(f"largest damping {100 * zeta[best]:.2f} % at {pressures[best] / 1e3:.0f} 
 assert 0 < best < len(pressures) - 1  # an optimum inside the range, not at its end
 
 # %% [markdown]
-# ## Friction: only $\mu p$ matters
+# ## Friction coefficient: only $\mu p$ matters
 #
-# With twice the friction and half the pressure the curve stays, but for a few per mille: what the pressure gains and
-# loses within a cycle then weighs twice as much. So the optimum is one of $\mu p$, and a web with other friction has
-# it at another preload.
+# Twice the friction coefficient with half the pressure gives the same curve within a few per mille; the difference is
+# the variation of the pressure within a cycle, which then counts twice as much. The optimum is thus a value of
+# $\mu p$, and a web with another friction coefficient has it at another preload.
 
 # %%
 reference = next(member.data for member in series if member.values["preload.pressure"] == 3e4)
@@ -92,12 +91,12 @@ assert np.isclose(same.attrs["peak_transmissibility"], reference.attrs["peak_tra
 assert double.attrs["f_n_hz"] > reference.attrs["f_n_hz"] + 2.0
 
 # %% [markdown]
-# ## Level: shaken harder, pressed harder
+# ## Excitation level
 #
-# Every term of the balance is of first degree in motion, pressure and elastic slip together. Three times the
-# acceleration with three times the pressure and three times the elastic slip is the same curve; with the acceleration
-# alone it is that of a third of the pressure (and a third of the elastic slip). So the optimum moves with the level:
-# a roll tuned for one is too loose for a higher one.
+# The equations are homogeneous of first degree in motion, pressure and elastic slip. Three times the acceleration with
+# three times the pressure and three times the elastic slip gives the same curve. Three times the acceleration alone
+# gives the curve of a third of the pressure and a third of the elastic slip. The optimum therefore moves with the
+# level: a roll tuned for one level has too little preload for a higher one.
 
 # %%
 threefold = {"preload.pressure": 9e4, "contact.friction.elastic_slip": 3e-6, "excitation.amplitude": 15.0}
@@ -111,15 +110,15 @@ assert np.isclose(scaled.attrs["peak_transmissibility"], reference.attrs["peak_t
 assert louder.attrs["f_n_hz"] < reference.attrs["f_n_hz"]
 
 # %% [markdown]
-# ## Base: free or held
+# ## Base condition of the layer
 #
-# All this rests on one condition: the layer's lower edge may slide. Held at its base, the layer bends about the same
-# axis as the tube and hardly wants to slip, at any preload (docs/lab-roll.md). The same chirp through both:
+# These results require that the lower edge of the layer can slide. A layer with a clamped base bends about the same
+# axis as the tube and hardly slips at any preload (docs/lab-roll.md). The same chirp for both:
 
 # %%
 chirp = ["excitation.rate_oct_per_min=4", "preload.pressure=3e4"]
 sliding = wf.run(wf.load_case("../configs/lab_sweep.yaml", [*mesh, *chirp]))
-with warnings.catch_warnings():  # so little is taken from it that it rings after the sweep: no width can be read
+with warnings.catch_warnings():  # almost no damping: free vibration after the sweep, no half-power width
     warnings.simplefilter("ignore", wf.CaseWarning)
     held = wf.run(wf.load_case("../configs/lab_sweep_clamped.yaml", [*mesh, *chirp]))
 ax = wf.plot.comparison({"base of the layer free": sliding, "base of the layer clamped": held})
@@ -131,7 +130,8 @@ print(f"peak {sliding.attrs['peak_transmissibility']:.1f} with the base free, "
 assert held.attrs["peak_transmissibility"] > 5 * sliding.attrs["peak_transmissibility"]
 
 # %% [markdown]
-# The free one once more, chirped and periodic: two methods that share the mesh and the friction law alone.
+# The roll with a free layer base, by chirp and by harmonic balance. The two methods share only the mesh and the
+# friction law.
 
 # %%
 wf.plot.comparison({"chirp, 4 oct/min": sliding, "periodic motion": reference})

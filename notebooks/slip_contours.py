@@ -9,20 +9,20 @@
 # ---
 
 # %% [markdown]
-# # Where does a coil slip?
+# # Slip zone of a solid coil
 #
-# The case study of section 2.4 of the thesis: 300 wraps on a cantilevered aluminium mandrel, base shaken at the first
-# natural frequency, 2 % modal damping. The coil is a homogenised solid bonded to the mandrel; it *would* slip where
-# the shear resultant $\sigma_s = \sqrt{\sigma_{rz}^2 + \sigma_{r\theta}^2}$ exceeds the friction capacity $\mu P(r)$
-# that winding leaves.
+# The case study of section 2.4 of the thesis: 300 wraps on a cantilevered aluminium mandrel, base excitation at the
+# first natural frequency, 2 % modal damping. The coil is a homogenised solid bonded to the mandrel. It is predicted to
+# slip where the shear resultant $\sigma_s = \sqrt{\sigma_{rz}^2 + \sigma_{r\theta}^2}$ exceeds the friction capacity
+# $\mu P(r)$ from winding.
 #
-# **What is solved**: winding wrap by wrap, modes with their stress in harmonics around the axis, and the steady
-# motion in these modes. All of it is linear, so that one solution serves every level, friction and damping.
+# **What is solved**: winding wrap by wrap, modes with their stress by Fourier elements, and the steady motion in these
+# modes. The model is linear, so one solution serves every level, friction coefficient and damping ratio.
 #
-# **Against what it is compared**: the tip's motion with the closed form of a resonant mode; the onset of slip with
-# its proportionality to friction and damping; the pressure at the mandrel with its bound, the integral of $T/r$; the
-# model as a whole with the one in three dimensions (docs/coil-slip.md), which `wroll run configs/case_study.yaml`
-# uses.
+# **Against what it is compared**: the motion of the tip with the closed form of a resonant mode; the onset of slip
+# with its proportionality to friction and damping; the pressure at the mandrel with its bound, the integral of $T/r$.
+# The whole model is compared with the three-dimensional one in docs/coil-slip.md, which `wroll run
+# configs/case_study.yaml` uses.
 
 # %%
 import matplotlib.pyplot as plt
@@ -34,7 +34,7 @@ case = wf.load_case("../configs/case_study.yaml", ["mesh.discretisation=fourier"
 model = wf.slip_model(case)
 
 # %% [markdown]
-# ## Modes with their stress, and what winding holds
+# ## Modes and interlayer pressure
 
 # %%
 modes, roll = model.modes, model.roll
@@ -44,15 +44,15 @@ for frequency, kind, participation in zip(modes.frequencies_hz, modes.kinds, mod
 print(f"pressure at the mandrel {roll.pressure[0] / 1e6:.2f} MPa, friction capacity {roll.capacity[0] / 1e6:.2f} MPa")
 tension, radii = case.winding.tension_stress, roll.radius
 bound = tension * np.log(radii[-1] / radii[0])  # the integral of T/r for constant T
-print(f"if no wrap relaxed, the pressure would be {bound / 1e6:.2f} MPa")
+print(f"upper bound of the pressure, without relaxation of the wraps: {bound / 1e6:.2f} MPa")
 assert np.isclose(roll.hoop_bound, bound, rtol=2e-3)
 assert 0 < roll.pressure[0] < bound
 
 # %% [markdown]
 # ## Slip at one level
 #
-# `model.run` answers for any level, friction and damping without solving anything again. Its result is that of
-# `wf.run` for the same case.
+# `model.run` evaluates any level, friction coefficient and damping ratio without another solution. Its result equals
+# that of `wf.run` for the same case.
 
 
 # %%
@@ -78,9 +78,9 @@ contours()
 plt.show()
 
 # %% [markdown]
-# Driven at its natural frequency, a mode with participation $p$ and tip displacement $\phi$ (unit modal mass) moves
-# the tip by $p \phi / (2 \zeta)$ times the base and a quarter period late: $|T| = |1 + p \phi / (2 i \zeta)|$ if no
-# other mode takes part.
+# At its natural frequency, a mode with participation factor $p$ and tip displacement $\phi$ (unit modal mass) moves
+# the tip by $p \phi / (2 \zeta)$ times the base with a phase lag of 90 degrees: $|T| = |1 + p \phi / (2 i \zeta)|$
+# without the other modes.
 
 # %%
 first = int(np.argmax(np.square(modes.participation)))
@@ -90,10 +90,10 @@ print(f"transmissibility {data.attrs['transmissibility']:.4f}; by the first mode
 assert np.isclose(data.attrs["transmissibility"], alone, rtol=1e-3)
 
 # %% [markdown]
-# ## In space
+# ## Three-dimensional view
 #
 # Half of the coil near its base, cut along the excitation. With a display and trame (`pip install
-# "pyvista[jupyter]"`) the scene can be turned; without, it is a picture.
+# "pyvista[jupyter]"`) the scene can be rotated; otherwise it is a picture.
 
 # %%
 scene = wf.plot.slip_scene(data, top=0.06)
@@ -102,7 +102,7 @@ scene.show(jupyter_backend=wf.plot.jupyter_backend())
 # %% [markdown]
 # ## Sliders
 #
-# With ipywidgets installed, level, friction and damping can be dragged; without it, three levels are drawn.
+# With ipywidgets, sliders set level, friction and damping; without it, three levels are drawn.
 
 # %%
 try:
@@ -127,8 +127,8 @@ else:
 # %% [markdown]
 # ## Shear against capacity (Fig. 2.14)
 #
-# Slip is possible where a line rises above the red one, the capacity: near the base and near the mandrel at low
-# levels, up to a seventh of the height and almost to the coil's outer surface at 15 g.
+# The coil slips where a line is above the red one, the capacity: near the base and near the mandrel at low levels, up
+# to a seventh of the height and almost to the outer surface of the coil at 15 g.
 
 # %%
 _, panels = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
@@ -137,11 +137,11 @@ wf.plot.shear_along(data, "r", panels[1])
 plt.show()
 
 # %% [markdown]
-# ## What moves the onset
+# ## Influences on the onset
 #
-# The onset is proportional to friction and, at resonance, to damping. How tightly the roll is wound moves it through
-# the pressure, far more than in proportion: a stack that is pressed harder is stiffer (Pfeiffer's law), so that outer
-# wraps squeeze the inner ones instead of relaxing them.
+# The onset is proportional to the friction coefficient and, at resonance, to the damping ratio. It grows with the
+# winding tension through the pressure, far more than in proportion: a stack under a higher pressure is stiffer
+# (Pfeiffer's law), so the outer wraps compress the inner ones instead of relaxing them.
 
 # %%
 onset = float(data["slip_onset"].min())
@@ -157,7 +157,7 @@ onsets = np.array([float(result["slip_onset"].min()) for result in wound])
 capacities = np.array([result.attrs["capacity_mandrel_pa"] for result in wound])
 powers = [np.polyfit(np.log(tensions), np.log(values), 1)[0] for values in (onsets, capacities)]
 print("onset and capacity at the mandrel grow as the winding stress to the power of {:.2f} and {:.2f}".format(*powers))
-assert np.isclose(*powers, rtol=0.1)  # next to the mandrel, where slip starts, the one follows the other
+assert np.isclose(*powers, rtol=0.1)  # slip starts near the mandrel, so onset and capacity grow alike
 
 _, ax = plt.subplots(figsize=(6, 4), layout="constrained")
 ax.loglog(tensions / 1e6, onsets, "o-", label="onset of slip")

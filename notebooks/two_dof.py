@@ -9,17 +9,17 @@
 # ---
 
 # %% [markdown]
-# # Two masses that rub
+# # Two-mass model with friction
 #
-# The reduced-order model of chapter 5 of the thesis: a primary mass (mandrel) and a secondary one (roll), each on a
-# spring and a dashpot, pressed together with a fixed force, on a base that moves as a sine. Seconds for a family of
-# curves, so that it can be fitted to a family that was measured, or computed by finite elements.
+# The two-degree-of-freedom model of chapter 5 of the thesis: a primary mass (mandrel) and a secondary mass (roll),
+# each on a spring and a dashpot, in frictional contact under a constant normal force, with a sinusoidal base motion. A
+# set of response curves takes seconds, so the model can be fitted to measured or computed curves.
 #
-# **What is solved**: periodic motions by harmonic balance, with the code that solves the finite-element roll.
+# **What is solved**: periodic motions by harmonic balance, with the code of the finite-element roll.
 #
-# **Against what it is compared**: time integration from rest until the motion repeats; the resonance of the masses
-# stuck together; the energy of a cycle; parameters that are known, found back from curves; and at the end, honestly,
-# the finite-element roll, which the model can follow only so far.
+# **Against what it is compared**: time integration from rest to the periodic motion; the resonance of the masses stuck
+# together; the energy of a cycle; known parameters, identified from curves; and the finite-element roll, which the
+# model represents only in part.
 
 # %%
 import os
@@ -33,9 +33,10 @@ import wroll_fem as wf
 quick = "WROLL_QUICK" in os.environ  # fewer points, for a test of this notebook
 
 # %% [markdown]
-# ## A family over the friction capacity (Fig. 5.6c)
+# ## Response over the friction capacity (Fig. 5.6c)
 #
-# The capacity is what the contact can hold, $F_c = \mu F_N$. Loose masses move on their own; tight ones move as one.
+# The friction capacity is the limit of the friction force, $F_c = \mu F_N$. At low capacity the masses move
+# independently, at high capacity as one.
 
 # %%
 case = wf.Case(
@@ -51,13 +52,13 @@ plt.show()
 
 tight = family.isel(friction_capacity=-1)
 peak, stuck = float(tight["omega_peak"]), float(tight["omega_stuck"])
-print(f"tightest: peak at {peak:.4f} rad/s, stuck together {stuck:.4f} rad/s")
+print(f"highest capacity: peak at {peak:.4f} rad/s, stuck together {stuck:.4f} rad/s")
 print(f"energy of a cycle: base against dashpots and friction to {family.attrs['energy_balance_error']:.0e}")
 assert np.isclose(tight["omega_peak"], tight["omega_stuck"], rtol=1e-4)
 assert family.attrs["energy_balance_error"] < 1e-6
 
 # %% [markdown]
-# The same motion in time, at three capacities near their peaks: integrated from rest until it repeats.
+# The same motion by time integration from rest to the periodic motion, at three capacities near their peaks:
 
 # %%
 model = wf.two_dof.TwoMasses()
@@ -70,10 +71,10 @@ for capacity in (2.0, 5.0, 20.0):
     assert np.isclose(settled.transmissibility, periodic, rtol=1e-4)
 
 # %% [markdown]
-# ## What the capacity does
+# ## Damping over the friction capacity
 #
-# Damping is largest where friction can just take what the base puts in: $F_c$ somewhat above $\pi k_1 Y_0 / 4$ (1.18
-# N here). Below that, only the dashpot bounds the peak.
+# Damping is largest where friction can just dissipate the input work: $F_c$ somewhat above $\pi k_1 Y_0 / 4$ (1.18 N
+# here). Below this value only the dashpot limits the peak.
 
 # %%
 wf.plot.two_dof_readings(family)
@@ -85,8 +86,8 @@ assert np.pi / 4 * 1.5 < numbers["friction_capacity_at_zeta_max_n"] < 3
 # %% [markdown]
 # ## Design space (Fig. 5.7)
 #
-# Largest damping over mass and stiffness of the secondary. There is a valley where both masses have the same
-# resonance on their own: there they move alike, and nothing rubs.
+# Largest damping over mass and stiffness of the secondary mass. There is a valley where both masses alone have the
+# same resonance: there they move alike, without slip.
 
 # %%
 points = 3 if quick else 7
@@ -103,9 +104,9 @@ heavy = space["zeta_max"].isel(m2=0)  # above the valley: stiffer is better
 assert (heavy.isel(k2=slice(1, None)).diff("k2") > 0).all()
 
 # %% [markdown]
-# ## Parameters back from curves
+# ## Parameter identification
 #
-# Mass and stiffness of the secondary that made two curves with 1 % of noise, from a start far off.
+# Mass and stiffness of the secondary mass are identified from two curves with 1 % noise, from a distant initial guess.
 
 # %%
 truth = wf.two_dof.TwoMasses(m2=0.6, k2=0.9)
@@ -118,19 +119,19 @@ for capacity in (2.0, 6.0):
     measured.append(wf.two_dof.Measured(omega, exact * np.exp(0.01 * noise.standard_normal(omega.size)), capacity))
 
 found = wf.two_dof.fit_curves(measured, {"m2": (0.2, 2.0), "k2": (0.2, 3.0)}, starts=1, workers=1)
-print(f"m2 = {found.model.m2:.3f}, k2 = {found.model.k2:.3f}; {100 * found.error:.1f} % is left")
+print(f"m2 = {found.model.m2:.3f}, k2 = {found.model.k2:.3f}; residual {100 * found.error:.1f} %")
 assert np.allclose([found.model.m2, found.model.k2], [0.6, 0.9], rtol=0.02)
 assert found.error < 0.015
 
 # %% [markdown]
-# ## The finite-element roll as two masses
+# ## Fit to the finite-element roll
 #
-# Three curves of the laboratory roll, loose to tight. The tip moves more than a point mass would: by the tip
-# participation $p$ of the bending mode, |T| is $p$ times that of one degree of freedom at resonance. Frequencies
-# count from the tube's own. Free are mass, stiffness and the three capacities.
+# Three curves of the laboratory roll, from low to high preload. At resonance |T| of the tip is that of one degree of
+# freedom times the tip participation $p$ of the bending mode. Frequencies are relative to that of the tube. Mass,
+# stiffness and the three capacities are fitted.
 
 # %%
-warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)  # fifth harmonic left out; see the notebook on preload
+warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)  # no fifth harmonic; see the notebook on preload
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]
 roll = wf.load_case("../configs/lab_harmonic.yaml", [*mesh, "harmonic.harmonics=3", "excitation.f_start=120"])
 guesses = {1e4: 1.0, 1e5: 4.0} if quick else {1e4: 1.0, 3e4: 2.0, 1e5: 4.0}  # Pa: first guess of the capacity, N
@@ -153,7 +154,7 @@ start = wf.two_dof.TwoMasses(m2=0.5, k2=0.7)
 bounds = {"m2": (0.05, 2.0), "k2": (0.05, 3.0)}
 fit = wf.two_dof.fit_curves(measured, bounds, model=start, capacity_bounds=(0.05, 100.0), starts=1, workers=1)
 print(f"m2 = {fit.model.m2:.2f} m1, k2 = {fit.model.k2:.2f} k1, capacities {np.round(fit.capacities, 2)} N; "
-      f"{100 * fit.error:.0f} % is left")  # fmt: skip
+      f"residual {100 * fit.error:.0f} %")  # fmt: skip
 
 fitted = wf.run(case.changed({"two_dof": {
     "m2": fit.model.m2, "k2": fit.model.k2, "friction_capacity": fit.capacities,
@@ -167,14 +168,14 @@ for k, member in enumerate(elements):
     ax.plot(own * fitted["omega"], two, "--", color=f"C{k}", label=f"two masses, {fit.capacities[k]:.2f} N")
 ax.set_xlabel("Frequency (Hz)")
 ax.set_ylabel("Transmissibility |T| (–)")
-ax.set_title("Two masses follow the peaks; the roll, slipping from its root upwards, leans more", loc="left", size=10)
+ax.set_title("Two masses represent the peaks; the peaks of the roll are more skewed", loc="left", size=10)
 ax.legend(fontsize=8, ncols=2)
 ax.grid(True, which="both", alpha=0.3)
 plt.show()
 
 # %% [markdown]
-# Peaks and frequencies come out, and the capacities rise with the preload, though less than in proportion: in the
-# roll the slipping patch shrinks as the pressure grows, while two masses slip as a whole or not at all.
+# Peaks and frequencies agree. The capacities rise with the preload, but less than in proportion: in the roll the slip
+# zone shrinks as the pressure grows, while two masses have a single contact point.
 
 # %%
 for k, member in enumerate(elements):
