@@ -254,7 +254,8 @@ def test_chapters_that_do_not_exist_yet_say_so(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"), [(["ch9"], "no such chapter: ch9"), (["ch3", "--workers", "0"], "--workers: 0 workers")]
+    ("words", "said"),
+    [(["ch9"], "no such chapter: ch9"), (["ch3", "--workers", "0"], "--workers: must be at least 1, got 0")],
 )
 def test_wrong_input_is_one_line(words: list[str], said: str, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["reproduce", *words, "--out", str(tmp_path / "new")])
@@ -270,7 +271,7 @@ def test_the_claims_on_winding_from_the_command_line(tmp_path: Path, monkeypatch
     lines = {line.split()[0]: line for line in done.output.splitlines() if line.startswith("C")}
     assert "here: 50 mm" in lines["C10"]
     assert "thesis error: explained" in lines["C5"]
-    assert NOT_YET in lines["C14"]  # its family is left out here
+    assert NOT_YET in lines["C14"]  # its claim group is left out here
     page_text = (tmp_path / "claims.md").read_text()
     assert "### C5: thesis error: explained" in page_text
     assert (tmp_path / "figures" / "winding_case_study.png").stat().st_size > 10_000
