@@ -22,7 +22,7 @@ LAB = wf.Roll(
         material=wf.IsotropicMaterial(E=2.8e9, nu=0.35, rho=2000),
     ),
     contact=wf.Contact(
-        friction=wf.PenaltyFriction(law="penalty_coulomb", mu=0.25, elastic_slip=1.0e-6),
+        friction=wf.PenaltyFriction(mu=0.25, elastic_slip=1.0e-6),
         normal=wf.Normal(penalty="auto", separation=True),
     ),
     preload=wf.Preload(kind="external_pressure", pressure=1.0e5),
@@ -36,9 +36,7 @@ COARSE = LAB.replace(mesh=wf.Mesh(circumferential=12, axial=4))
 def test_a_sweep_is_the_case_of_the_file() -> None:
     case = GRADED.case(
         "sweep",
-        excitation=wf.Chirp(
-            kind="chirp", amplitude=5.0, f_start=125, f_end=175, rate_oct_per_min=2, ramp_cycles=20, direction="x"
-        ),
+        excitation=wf.Chirp(amplitude=5.0, f_start=125, f_end=175, rate_oct_per_min=2, ramp_cycles=20, direction="x"),
         integrator=wf.Integrator(scheme="hht", alpha=-0.05, steps_per_cycle=40),
         solver=wf.Solver(method="reduced"),
         output=wf.Output(fields="slip_map", figures=True),
@@ -67,12 +65,12 @@ def test_a_wrong_section_is_named() -> None:
     with pytest.raises(InputError, match="excitation"):
         LAB.case("sweep")
     with pytest.raises(InputError, match=r"analysis sweep needs a chirp"):
-        LAB.case("sweep", excitation=wf.Dwell(kind="dwell", amplitude=1.0, frequency=150.0, cycles=5.0))
+        LAB.case("sweep", excitation=wf.Dwell(amplitude=1.0, frequency=150.0, cycles=5.0))
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
 def test_a_dwell_runs_and_shows_its_result(tmp_path: Path) -> None:
-    dwell = wf.Dwell(kind="dwell", amplitude=20.0, frequency=150.0, cycles=4.0, ramp_cycles=2.0)
+    dwell = wf.Dwell(amplitude=20.0, frequency=150.0, cycles=4.0, ramp_cycles=2.0)
     result = COARSE.run_dwell(dwell, solver=wf.Solver(method="condensed"), out=tmp_path / "dwell", progress=False)
     plain = wf.run(COARSE.case("dwell", excitation=dwell, solver={"method": "condensed"}), progress=False)
     assert result.summary["friction_energy_j"] == wf.summarise(plain)["friction_energy_j"] > 0.0

@@ -110,13 +110,13 @@ _WHERE = {
 }
 
 __all__ = [
-    "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell", "Geometry",
-    "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "Normal",
-    "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint",
-    "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel", "SmoothedCoulomb",
-    "SmoothedFriction", "Solver", "System", "Winding", "WrollError", "__version__", "batch_table", "case_of",
-    "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case", "load_grid", "load_result",
-    "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model", "summarise",
+    "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
+    "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal",
+    "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload",
+    "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel",
+    "SmoothedCoulomb", "SmoothedFriction", "Solver", "System", "Winding", "WrollError", "__version__", "batch_table",
+    "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case", "load_grid",
+    "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model", "summarise",
     "transmissibility", "two_dof", "write_report",
 ]  # fmt: skip
 

@@ -54,7 +54,7 @@ class Roll:
     ...     coil=wf.Coil(
     ...         model="layers", total_thickness=1.25e-3, material=wf.IsotropicMaterial(E=2.8e9, nu=0.35, rho=2000)
     ...     ),
-    ...     contact=wf.Contact(friction=wf.PenaltyFriction(law="penalty_coulomb", mu=0.25, elastic_slip=1e-6)),
+    ...     contact=wf.Contact(friction=wf.PenaltyFriction(mu=0.25, elastic_slip=1e-6)),
     ...     preload=wf.Preload(pressure=3e4),
     ...     mesh=wf.Mesh(circumferential=12, axial=4),
     ... )

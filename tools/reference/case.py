@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.analyses.registry import all_analyses
+from wroll_fem.case.base import TaggedSection
 from wroll_fem.case.case import case_sections
 from wroll_fem.case.descriptions import sections, unit_of
 
@@ -133,7 +134,7 @@ def default_of(model: type[BaseModel], name: str, field: FieldInfo) -> str:
     """Default of a key in words."""
     if (model.__name__, name) in _CONDITIONAL:
         return "required but for `model: none`"
-    if field.is_required():
+    if field.is_required() or (issubclass(model, TaggedSection) and name in TaggedSection.TAGS):
         return "required"
     value = field.get_default(call_default_factory=True, validated_data={})
     if isinstance(value, BaseModel):

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, SerializerFunctionWrapHandler, model_serializer
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetJsonSchemaHandler,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 
 class Section(BaseModel):
@@ -15,6 +23,24 @@ class Section(BaseModel):
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False,
         defer_build=True,  # the commands that read no case start faster
     )  # fmt: skip
+
+
+class TaggedSection(Section):
+    """A section of one of several kinds: its tag, `kind` or `law`, is always written; Python code may leave it out."""
+
+    TAGS: ClassVar[tuple[str, ...]] = ("kind", "law")
+
+    def model_post_init(self, context: Any) -> None:
+        """Count the tag among the keys that were given."""
+        self.model_fields_set.update(tag for tag in self.TAGS if tag in type(self).model_fields)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Ask for the tag in case files."""
+        schema = handler.resolve_ref_schema(handler(core))
+        tags = [tag for tag in cls.TAGS if tag in cls.model_fields]
+        schema["required"] = [*tags, *(key for key in schema.get("required", []) if key not in tags)]
+        return schema
 
 
 class SparseSection(Section):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, Switch, _number, validation_error
+from wroll_fem.case.base import Real, Section, Switch, TaggedSection, _number, validation_error
 from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
 from wroll_fem.contact.registry import LAWS
@@ -47,11 +47,12 @@ def _at_rest(given: dict[str, Any]) -> float:
     return math.nan if table is None else table.mu[0]
 
 
-class RateFriction(Section):
+class RateFriction(TaggedSection):
     """Coulomb friction whose coefficient depends on the slip rate."""
 
     law: Literal["rate_coulomb"] = Field(
-        description="rate_coulomb: as penalty_coulomb with a coefficient that follows the slip rate"
+        default="rate_coulomb",
+        description="rate_coulomb: as penalty_coulomb with a coefficient that follows the slip rate",
     )
     elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
     rate_table: RateTable = Field(description="coefficient of friction over slip rate")
@@ -71,11 +72,13 @@ class RateFriction(Section):
         return self
 
 
-class SmoothedFriction(Section):
+class SmoothedFriction(TaggedSection):
     """Coulomb friction smoothed over the slip rate; it holds nothing at rest."""
 
     law: Literal["smoothed_coulomb"] = Field(
-        description="smoothed_coulomb: mu p S(slip rate / reference_speed), S(x) = 2/(1 + exp(-x)) - 1; no elastic slip"
+        default="smoothed_coulomb",
+        description="smoothed_coulomb: mu p S(slip rate / reference_speed), S(x) = 2/(1 + exp(-x)) - 1; "
+        "no elastic slip",
     )
     mu: Real = Field(ge=0, description="coefficient of friction well above reference_speed, dimensionless")
     reference_speed: Real = Field(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, _number, validation_error
+from wroll_fem.case.base import Real, TaggedSection, _number, validation_error
 
 Direction = Annotated[
     Literal["x", "y"],
@@ -16,7 +16,7 @@ Direction = Annotated[
 ]
 
 
-class _BaseMotion(Section):
+class _BaseMotion(TaggedSection):
     amplitude: Real = Field(gt=0, description="amplitude of the base acceleration, m/s^2, 0-peak")
     direction: Direction = "x"
 
@@ -24,7 +24,7 @@ class _BaseMotion(Section):
 class ChirpExcitation(_BaseMotion):
     """Geometric (exponential) chirp of constant acceleration amplitude."""
 
-    kind: Literal["chirp"] = Field(description="chirp: geometric sine sweep upwards in frequency")
+    kind: Literal["chirp"] = Field(default="chirp", description="chirp: geometric sine sweep upwards in frequency")
     f_start: Real = Field(gt=0, description="first frequency, Hz")
     f_end: Real = Field(gt=0, description="last frequency, Hz")
     rate_oct_per_min: Real = Field(gt=0, description="sweep rate, octaves per minute")
@@ -48,7 +48,7 @@ class ChirpExcitation(_BaseMotion):
 class DwellExcitation(_BaseMotion):
     """Sine of constant frequency and amplitude."""
 
-    kind: Literal["dwell"] = Field(description="dwell: sine at one frequency")
+    kind: Literal["dwell"] = Field(default="dwell", description="dwell: sine at one frequency")
     frequency: Real = Field(gt=0, description="frequency, Hz")
     cycles: Real = Field(gt=0, description="length, cycles")
     ramp_cycles: Real = Field(default=5.0, ge=0, description="length of the smooth start, cycles")
@@ -68,10 +68,12 @@ class DwellExcitation(_BaseMotion):
         return self.frequency
 
 
-class SineExcitation(Section):
+class SineExcitation(TaggedSection):
     """Steady sine at several levels: what a linear model in its modes answers."""
 
-    kind: Literal["sine"] = Field(description="sine: steady, at one frequency and several levels (modal_transient)")
+    kind: Literal["sine"] = Field(
+        default="sine", description="sine: steady, at one frequency and several levels (modal_transient)"
+    )
     frequency: Literal["resonance"] | float = Field(
         description="frequency, Hz, or resonance: the natural frequency of the mode with the largest effective mass "
         "along the direction (the first bending mode of a cantilevered roll)"
