@@ -151,6 +151,7 @@ ELSEWHERE = {
     "jupyter lab": "a server; tests/pages/test_notebooks.py runs the notebooks",
     ".venv/bin/jupytext --sync": "tests/pages/test_notebooks.py compares the pairs",
     ".venv/bin/python -m pytest": "runs tests of this suite",
+    ".venv/bin/python tools/notebook_pages.py": "executes the notebooks, as tests/pages/test_notebooks.py does",
 }
 """Commands that cannot run inside a test, by their beginning, and who runs them."""
 
@@ -354,7 +355,9 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", sorted({line for page in PAGES for line in commands(page) if tool(line)}))
+@pytest.mark.parametrize(
+    "command", sorted({line for page in PAGES for line in commands(page) if tool(line) and not elsewhere(line)})
+)
 def test_the_tools_that_make_tables_and_figures_run(command: str, tmp_path: Path) -> None:
     scratch(tmp_path)
     run(command, tmp_path)
