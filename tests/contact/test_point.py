@@ -9,7 +9,6 @@ from wroll_fem.contact import point
 from wroll_fem.contact.laws import PenaltyCoulomb, stack_laws
 
 LAWS = stack_laws([np.ones(3)], [PenaltyCoulomb(0.3, 2.0e-6)], [np.array([1.0e12, 2.0e12, 3.0e12])], [True])
-GLUED = stack_laws([np.ones(1)], [PenaltyCoulomb(0.3, 2.0e-6)], [1.0e12], [False])
 STEP, STATIC = 1.0e-4, np.inf
 
 
@@ -42,17 +41,17 @@ def test_stick_stiffness_of_every_point_is_that_of_each() -> None:
 @pytest.mark.parametrize("gn_c", [-1.0e-7, 1.0e-7])
 def test_the_release_traction_belongs_to_a_time_step_that_opens_the_point(gn: float, gn_c: float) -> None:
     """Statics, harmonic balance (the penalty alone) and all other steps have the penalty's traction."""
-    penalty = point.penalty_traction(0, gn, LAWS)
+    penalty = point.penalty_traction(gn, 1.0e12, True)
     assert penalty == (1.0e12 * gn if gn <= 0.0 else 0.0)
-    assert point.step_traction(0, gn, gn_c, LAWS, STATIC) == penalty
+    assert point.step_traction(gn, gn_c, 1.0e12, True, STATIC) == penalty
     released = gn > 0.0 > gn_c
-    assert point.opens_in_step(0, gn, gn_c, LAWS, STEP) == released
-    assert (point.step_traction(0, gn, gn_c, LAWS, STEP) != penalty) == released
-    assert point.step_traction(0, gn, gn_c, GLUED, STEP) == 1.0e12 * gn
+    assert point.opens_in_step(gn, gn_c, True, STEP) == released
+    assert (point.step_traction(gn, gn_c, 1.0e12, True, STEP) != penalty) == released
+    assert point.step_traction(gn, gn_c, 1.0e12, False, STEP) == 1.0e12 * gn
     if gn != 0.0:  # its slope, by differences
         h = 1.0e-4 * abs(gn)
-        ends = [point.step_traction(0, gn + sign * h, gn_c, LAWS, STEP) for sign in (1, -1)]
-        slope = point.step_stiffness(0, gn, gn_c, LAWS, STEP)
+        ends = [point.step_traction(gn + sign * h, gn_c, 1.0e12, True, STEP) for sign in (1, -1)]
+        slope = point.step_stiffness(gn, gn_c, 1.0e12, True, STEP)
         assert (ends[0] - ends[1]) / (2.0 * h) == pytest.approx(slope, rel=1e-7, abs=1e-3)
 
 

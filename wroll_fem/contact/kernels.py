@@ -94,10 +94,11 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     for k in range(n):
         h, z, r = hoop(k), axial(k), normal(k, n)
         gn = g[r]
-        tn = step_traction(k, gn, g_c[r], laws, dt)
+        separates = laws.separation[k]
+        tn = step_traction(gn, g_c[r], laws.kn[k], separates, dt)
         dh, dz = g[h] - g_c[h], g[z] - g_c[z]
         eh, ez, sliding = slip_update(k, e_c[h] + dh, e_c[z] + dz, dh, dz, laws, dt)
-        status[k] = (SLIP if sliding else STICK) if is_closed(k, gn, laws) else OPEN
+        status[k] = (SLIP if sliding else STICK) if is_closed(gn, separates) else OPEN
         kt = stick_stiffness(k, pressure(tn), laws)
         t[h] = kt * eh
         t[z] = kt * ez
@@ -118,9 +119,10 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
         for i in range(3):
             for j in range(3):
                 d[k, i, j] = 0.0
-        d[k, NORMAL, NORMAL] = step_stiffness(k, gn, g_c[r], laws, dt)
-        p = -laws.kn[k] * gn
-        if not is_closed(k, gn, laws) or p < 0.0:
+        kn, separates = laws.kn[k], laws.separation[k]
+        d[k, NORMAL, NORMAL] = step_stiffness(gn, g_c[r], kn, separates, dt)
+        p = -kn * gn
+        if not is_closed(gn, separates) or p < 0.0:
             continue
         dh, dz = g[h] - g_c[h], g[z] - g_c[z]
         trial_h, trial_z = e_c[h] + dh, e_c[z] + dz
@@ -131,7 +133,7 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
         d[k, HOOP, AXIAL] = kt * (a01 + b01)
         d[k, AXIAL, HOOP] = kt * (a10 + b10)
         d[k, AXIAL, AXIAL] = kt * (a11 + b11)
-        limit_slope = stick_stiffness(k, -laws.kn[k], laws)
+        limit_slope = stick_stiffness(k, -kn, laws)
         d[k, HOOP, NORMAL] = limit_slope * eh
         d[k, AXIAL, NORMAL] = limit_slope * ez
 
@@ -159,10 +161,10 @@ def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
     n = kn.shape[0]
     for k in range(n):
         h, z, r = hoop(k), axial(k), normal(k, n)
-        w = area[k]
+        w, separates = area[k], laws.separation[k]
         stored_normal = 0.0
         if kn[k] > 0.0:
-            stored_normal = 0.5 * (squared_penalty(k, t[r], laws) - squared_penalty(k, t_c[r], laws)) / kn[k]
+            stored_normal = 0.5 * (squared_penalty(t[r], separates) - squared_penalty(t_c[r], separates)) / kn[k]
         plastic, elastic, stored = tangential_work(
             k, pressure(t_c[r]), pressure(t[r]), (t_c[h], t_c[z]), (t[h], t[z]), (g[h] - g_c[h], g[z] - g_c[z]),
             (e_c[h], e_c[z]), (e[h], e[z]), laws,

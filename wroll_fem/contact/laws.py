@@ -13,6 +13,7 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Callable, Sequence
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numba
@@ -142,36 +143,45 @@ def _padded(rows: Sequence[Sequence[Sequence[float]]]) -> FloatArray:
 # ---- compiled functions ----------------------------------------------------------------------------------------------
 
 
+_INLINED: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+
+def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Function of a law's file, compiled such that numba inlines it and every Python function that it calls.
+
+    An overload (`register_jitable`) with inlining would do, but its array arguments keep their reference counts: the
+    loops over the points take twenty times as long.
+    """
+    if function not in _INLINED:
+        names = dict(function.__globals__)
+        for name in function.__code__.co_names:
+            if inspect.isfunction(names.get(name)):
+                names[name] = _inlined(names[name])
+        _INLINED[function] = numba.njit(inline="always")(FunctionType(function.__code__, names, function.__name__))
+    return _INLINED[function]
+
+
 def _compiled(name: str) -> list[Callable[..., Any]]:
     """Function ``name`` of every registered law, in the order of the registry, compiled."""
-    found: list[Callable[..., Any]] = []
-    for law in LAWS:
-        module = sys.modules[law.__module__]
-        for _, function in inspect.getmembers(module, inspect.isfunction):
-            if function.__module__ == module.__name__ and function not in _HELPERS:
-                _HELPERS.add(register_jitable(inline="always")(function))
-        found.append(numba.njit(inline="always")(getattr(module, name)))
-    return found
+    return [_inlined(getattr(sys.modules[law.__module__], name)) for law in LAWS]
 
 
-_HELPERS: set[Callable[..., Any]] = set()
-"""Functions of the laws' files that compiled code may call."""
+for _scalar in (regularised_sign, regularised_sign_slope):
+    register_jitable(_scalar)  # so that compiled code elsewhere may call them
 
 
-def _by_kind(functions: Sequence[Callable[..., Any]], first: int = 0) -> Callable[..., Any]:
+def _by_kind(functions: Sequence[Callable[..., Any]], number: int = 0) -> Callable[..., Any]:
     """One function that calls the law of the point: a chain of comparisons of `PointLaws.kind`."""
-    function = functions[0]
     if len(functions) == 1:
-        return function
-    others = _by_kind(functions[1:], first + 1)
+        return functions[0]
+    names = {"NUMBER": number, "LAW": functions[0], "OTHERS": _by_kind(functions[1:], number + 1)}
+    return numba.njit(inline="always")(FunctionType(_choose.__code__, names, "choose"))
 
-    @numba.njit(inline="always")
-    def dispatch(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
-        if laws.kind[k] == first:
-            return function(k, trial_h, trial_z, dg_h, dg_z, laws, dt)
-        return others(k, trial_h, trial_z, dg_h, dg_z, laws, dt)
 
-    return dispatch
+def _choose(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
+    if laws.kind[k] == NUMBER:  # type: ignore[name-defined]  # noqa: F821
+        return LAW(k, trial_h, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    return OTHERS(k, trial_h, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
 
 
 slip_update = _by_kind(_compiled("slip_update"))

@@ -79,45 +79,46 @@ def per_dof(tangential: FloatArray, normal: FloatArray) -> FloatArray:
     return np.concatenate([np.repeat(tangential, 2), normal])
 
 
-# ---- normal law ------------------------------------------------------------------------------------------------------
+# ---- normal law ---------------------------------------------------------------------------------------------------
+# These functions take the numbers of one point: `PointLaws` in a function that branches costs its reference counts.
 
 
 @numba.njit(cache=True, inline="always")
-def is_closed(k, gn, laws):
-    """Whether point ``k`` is in contact at the normal gap ``gn`` (m)."""
-    return gn <= 0.0 or not laws.separation[k]
+def is_closed(gn, separates):
+    """Whether a point is in contact at the normal gap ``gn`` (m); one that never ``separates`` always is."""
+    return gn <= 0.0 or not separates
 
 
 @numba.njit(cache=True, inline="always")
-def penalty_traction(k, gn, laws):
+def penalty_traction(gn, kn, separates):
     """Normal traction (Pa, negative in compression) of the penalty at the gap ``gn`` (m)."""
-    return laws.kn[k] * gn if is_closed(k, gn, laws) else 0.0
+    return kn * gn if is_closed(gn, separates) else 0.0
 
 
 @numba.njit(cache=True, inline="always")
-def opens_in_step(k, gn, gn_c, laws, dt):
-    """Whether point ``k`` opens within a time step, from the committed gap ``gn_c`` < 0 to ``gn`` > 0 (m)."""
-    return not is_closed(k, gn, laws) and gn_c < 0.0 and dt < np.inf
+def opens_in_step(gn, gn_c, separates, dt):
+    """Whether a point opens within a time step, from the committed gap ``gn_c`` < 0 to ``gn`` > 0 (m)."""
+    return not is_closed(gn, separates) and gn_c < 0.0 and dt < np.inf
 
 
 @numba.njit(cache=True, inline="always")
-def step_traction(k, gn, gn_c, laws, dt):
+def step_traction(gn, gn_c, kn, separates, dt):
     """Normal traction (Pa) at the end of a step ``dt`` (s) from the committed gap ``gn_c`` to ``gn`` (m).
 
     The penalty's, but in a time step that opens the point: the release traction keeps the energy of the step.
     """
-    if opens_in_step(k, gn, gn_c, laws, dt):
-        return laws.kn[k] * gn_c * gn / (gn_c - gn)
-    return penalty_traction(k, gn, laws)
+    if opens_in_step(gn, gn_c, separates, dt):
+        return kn * gn_c * gn / (gn_c - gn)
+    return penalty_traction(gn, kn, separates)
 
 
 @numba.njit(cache=True, inline="always")
-def step_stiffness(k, gn, gn_c, laws, dt):
+def step_stiffness(gn, gn_c, kn, separates, dt):
     """Derivative of `step_traction` by ``gn``, Pa/m."""
-    if is_closed(k, gn, laws):
-        return laws.kn[k]
-    if opens_in_step(k, gn, gn_c, laws, dt):
-        return laws.kn[k] * (gn_c / (gn_c - gn)) ** 2
+    if is_closed(gn, separates):
+        return kn
+    if opens_in_step(gn, gn_c, separates, dt):
+        return kn * (gn_c / (gn_c - gn)) ** 2
     return 0.0
 
 
@@ -128,9 +129,9 @@ def pressure(tn):
 
 
 @numba.njit(cache=True, inline="always")
-def squared_penalty(k, tn, laws):
+def squared_penalty(tn, separates):
     """Square of a normal traction that the penalty stores: a release traction is not stored."""
-    return 0.0 if laws.separation[k] and tn > 0.0 else tn * tn
+    return 0.0 if separates and tn > 0.0 else tn * tn
 
 
 # ---- friction --------------------------------------------------------------------------------------------------------

@@ -151,13 +151,14 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
     for k in range(n):
         r = normal(k, n)
         stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        kn, separates = laws.kn[k], laws.separation[k]
         p_0 = -t_0[r]
         largest = 0.0
         for j in range(count):
             gn = g_0[r] + motion[r, j]
-            tn = penalty_traction(k, gn, laws)
+            tn = penalty_traction(gn, kn, separates)
             p = pressure(tn)
-            is_open[k, j] = not is_closed(k, gn, laws)
+            is_open[k, j] = not is_closed(gn, separates)
             for c in range(2):
                 i = contact_dof(k, c, n)
                 s[i, j] = point.correction(stick * p * slip[i, j], t_0[i], springs[i], motion[i, j])
@@ -191,6 +192,7 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
         k = points[index]
         h, z, normal_dof = hoop(k), axial(k), normal(k, n)
         stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        kn, separates = laws.kn[k], laws.separation[k]
         eh, ez = e_0[h], e_0[z]
         before_h = before_z = 0.0
         de[:] = 0.0
@@ -242,8 +244,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
             before_h, before_z = now_h, now_z
             if last:
                 gn = g_0[normal_dof] + motion[normal_dof, j]
-                stiffness = laws.kn[k] if is_closed(k, gn, laws) else 0.0
-                pressed = pressure(penalty_traction(k, gn, laws)) > 0.0
+                stiffness = kn if is_closed(gn, separates) else 0.0
+                pressed = pressure(penalty_traction(gn, kn, separates)) > 0.0
                 slope = stick * -stiffness if pressed else 0.0  # of the stick stiffness with the gap
                 kt = slope * gn
                 for r in range(2 * size):
@@ -287,13 +289,14 @@ def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
     for k in range(n):
         h, z, r = hoop(k), axial(k), normal(k, n)
         stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        kn, separates = laws.kn[k], laws.separation[k]
         keeps = 1.0 if laws.stores_slip[k] else 0.0  # without memory all slip is lost
         friction[k] = modulation[k] = path[k] = 0.0
         peak[k, :] = 0.0
         for j in range(count):
             b = (j - 1) % count
-            p = pressure(penalty_traction(k, g_0[r] + motion[r, j], laws))
-            p_b = pressure(penalty_traction(k, g_0[r] + motion[r, b], laws))
+            p = pressure(penalty_traction(g_0[r] + motion[r, j], kn, separates))
+            p_b = pressure(penalty_traction(g_0[r] + motion[r, b], kn, separates))
             dh, dz = motion[h, j] - motion[h, b], motion[z, j] - motion[z, b]
             eh, ez, eh_b, ez_b = keeps * slip[h, j], keeps * slip[z, j], keeps * slip[h, b], keeps * slip[z, b]
             plastic, _, _ = tangential_work(
