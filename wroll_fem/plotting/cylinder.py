@@ -164,7 +164,7 @@ def plot_slip_on_cylinder(
     if quantity == "cumulative_slip":
         slipped = raster(points, "slipped", radius=radius)[2]
     largest = float(np.nanmax(np.where(slipped >= 0.5, shown, 0.0), initial=0.0)) or 1.0
-    colours = colormaps["viridis"](_cell_means(shown) / largest)[..., :3]
+    colours = colormaps[style.SLIP_MAP](_cell_means(shown) / largest)[..., :3]
     colours[~(_cell_means(slipped) >= 0.5)] = GREY
     direction = dataset.attrs.get("excitation_direction", "x")
     faces, across = ("90°", "0°") if direction == "y" else ("0°", "90°")
@@ -178,7 +178,7 @@ def plot_slip_on_cylinder(
     for ax, (heading, azimuth) in zip(panels, views.items(), strict=True):
         draw_tube(ax, colours, z, radius, np.radians(azimuth), ELEVATION)
         ax.set_title(heading, fontsize=9)
-    scale = ScalarMappable(Normalize(0.0, largest), "viridis")
+    scale = ScalarMappable(Normalize(0.0, largest), style.SLIP_MAP)
     bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.6, aspect=35, pad=0.02)
     grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
     bar.set_label(label(quantity, unit) + grey)

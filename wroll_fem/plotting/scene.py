@@ -59,7 +59,7 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
         mesh = pv.UnstructuredGrid({kind: cells}, points)
         mesh["slip"] = slip
         # no scalar bar: the number format of VTK's ends the process that also holds dolfinx (two C++ string layouts)
-        scene.add_mesh(mesh, scalars="slip", cmap="viridis", show_scalar_bar=False, ambient=0.4)
+        scene.add_mesh(mesh, scalars="slip", cmap=style.SLIP_MAP, show_scalar_bar=False, ambient=0.4)
         text = f"Accumulated slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
     scene.add_text(text, font_size=10, color="black")
     scene.camera_position = "xz"

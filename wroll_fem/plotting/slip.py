@@ -95,7 +95,7 @@ def plot_slip_map(
             ax.patch.set(hatch="////", edgecolor="#B5B5B5")
         top = float(np.nanmax(shown)) or 1.0
         picture = ax.pcolormesh(
-            degrees, z_mm, shown, cmap="viridis", vmin=0.0, vmax=top, shading="nearest", rasterized=True
+            degrees, z_mm, shown, cmap=style.SLIP_MAP, vmin=0.0, vmax=top, shading="nearest", rasterized=True
         )
         if fraction > 0.0 and np.nanmin(slipped) < 0.5:
             ax.contour(degrees, z_mm, slipped, levels=[0.5], colors="black", linewidths=1.1)
@@ -207,7 +207,7 @@ def plot_peak_slip_vectors(
     pad = 0.15 * float(np.ptp(z_mm))
     ax.set_ylim(z_mm.min() - pad, z_mm.max() + pad)
     arrows = ax.quiver(
-        x, z_mm[drawn], hoop[drawn], axial[drawn], size[drawn], cmap=colormaps["viridis_r"], clim=(0.0, top),
+        x, z_mm[drawn], hoop[drawn], axial[drawn], size[drawn], cmap=colormaps[style.SLIP_ARROWS], clim=(0.0, top),
         angles="uv", scale_units="inches", scale=top / 0.42, width=0.0026, headwidth=3.5, minlength=0.4,
     )  # fmt: skip
     nice = float(f"{0.7 * top:.1g}")

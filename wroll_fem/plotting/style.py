@@ -29,6 +29,8 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#56B4E9",
     "#7F7F7F",
 )
+SLIP_MAP, SLIP_ARROWS = "viridis", "viridis_r"
+"""Colour maps of slip: of areas, and of arrows on white."""
 LINES = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, "#000000")
 
 
