@@ -17,6 +17,7 @@ from support.paths import ROOT
 
 from tools.reference import PAGES
 from tools.reference.analyses import with_table
+from tools.reference.files import with_list
 from tools.reference.case import type_name
 from wroll_fem.analyses.registry import find_analysis
 from wroll_fem.case import ANALYSES, build_case, load_case
@@ -37,6 +38,11 @@ def test_the_reference_pages_are_those_of_the_code(name: str) -> None:
 def test_the_table_of_analyses_is_that_of_the_registry() -> None:
     page = (DOCS / "api.md").read_text(encoding="utf-8")
     assert page == with_table(page), "docs/api.md is behind the code: make schema, and commit it"
+
+
+def test_the_list_of_files_is_that_of_the_package() -> None:
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    assert page == with_list(page), "docs/architecture.md is behind the code: make schema, and commit it"
 
 
 def models(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, type[BaseModel]]]:

@@ -1,4 +1,4 @@
-"""The registry of analyses: one line for each, from which every other table of analyses is derived.
+"""Registry of analyses: the record that describes one, and a line for each, from which every other table derives.
 
 An analysis is a module that holds `ANALYSIS`, an `Analysis` object. It is imported when it is asked for, so that this
 module stays cheap to import.

@@ -1,4 +1,4 @@
-"""Compatibility layer: all differences between the supported dolfinx versions (0.5, 0.9 and later).
+"""All calls that differ between dolfinx versions (0.5, 0.9 and later): spaces, forms, assembly into SciPy matrices.
 
 No other module may depend on the version of dolfinx, UFL or basix.
 """

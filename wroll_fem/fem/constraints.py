@@ -1,4 +1,4 @@
-"""Linear constraints of a shell, imposed by elimination: clamped nodes, a rigid tip, a symmetry plane.
+"""Constraints of a shell by elimination (clamped nodes, rigid tip, symmetry plane), and its rigid-body motions.
 
 One sparse map from the remaining unknowns y to the nodal values contains all constraints,
 

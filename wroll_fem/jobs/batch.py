@@ -1,4 +1,4 @@
-"""Batch: run the cases of a grid that are not yet done, each in its own process, and write one table of all."""
+"""Batch: run the unfinished cases of a grid in own processes, write one table, draw the figures of the study."""
 
 from __future__ import annotations
 

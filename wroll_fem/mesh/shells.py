@@ -1,4 +1,4 @@
-"""Shell mesh of a roll: concentric shells of order-2 quads, numbering of contact points, mirrored nodes."""
+"""Mesh of a roll: concentric shells of order-2 quads, one shell of it, numbering of contact points, mirrored nodes."""
 
 from __future__ import annotations
 

@@ -150,7 +150,8 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) ->
         keep = np.unique(np.append(keep, np.argmax(size)))
         arrows = ax.quiver(
             x[keep], y[keep], factor * hoop[k][keep], factor * axial[k][keep], factor * size[keep],
-            cmap=style.SLIP_ARROWS, norm=Normalize(0.0, top), angles="uv", scale_units="inches", scale=top / 0.35, width=0.005, minlength=0.3,
+            cmap=style.SLIP_ARROWS, norm=Normalize(0.0, top), angles="uv", scale_units="inches", scale=top / 0.35,
+            width=0.005, minlength=0.3,
         )  # fmt: skip
         _unrolled(ax, left=k % columns == 0, bottom=k + columns >= count)
         ax.set_xlim(-195.0, 195.0)

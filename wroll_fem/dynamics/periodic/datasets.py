@@ -1,4 +1,4 @@
-"""Response curves and resonances as Datasets: work per cycle, slip, opening, periodicity error."""
+"""Response curves and resonances as Datasets: work per cycle and its balance error, slip, opening, periodicity."""
 
 from __future__ import annotations
 
