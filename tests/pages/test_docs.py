@@ -17,8 +17,8 @@ from support.paths import ROOT
 
 from tools.reference import PAGES
 from tools.reference.analyses import with_table
-from tools.reference.files import with_list
 from tools.reference.case import type_name
+from tools.reference.files import with_list
 from wroll_fem.analyses.registry import find_analysis
 from wroll_fem.case import ANALYSES, build_case, load_case
 from wroll_fem.case.case import case_kinds
