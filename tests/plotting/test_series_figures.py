@@ -141,7 +141,7 @@ def test_integrators_are_compared_by_their_peaks(runs: dict[float, xr.Dataset], 
     peaks = [read(m).peak for m in members]
     said = sentence(draw("integrators", members, tmp_path))
     assert f"lie within {100 * (max(peaks[:2]) / min(peaks[:2]) - 1):.1f} %" in said
-    assert f"leaves {100 * peaks[2] / max(peaks[:2]):.0f} % of the highest" in said
+    assert f"reaches {100 * peaks[2] / max(peaks[:2]):.0f} % of the highest" in said
 
 
 def test_friction_laws_are_compared_at_equal_preload(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:
@@ -188,7 +188,7 @@ def test_friction_over_preload_says_the_direction_that_the_data_have(
 ) -> None:
     work = {p: friction_work(SeriesMember("", {}, data)) for p, data in runs.items()}
     order = sorted(runs, key=work.__getitem__)
-    for values, word in ((order, "rises"), (order[::-1], "falls"), ([*order[1:], order[0]], "not always one way")):
+    for values, word in ((order, "rises"), (order[::-1], "falls"), ([*order[1:], order[0]], "changes both ways")):
         members = [
             SeriesMember("", {"preload.pressure": p}, runs[source]) for p, source in zip(PRESSURES, values, strict=True)
         ]

@@ -36,7 +36,7 @@ def test_bending_is_the_pair_with_most_mass_wherever_it_stands():
     assert bending_mode(member(97.0)) == (97.0, 1)
     assert main_bending(["torsion"], np.zeros((1, 3))) is None
     torsion = SeriesMember("loose", {}, low.data.isel(mode=[0]))
-    with pytest.raises(InputError, match="loose has no bending mode among its modes; raise it"):
+    with pytest.raises(InputError, match="the modes of loose include no bending mode; increase it"):
         bending_mode(torsion)
 
 
@@ -55,10 +55,10 @@ def test_curve_over_shear_stiffness_is_drawn_over_mass_alone():
     ax = FIGURES["shear_stiffness"]([*grid, member(50.0, reference=True)])
     np.testing.assert_allclose(ax.lines[0].get_ydata(), [1.44, 1.60, 1.94])
     np.testing.assert_allclose(ax.lines[0].get_xdata(), [1e4, 1e8, 1e9])
-    hollow = next(line for line in ax.lines if line.get_label() == "other modes lie lower")
+    hollow = next(line for line in ax.lines if line.get_label() == "other modes are lower")
     np.testing.assert_allclose(hollow.get_xdata(), [1e4])
     assert "1.44 and 1.94 times mass alone" in ax.get_title(loc="left").replace("\n", " ")
-    with pytest.raises(InputError, match="one finished case makes no curve"):
+    with pytest.raises(InputError, match="a curve needs at least two finished cases"):
         FIGURES["shear_stiffness"]([grid[0], member(50.0, reference=True)])
     style.plt.close(ax.figure)
     with pytest.raises(InputError, match="compares with the coil as mass without stiffness"):
@@ -78,5 +78,5 @@ def test_band_states_where_the_roll_reaches_the_frequency_of_the_mandrel():
     labels = [line.get_label() for line in ax.lines]
     assert "$E$ = 2.5 GPa" in labels
     assert "mandrel alone, 153.0 Hz" in labels
-    assert "other modes lie lower" not in labels
+    assert "other modes are lower" not in labels
     style.plt.close(ax.figure)

@@ -1,1 +1,1 @@
-"""Numerical methods that know nothing of rolls: linear solvers, continuation, numba's cache."""
+"""General numerical methods: sparse solvers, GMRES, Newton's method, arc-length continuation, numba's cache."""

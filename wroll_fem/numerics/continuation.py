@@ -1,7 +1,7 @@
-"""Curves of solutions by arc length: predictor along the tangent, Newton corrector, adaptive steps, folds.
+"""Arc-length continuation past folds: tangent predictor, Newton corrector, adaptive steps.
 
-The problem is F(z) = 0 with n equations for n + 1 unknowns z = (y, p); the curve parameter p is the last. Unknowns
-are scaled by the problem such that unit steps of y and of p matter alike.
+The problem is F(z) = 0 with n equations for n + 1 unknowns z = (y, p); the curve parameter p is the last. The
+problem scales its unknowns so that unit steps of y and of p are of equal importance.
 
 References
 ----------
@@ -23,33 +23,33 @@ from wroll_fem.typing import FloatArray
 
 
 class CurveProblem(Protocol):
-    """F(z) = 0; z (n + 1,), the parameter last."""
+    """Equations F(z) = 0 for z (n + 1,); the last entry of z is the curve parameter."""
 
     def residual(self, z: FloatArray) -> FloatArray:
-        """F (n,)."""
+        """Residual F (n,)."""
         ...
 
     def jacobian(self, z: FloatArray) -> FloatArray:
-        """dF/dz (n, n + 1)."""
+        """Jacobian dF/dz (n, n + 1)."""
         ...
 
     def describe(self, z: FloatArray) -> str:
-        """Place on the curve, for messages."""
+        """Position on the curve as text, for messages."""
         ...
 
 
 @dataclass(frozen=True)
 class StepControl:
-    """Controls of the continuation; lengths in the scaled unknowns.
+    """Step control of the continuation; lengths are in the scaled unknowns.
 
     Attributes
     ----------
-    first, smallest, largest : step along the arc
-    angle : turn of the tangent per step that is aimed at, rad
-    blunt : steps no longer than this are kept whatever the turn (the onset of slip is a kink)
+    first, smallest, largest : step lengths along the arc
+    angle : target rotation of the tangent per step, rad
+    blunt : steps up to this length are accepted whatever the rotation (the onset of slip is a kink)
     tolerance : largest Newton correction at convergence
-    max_iterations : corrector iterations before a step is cut
-    max_points : points of a curve before it is given up
+    max_iterations : corrector iterations after which a step is shortened
+    max_points : points of a curve after which the continuation stops with an error
     """
 
     first: float = 0.05
@@ -64,10 +64,10 @@ class StepControl:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One solution: z (n + 1,), unit tangent (n + 1,), Newton iterations, and regularity of the Jacobian.
+    """Solution z (n + 1,) with unit tangent (n + 1,), number of Newton iterations and regularity of the Jacobian.
 
-    ``regular`` is False behind a bifurcation that the curve went straight through (the sign of the bordered
-    determinant has changed); the tangent's last entry is negative between two folds.
+    ``regular`` is False beyond a bifurcation that the curve has crossed (the bordered determinant has changed its
+    sign). The last entry of the tangent is negative between two folds.
     """
 
     z: FloatArray
@@ -77,13 +77,13 @@ class CurvePoint:
 
 
 LEAPS = (0.5, 1.0, 2.0, 4.0)
-"""Steps over `StepControl.first` that are tried when small ones have failed."""
+"""Step lengths, relative to `StepControl.first`, that are tried after small steps have failed."""
 LEAST_STEP = 0.05
-"""Newton steps are not cut below this; a step taken in vain is."""
+"""Damping factor at or below which a Newton step is taken even if it does not reduce the residual."""
 
 
 class _Bordered:
-    """LU factors of the Jacobian with one more row."""
+    """LU factors of the Jacobian bordered by one row."""
 
     def __init__(self, jacobian: FloatArray, row: FloatArray):
         self.factor = la.lu_factor(np.vstack([jacobian, row]), overwrite_a=True, check_finite=False)
@@ -107,11 +107,24 @@ def correct(
     *,
     kept: _Bordered | None = None,
 ) -> tuple[FloatArray | None, list[float]]:
-    """Newton's method for F(z) = 0 and row . (z - start) = 0; chord steps while they contract.
+    """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method; the factors are kept while they converge fast.
+
+    Parameters
+    ----------
+    problem
+        Equations.
+    z
+        (n + 1,) initial guess, the start.
+    row
+        (n + 1,) normal of the plane in which the solution is sought.
+    control
+        Tolerance and largest number of iterations.
+    kept
+        Factors of an earlier point to begin with.
 
     Returns
     -------
-    (n + 1,) solution, or None when it does not converge, and the sizes of the corrections
+    (n + 1,) solution, or None without convergence, and the norms of the corrections
     """
     history: list[float] = []
     factor, fresh = kept, False
@@ -145,12 +158,12 @@ def correct(
 
 
 def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> FloatArray:
-    """Solution at the parameter of ``z`` (n + 1,), starting there, by damped Newton steps.
+    """Solve F(z) = 0 at the parameter value of the initial guess ``z`` (n + 1,) by damped Newton steps.
 
     Raises
     ------
     ConvergenceError
-        With the residual history.
+        If the iteration does not converge; the error holds the residual history.
     """
     row = np.zeros(len(z))
     row[-1] = 1.0
@@ -169,13 +182,26 @@ def follow(
     *,
     on_point: Callable[[list[CurvePoint]], None] | None = None,
 ) -> list[CurvePoint]:
-    """Curve from ``start`` (n + 1,), a solution, until its parameter reaches ``end``.
+    """Follow a curve from one of its points until the curve parameter reaches a given value.
+
+    Parameters
+    ----------
+    problem
+        Equations.
+    start
+        (n + 1,) solution at which the curve starts.
+    end
+        Value of the curve parameter at the end.
+    control
+        Step control.
+    on_point
+        Called before each step with the points so far.
 
     Raises
     ------
     ConvergenceError
-        When the steps become too small, the curve returns to its start, or has too many points; ``partial`` holds
-        the points so far (list of CurvePoint).
+        If the steps become too small, the curve turns back past its start, or it has too many points; ``partial``
+        holds the points so far (list of CurvePoint).
     """
     direction = 1.0 if end >= start[-1] else -1.0
     lowest = start[-1]
@@ -207,10 +233,10 @@ def follow(
                 growth = min(control.angle / max(turn, 1e-6), np.sqrt(6.0 / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
                 if direction * (solution[-1] - lowest) < 0.0:
-                    what = "the curve runs back out of its start"
+                    what = "the curve turns back past its start"
                     raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 if len(points) > control.max_points:
-                    what = "the curve does not end; a resonance without a bound"
+                    what = "the curve does not end; the resonance may be unbounded"
                     raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 continue
             tangent, factor, _ = _tangent(problem, last.z, last.tangent)
@@ -225,7 +251,7 @@ def follow(
 
 
 def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:
-    """Unit tangent (n + 1,) with before . tangent > 0, the factors it came from, and the sign of their determinant."""
+    """Unit tangent (n + 1,) with before . tangent > 0, the bordered factors, and the sign of their determinant."""
     factor = _Bordered(problem.jacobian(z), before)
     rhs = np.zeros(len(z))
     rhs[-1] = 1.0
@@ -239,7 +265,7 @@ def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
         time_s=None,
         iterations=len(history),
         residual_history=history,
-        advice="use more samples per period or harmonics, a lower amplitude or a higher preload",
+        advice="use more samples per period, more harmonics, a lower amplitude or a higher preload",
     )
 
 

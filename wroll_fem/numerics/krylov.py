@@ -1,4 +1,4 @@
-"""GMRES of scipy for linear maps of arrays of any shape."""
+"""GMRES for linear maps between arrays of any shape, by scipy."""
 
 from __future__ import annotations
 
@@ -13,18 +13,23 @@ _RELATIVE = "rtol" if "rtol" in signature(spla.gcrotmk).parameters else "tol"  #
 
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:
-    """Solution z of ``apply(z) = b`` by GMRES without restart.
+    """Solve ``apply(z) = b`` by GMRES without restart.
 
     Parameters
     ----------
     apply
-        Linear map of an array like ``b`` to another one.
+        Linear map from arrays of the shape of ``b`` to arrays of the same shape.
     b
-        Right side, of any shape.
+        Right-hand side, of any shape.
     tolerance
-        Norm of the residual, relative to that of ``b``, at which the iteration ends.
+        Norm of the residual, relative to the norm of ``b``, at which the iteration ends.
     iterations
-        Maximum number of iterations. The iterate reached then is returned, whatever its residual.
+        Largest number of iterations. The last iterate is returned whatever its residual.
+
+    Returns
+    -------
+    numpy.ndarray
+        Solution z, in the shape of ``b``.
     """
     # gcrotmk with nothing recycled is GMRES. It solves its small problem by least squares; spla.gmres does not, and its
     # residual may grow by orders of magnitude where the map is nearly singular (scipy 1.10).

@@ -1,4 +1,4 @@
-"""Sparse direct solves: SuperLU for small systems, MUMPS (through PETSc) for the rest."""
+"""Sparse direct solvers: SuperLU for small systems, MUMPS (through PETSc) for larger ones."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import scipy.sparse.linalg as spla
 from wroll_fem.typing import FloatArray
 
 SMALL = 1000
-"""Below this many DOFs SuperLU is as fast as MUMPS and needs no PETSc."""
+"""Largest number of unknowns solved by SuperLU, which is then as fast as MUMPS and does not need PETSc."""
 
 
 class Factorisation(Protocol):
-    """A factored matrix: `solve` takes (n,) or (n, k)."""
+    """Factored matrix."""
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solution (n,) or (n, k)."""
+        """Solution for right-hand sides ``rhs`` (n,) or (n, k), in the same shape."""
         ...
 
 
 class _Mumps:
-    """LU by MUMPS; PETSc keeps the factors, the wrapper only moves arrays."""
+    """LU factorisation by MUMPS; PETSc stores the factors."""
 
     def __init__(self, matrix: sp.csr_matrix):
         from petsc4py import PETSc
@@ -44,7 +44,7 @@ class _Mumps:
         self._ksp = ksp
 
     def __del__(self) -> None:
-        """Free the factors: petsc4py alone keeps them until the program ends, some 30 MB per step of a full roll."""
+        """Free the factors, which petsc4py would keep until the program ends (about 30 MB per step of a full roll)."""
         if hasattr(self, "_ksp") and not self._petsc.Sys.isFinalized():
             self._ksp.destroy()
             self._matrix.destroy()

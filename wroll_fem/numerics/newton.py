@@ -1,8 +1,8 @@
 """Damped Newton iteration with kept factors, and the renewal rates of all solvers.
 
-Renewal rate: a solver keeps its factored matrix from iteration to iteration, and renews it when an iteration has not
-reduced the residual to this share. The dearer the factor against an iteration, the larger the rate that pays. No
-converged result depends on it beyond the tolerance.
+A solver keeps its factored matrix and renews it after an iteration that leaves more than a fraction of the residual:
+the renewal rate. The more a factorisation costs relative to an iteration, the larger the best rate. The rate changes
+converged results only within the tolerance.
 """
 
 from __future__ import annotations
@@ -24,33 +24,33 @@ CHORD_RENEWAL = 0.25
 """Renewal rate of the corrector of a continuation (dense Jacobian of the harmonic balance)."""
 
 NO_RENEWAL = 0.0
-"""Renewal rate of a solver that keeps no factor: every iteration has a new one."""
+"""Renewal rate of a solver that factors a new matrix in every iteration."""
 
 
 class NewtonProblem(Protocol):
-    """Equations r(x) = 0; an evaluation may leave the trial state of x behind, the last one being the result's."""
+    """Equations r(x) = 0. An evaluation may store its trial state; the last evaluation is that at the result."""
 
     def residual(self, x: FloatArray) -> tuple[FloatArray, float]:
-        """Residual r and its size."""
+        """Residual r at ``x`` and a scalar measure of its size."""
         ...
 
     def linearise(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Function that solves J(x) step = r, right after an evaluation at ``x``."""
+        """Function that solves J(x) step = r; called directly after ``residual(x)``."""
         ...
 
     def converged(self, size: float, previous: float) -> bool:
-        """Whether a residual of ``size`` will do, ``previous`` being the size one iteration before."""
+        """Whether a residual of ``size`` is small enough; ``previous`` is the size one iteration earlier."""
         ...
 
 
 LineSearch = Callable[[Callable[[float], float], float], float]
-"""From size(damping) of the residual and its present size to the damping of a step."""
+"""Maps the function size(damping) of the residual and its present size to the damping factor of a step."""
 
 
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
 ) -> float:
-    """First of 1, 1/2, 1/4, ... that reduces the residual by ``least_gain`` times itself, else the best of them."""
+    """First d of 1, 1/2, 1/4, ... that reduces the residual by the fraction ``least_gain`` d, else the best d."""
     damping, best = 1.0, (float("inf"), 0.0)
     for _ in range(most):
         found = size_at(damping)
@@ -62,7 +62,7 @@ def best_of_halvings(
 
 
 def first_decrease(size_at: Callable[[float], float], size: float, *, least: float = 0.01) -> float:
-    """First of 1, 1/2, 1/4, ... above ``least`` that reduces the residual, else the next one untried."""
+    """First damping factor 1, 1/2, 1/4, ... above ``least`` that reduces the residual, else the next one, untried."""
     damping = 1.0
     while damping > least and not size_at(damping) < size:
         damping *= 0.5
@@ -72,24 +72,24 @@ def first_decrease(size_at: Callable[[float], float], size: float, *, least: flo
 def damped_newton(
     problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float
 ) -> tuple[FloatArray | None, list[float]]:
-    """Newton's method with kept factors; steps of a new factor are damped.
+    """Solve r(x) = 0 by Newton's method with kept factors; only steps with a new factor are damped.
 
     Parameters
     ----------
     problem
         Equations.
     x
-        (n,) start.
+        (n,) initial guess.
     max_iterations
-        Iterations before it gives up.
+        Largest number of iterations.
     search
-        Damping of the steps of a new factor.
+        Line search for the steps with a new factor.
     renewal
         Renewal rate of the factor.
 
     Returns
     -------
-    (n,) solution, or None when it does not converge, and the sizes of the residual
+    (n,) solution, or None without convergence, and the size of the residual in each iteration
     """
     r, size = problem.residual(x)
     history, previous = [size], float("inf")

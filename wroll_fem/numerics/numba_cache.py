@@ -1,4 +1,4 @@
-"""Cache of compiled loops on disk: stale entries are dropped."""
+"""Removal of stale entries from numba's cache on disk."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ CONTACT = Path(__file__).parents[1] / "contact"
 
 
 def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONTACT) -> list[Path]:
-    """Remove numba's cache indices of a module where they are older than code that it inlines.
+    """Remove cached functions of a module that are older than the code they inline.
 
-    numba compares the file of the function alone, so a change of the contact laws would otherwise have no effect.
-    Call it at the top of every module with compiled functions that call others', before they are defined:
-    ``drop_stale_cache(__file__)``.
+    numba checks only the file of the function itself, so a change of a contact law would otherwise have no effect.
+    Call ``drop_stale_cache(__file__)`` at the top of every module whose compiled functions call functions of other
+    modules, before they are defined.
 
     Parameters
     ----------
     module
         The module's ``__file__``.
     inlined
-        Files of further modules whose compiled functions it calls.
+        Files of other modules whose compiled functions the module calls.
     laws
         Folder of the contact laws; all its files count as inlined.
 
     Returns
     -------
     list of Path
-        The indices removed; numba compiles these functions again and writes new ones.
+        Cache indices that were removed; numba compiles their functions again.
     """
     module = Path(module)
     changed = max(path.stat().st_mtime for path in (*map(Path, inlined), *laws.glob("*.py")))

@@ -1,15 +1,15 @@
-"""Figures from Datasets only.
+"""Figures of the Datasets that analyses return.
 
-`wroll_fem.plot` (the module `names`) is the one set of public names. Every function of matplotlib takes a Dataset and
-an `ax` and returns the `ax`; nothing is shown or computed again. Pictures in space write a file (those of modes and
-coils by pyvista).
+`wroll_fem.plot` (the module `names`) holds the public functions. Functions based on matplotlib take a Dataset and an
+`ax` and return the `ax`; they neither open a window nor repeat a computation. Three-dimensional pictures are written
+to a file (mode shapes and coils by pyvista).
 """
 
 from __future__ import annotations
 
 
 def __getattr__(name: str) -> object:
-    """Old spelling: `plotting.plot_slip_map` for `wroll_fem.plot.slip_map`."""
+    """Resolve the old spelling `plotting.plot_slip_map` of `wroll_fem.plot.slip_map`."""
     if name.startswith("plot_") or name in ("save_figure", "write_slip_vtu"):
         from wroll_fem.plotting import names
 

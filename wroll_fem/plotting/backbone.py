@@ -1,4 +1,4 @@
-"""Figures of periodic motions: the response curve of harmonic balance, folds included, and the backbone."""
+"""Figures of periodic motions: the frequency response by harmonic balance, and the backbone."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from wroll_fem.signals.transmissibility import magnitude
 
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| over frequency along the branch; parts between folds are dashed.
+    """Plot |T| over frequency by harmonic balance; unstable parts between folds are dashed.
 
     Parameters
     ----------
     dataset
         Result of the analysis harmonic, with the damping estimate in its attributes.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        When the Dataset holds no response curve.
+        If the Dataset holds no response curve.
     """
     style.require(dataset, ("frequency", "transmissibility_real", "transmissibility_imag", "stable"), "response curve")
     ax = style.axes(ax)
@@ -51,7 +51,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         other = ax.twinx()
         other.fill_between(frequency, 100.0 * dataset["slipping_fraction"].values, color=style.ORANGE, alpha=0.25, lw=0)
         other.set_ylim(0.0, 100.0)
-        other.set_ylabel("Points that slip in the cycle (%)", color=style.ORANGE)
+        other.set_ylabel("Contact points that slip (%)", color=style.ORANGE)
         other.spines["top"].set_visible(False)
     ax.set_xlim(frequency.min(), frequency.max())
     ax.set_ylim(0.0, 1.12 * size.max())
@@ -71,14 +71,14 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot frequency and damping of the resonance over its amplitude, with the base acceleration at resonance.
+    """Plot resonance frequency and modal damping over the tip amplitude; dots mark base accelerations.
 
     Parameters
     ----------
     dataset
         Result of the analysis backbone.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        When the Dataset holds no backbone.
+        If the Dataset holds no backbone.
     """
     names = ("tip_amplitude", "resonance_frequency", "modal_damping", "resonant_base_acceleration")
     style.require(dataset, names, "backbone")

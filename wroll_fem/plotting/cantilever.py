@@ -1,4 +1,4 @@
-"""Figure of the cantilevered mandrel: shear and moment along it, stress around its root."""
+"""Figure of the cantilevered mandrel: shear force and bending moment over the height, stress around the root."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wroll_fem.structure.beam import Cantilever
 def plot_cantilever(beam: Cantilever) -> Axes:
     """Plot moment and shear over the height, and bending and shear stress around the root (Figs 2.8 and 2.9).
 
-    Each is divided by its largest value; the sentence gives both stresses.
+    Each curve is divided by its largest value; the title gives both largest stresses.
 
     Returns
     -------
@@ -28,8 +28,8 @@ def plot_cantilever(beam: Cantilever) -> Axes:
         (beam.moment(z), style.BLUE, "moment M"), (beam.shear_force(z), style.RED, "shear force V"),
     ):  # fmt: skip
         upper.plot(z / beam.length, values / values[0], color=colour, lw=1.8, label=text)
-    upper.set_xlabel("Height over length (–)")
-    upper.set_ylabel("Over the value at the root (–)")
+    upper.set_xlabel("Height / length (–)")
+    upper.set_ylabel("Value / value at the root (–)")
     upper.set_xlim(0.0, 1.0)
     upper.set_ylim(0.0, 1.05)
     upper.legend(fontsize=8)
@@ -38,7 +38,7 @@ def plot_cantilever(beam: Cantilever) -> Axes:
     lower.plot(np.degrees(theta), bending / bending.max(), color=style.BLUE, lw=1.8, label="bending stress, outer face")
     lower.plot(np.degrees(theta), shear / shear.max(), color=style.RED, lw=1.8, label="transverse shear stress")
     lower.set_xlabel("Angle from the direction of the load (°); neutral axis at ±90°")
-    lower.set_ylabel("Size at the root over its largest (–)")
+    lower.set_ylabel("Stress at the root / largest value (–)")
     lower.set_xlim(-180.0, 180.0)
     lower.set_xticks(np.arange(-180, 181, 45))
     lower.set_ylim(0.0, 1.2)
@@ -46,7 +46,7 @@ def plot_cantilever(beam: Cantilever) -> Axes:
     force, couple = float(beam.shear_force(0.0)), float(beam.moment(0.0))
     style.title(
         upper,
-        f"Root, {couple:.3g} N m and {force:.3g} N: bending {style.engineering(bending.max(), 'Pa')} on the faces "
-        f"along the load, transverse shear {style.engineering(shear.max(), 'Pa')} at the neutral axis",
+        f"Root, M = {couple:.3g} N m, V = {force:.3g} N: bending stress {style.engineering(bending.max(), 'Pa')} "
+        f"at 0° and ±180°, transverse shear stress {style.engineering(shear.max(), 'Pa')} at the neutral axis",
     )
     return upper

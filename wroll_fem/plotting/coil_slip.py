@@ -1,4 +1,4 @@
-"""Shear in a solid coil against its friction capacity: over height and radius, and on the root cross-section."""
+"""Shear stress in a solid coil compared with its friction capacity, over height and radius and on cross-sections."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _LINEAR_UP_TO = 5.0  # times the capacity; a longer axis is logarithmic, so that
 
 
 def points_of(dataset: xr.Dataset) -> FloatArray:
-    """(n_points, 3) theta, z, r of the quadrature points."""
+    """(n_points, 3) coordinates theta (rad), z (m) and r (m) of the quadrature points."""
     return np.stack([dataset[name].values for name in ("theta_rad", "z_m", "r_m")], axis=1)
 
 
 def has_grid(dataset: xr.Dataset) -> bool:
-    """Whether the quadrature points form a grid, which maps of sections need."""
+    """Whether the quadrature points form a grid; maps of cross-sections need one."""
     return coil_grid(points_of(dataset)) is not None
 
 
@@ -40,11 +40,11 @@ def grid_of(dataset: xr.Dataset) -> CoilGrid:
     Raises
     ------
     InputError
-        When they form none (a mesh of the user's own).
+        If they form no grid (a user's own mesh).
     """
     grid = coil_grid(points_of(dataset))
     if grid is None:
-        raise InputError("the coil's points form no grid", remedy="use the generated mesh for maps of sections")
+        raise InputError("the quadrature points of the coil form no grid", remedy="use the generated mesh")
     return grid
 
 
@@ -54,12 +54,12 @@ def level_colours(count: int) -> list[str]:
 
 
 def levels_to_draw(levels: FloatArray, most: int = 8) -> list[int]:
-    """Numbers of at most `most` levels, evenly spaced in the list, first and last included."""
+    """Indices of at most `most` evenly spaced levels, including the first and the last."""
     return sorted(set(np.linspace(0, levels.size - 1, min(most, levels.size)).round().astype(int).tolist()))
 
 
 def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | None = None) -> Axes:
-    """Plot the largest shear resultant over the height or the radius at every level, with the capacity (Fig. 2.14).
+    """Plot the largest shear resultant over height or radius at every level, with the friction capacity (Fig. 2.14).
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     along
         "z": over z/L, largest over angle and radius; "r": over r/r_m, largest over angle and height.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -82,8 +82,8 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
 
     Notes
     -----
-    Everything is divided by the capacity at the mandrel, the largest. The capacity depends on the radius alone; over
-    the height only its largest value can be drawn.
+    All values are divided by the capacity at the mandrel, which is the largest. The capacity depends only on the
+    radius, so the plot over the height shows only its largest value.
     """
     style.require(dataset, _POINTS, "shear distribution")
     attrs, levels = dataset.attrs, dataset["amplitude_g"].values
@@ -98,26 +98,25 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     if along == "z":
         ax.axhline(1.0, color=_CAPACITY, lw=1.8, ls=":", label="largest capacity")
         ax.set_xlim(0.0, 1.0)
-        ax.set_xlabel("Height above the base over length, z/L")
+        ax.set_xlabel("Height above the base / length, z/L")
     else:
         radius, capacity = dataset["capacity_radius"].values, dataset["capacity_profile"].values
         held = capacity > 0.0  # zero at the surface has no place on a logarithmic axis
         ax.plot(radius[held] / scale, capacity[held] / most, color=_CAPACITY, lw=1.8, label="capacity")
         ax.set_xlim(1.0, radius[-1] / scale)
-        ax.set_xlabel("Radius over mandrel radius, r/r_m")
+        ax.set_xlabel("Radius / mandrel radius, r/r_m")
     highest = max(1.0, levels[-1] * float(largest.max()) / most)
     if highest > _LINEAR_UP_TO:
         ax.set_yscale("log")
         ax.set_ylim(0.01, 1.3 * highest)
     else:
         ax.set_ylim(0.0, 1.08 * highest)
-    ax.set_ylabel("Largest shear resultant\nover largest capacity")
+    ax.set_ylabel("Largest shear resultant\n/ largest capacity (–)")
     ax.legend(fontsize=8, ncol=2, framealpha=0.95, loc="upper right")
-    where = "height" if along == "z" else "radius"
     peak = int(np.argmax(largest))
     style.title(
         ax,
-        f"Largest shear over the {where}: {style.engineering(levels[-1] * largest[peak], 'Pa')} at "
+        f"Largest shear resultant {style.engineering(levels[-1] * largest[peak], 'Pa')} at "
         f"{levels[-1]:g}\u00a0g, {_place(along, position[peak], scale)}",
         48,
     )
@@ -125,7 +124,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
 
 
 def _largest(dataset: xr.Dataset, along: str, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positions of the rows of points along "z" or "r", and the largest value in each."""
+    """Coordinates "z" or "r" of the rows of points, and the largest value in each row."""
     grid = coil_grid(points_of(dataset))
     if grid is None:
         return largest_along(dataset[f"{along}_m"].values, values)
@@ -142,7 +141,7 @@ def _place(along: str, position: float, scale: float) -> str:
 def plot_root_section(
     dataset: xr.Dataset, component: Literal["rz", "rt"], ax: Axes | None = None, height: float = 0.0
 ) -> Axes:
-    """Plot the amplitude of one shear component on a cross-section at the top level (Fig. 2.15).
+    """Plot the amplitude of one shear component on a cross-section at the highest level (Fig. 2.15).
 
     Parameters
     ----------
@@ -151,15 +150,15 @@ def plot_root_section(
     component
         "rz": along the axis; "rt": along the hoop.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
     height
-        Above the base, m; the row of points next to it is drawn. 0 is the lowest row: not the end face itself, a free
-        surface on which the axial shear vanishes.
+        Height above the base, m; the nearest row of points is drawn. 0 selects the lowest row, which lies above the
+        end face (a free surface without axial shear).
 
     Returns
     -------
     Axes
-        The axes drawn in; its only image carries the values, on the scale of both components.
+        The axes drawn in; its image has the same colour scale for both components.
 
     Raises
     ------
@@ -221,7 +220,7 @@ def _excitation_arrow(ax: Axes, direction: str, half: float) -> None:
 
 
 def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
-    """Figure 2.14 of the thesis: panels over height and over radius; returns the first."""
+    """Plot the shear resultant over height and over radius side by side (Fig. 2.14); returns the first axes."""
     _, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.0), dpi=style.DPI, layout="constrained")
     plot_shear_along(dataset, "z", panels[0])
     plot_shear_along(dataset, "r", panels[1])
@@ -229,7 +228,7 @@ def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
 
 
 def plot_root_sections(dataset: xr.Dataset) -> Axes:
-    """Figure 2.15 of the thesis: both shear components on the root section, and 1 % of the length up.
+    """Plot both shear components on the root section and 1 % of the length above it (Fig. 2.15).
 
     Returns
     -------
@@ -241,20 +240,20 @@ def plot_root_sections(dataset: xr.Dataset) -> Axes:
         plot_root_section(dataset, "rz", row[0], height)
         plot_root_section(dataset, "rt", row[1], height)
         bar = figure.colorbar(row[0].collections[0], ax=list(row), pad=0.01)
-        bar.set_label("Amplitude over the capacity at the mandrel\n(dashed: slips inside)")
+        bar.set_label("Amplitude / capacity at the mandrel\n(dashed: border of the slip zone)")
     first: Axes = panels[0, 0]
     return first
 
 
 def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot depth and height of the slip zone at every level: regions of height and radius where some angle slips.
+    """Plot the slip zone of every level over depth and height; a point counts if the coil slips at any angle.
 
     Parameters
     ----------
     dataset
         Results of `modal_transient` on a grid of points.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -306,14 +305,14 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_steady_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the tip's absolute acceleration from rest to the steady state, with the exact steady amplitude.
+    """Plot the absolute tip acceleration from rest to the steady state, with the exact steady amplitude.
 
     Parameters
     ----------
     dataset
         Results of `modal_transient`; the history is that of the top level.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Slip of a solid coil in space: a file for three-dimensional viewers, and a picture (pyvista, off-screen)."""
+"""Slip of a solid coil in three dimensions: a file for viewers, and a picture rendered by pyvista."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def _finding(onset: float, top: float, dataset: xr.Dataset) -> str:
 def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """Write the coil as .vtu: one hexahedron around each quadrature point, with the point's values.
 
-    Fields: shear components and resultant at 1 g (Pa), friction capacity (Pa), onset (g; 1e9 where nothing shears the
-    coil), and whether it slips at each level. Points without a grid are written as vertices.
+    Fields: shear components and resultant at 1 g (Pa), friction capacity (Pa), slip onset (g; 1e9 where the shear
+    stress is zero), and whether the point slips at each level. Points without a grid are written as vertices.
 
     Returns
     -------
@@ -77,21 +77,21 @@ def _levels(dataset: xr.Dataset) -> FloatArray:
 
 
 def level_names(dataset: xr.Dataset) -> dict[str, str]:
-    """Legend of `cut_coil`: text -> colour, lowest level first and no slip last."""
+    """Legend of `cut_coil`: text -> colour, from the lowest level to "no slip"."""
     levels = _levels(dataset)
     names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
     return dict(zip(names, [*level_colours(levels.size)[::-1], _STUCK], strict=True))
 
 
 def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
-    """Half of the coil below a height, each cell coloured by the lowest level at which it slips, on its mandrel.
+    """Cut the roll in half below a height; colour each cell of the coil by the lowest level at which it slips.
 
-    The cut goes through the roll's axis and holds the excitation: faces with the largest axial shear.
+    The cutting plane contains the axis and the direction of excitation, so it shows the largest axial shear.
 
     Returns
     -------
     meshes, height
-        pyvista meshes with their options for `add_mesh`, and the height in m where cells end.
+        pyvista meshes with their options for `add_mesh`, and the height (m) of the uppermost cell border.
 
     Raises
     ------
@@ -122,14 +122,14 @@ def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str,
 
 
 def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
-    """Render the coil cut open, each cell coloured by the lowest level at which it slips; whole and at the root.
+    """Render the coil cut open, whole and near the root, coloured by the lowest level at which each cell slips.
 
     Parameters
     ----------
     dataset
         Results of `modal_transient` on a grid of points.
     path
-        PNG to write; parents are made.
+        PNG to write; parent folders are created.
 
     Returns
     -------

@@ -25,7 +25,7 @@ AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
 
 
 def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
-    """Plot f_n, peak, zeta and friction work over the number of elements along the axis, one line per grading."""
+    """Plot f_n, peak, zeta and friction work over the number of axial elements, one line per grading."""
     key = AXIAL
     grid = grid_members(members, "mesh_friction", key)
     line = GRADING if len(values_of(grid, GRADING)) > 1 else None
@@ -67,9 +67,9 @@ def first_bending(member: SeriesMember) -> float:
 
 
 def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot the first bending frequency over the elements along the axis, one line per number around the circumference.
+    """Plot the first bending frequency over the number of axial elements, one line per circumferential number.
 
-    The band is 1 % around the finest mesh (most elements): the thesis's criterion.
+    The shaded band, +-1 % around the finest mesh, is the criterion of the thesis.
     """
     grid = grid_members(members, "mesh_frequency", AXIAL, AROUND)
     ax = style.axes(ax, 4.2)

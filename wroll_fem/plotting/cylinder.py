@@ -1,4 +1,4 @@
-"""Slip on the cylinder: pictures, and files for three-dimensional viewers."""
+"""Slip of an interface on the cylinder: pictures, and files for three-dimensional viewers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ AMBIENT, DIFFUSE, INSIDE = 0.6, 0.42, 0.85  # light from the viewer, and the par
 def slip_surface(
     dataset: xr.Dataset, interface: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], dict[str, FloatArray]]:
-    """Return an interface as a surface in space.
+    """Return an interface as a surface in three dimensions.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     dataset
         Per-point data over (`interface`, `point`).
     path
-        Target; parents are made.
+        Target; parent folders are created.
 
     Returns
     -------
@@ -92,13 +92,13 @@ def draw_tube(
     Parameters
     ----------
     ax
-        Axes without a third dimension.
+        Two-dimensional axes.
     colours
         (n_z, n_theta, 3) RGB of equal cells around the tube from -pi to pi; n_theta is a multiple of 4.
     height
         (n_z + 1,) borders of the cells.
     azimuth, elevation
-        Direction in which the viewer stands, rad.
+        Direction of the viewer, rad.
 
     Notes
     -----
@@ -133,16 +133,16 @@ def _cell_means(nodes: FloatArray) -> FloatArray:
 def plot_slip_on_cylinder(
     dataset: xr.Dataset, path: str | os.PathLike[str], interface: int = 0, quantity: str = "cumulative_slip"
 ) -> Path:
-    """Draw an interface with its slip in space, from the excitation direction and from across.
+    """Draw the slip of an interface on the cylinder, seen along and across the excitation.
 
     Parameters
     ----------
     dataset
         Per-point data over (`interface`, `point`): `quantity`, `slipped`, `theta_rad`, `z_m`, `area`.
     path
-        PNG to write; parents are made.
+        PNG to write; parent folders are created.
     interface
-        0 is the innermost.
+        Index of the interface; 0 is the innermost.
     quantity
         "cumulative_slip" (grey where the interface stuck) or another length of the field table.
 

@@ -1,4 +1,4 @@
-"""Map of mandrels: frequency disparity between the stiffest and the softest coil over the radius."""
+"""Figure of a design map: frequency disparity between stiffest and softest coil over the mandrel radius."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from wroll_fem.results.dataset import label
 def plot_design_map(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Plot the frequency disparity over the mandrel's radius, one line per wall (thesis, Fig. 2.16).
 
-    The case's own mandrel is a black ring. Mandrels whose fundamental mode is not bending are left out and counted in
-    the title.
+    A black ring marks the mandrel of the case. Mandrels whose fundamental mode is not bending are omitted and counted
+    in the title.
 
     Raises
     ------
     InputError
-        If the Dataset is not that of a design map.
+        If the Dataset holds no design map.
     """
     style.require(dataset, ("frequency_disparity",), "design map")
     disparity = dataset["frequency_disparity"].transpose("mandrel_radius", "mandrel_thickness")
@@ -56,5 +56,5 @@ def _sentence(disparity: xr.DataArray) -> str:
         if wider and thinner:
             said += "; the disparity grows with the radius and with a thinner wall"
     return said + (
-        f"; {missing} of {disparity.size} mandrels have another fundamental mode than bending" if missing else ""
+        f"; {missing} of {disparity.size} mandrels have a fundamental mode other than bending" if missing else ""
     )

@@ -1,4 +1,4 @@
-"""Histories: tip response with friction work, and the energy ledger."""
+"""Time histories: tip response with friction work, and the energy ledger."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_S
 
 
 def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:
-    """Add an axis of the chirp's frequency on top; none for other motions."""
+    """Add the instantaneous frequency of a chirp as an axis on top; other motions get none."""
     law = chirp_law(dataset)
     if law is None:
         return
@@ -54,7 +54,7 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         Has `tip_acceleration` (relative), `base_acceleration` and `friction_energy` over `time`; attributes
         `excitation_kind`, `f_start_hz`, `rate_oct_per_min` (or `f_end_hz`) give the frequency axis of a chirp.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -93,9 +93,7 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     text = f"Largest tip acceleration {most} at {where}; friction work {taken}"
     if law is not None and work[-1] > 0.0:
         quarter, three = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
-        text += (
-            f", its middle half between {law[0] * exp(law[1] * quarter):.1f} and {law[0] * exp(law[1] * three):.1f} Hz"
-        )
+        text += f", half of it between {law[0] * exp(law[1] * quarter):.1f} and {law[0] * exp(law[1] * three):.1f} Hz"
     style.title(ax, text)
     return ax
 
@@ -109,7 +107,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         Has the ledger (`input_work`, `friction_energy`, `numerical_dissipation`, `kinetic_energy`, `strain_energy`,
         `contact_energy`) over `time`.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -132,7 +130,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ("input work of the base", given, style.BLUE, "-"),
         ("friction", ledger.friction, style.RED, "-"),
         ("stored: kinetic + strain + contact", ledger.stored, style.GREEN, "-"),
-        ("numerical: the scheme's own dissipation, impacts", ledger.numerical, style.GREY, "--"),
+        ("numerical: dissipation of the scheme, impacts", ledger.numerical, style.GREY, "--"),
     ]
     if ledger.viscous.any():
         series.insert(2, ("viscous", ledger.viscous, style.ORANGE, "-"))

@@ -14,7 +14,7 @@ from wroll_fem.results.dataset import label
 
 
 def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:
-    """Plot force over displacement, capacity, stiffness and modulus over the pressure (Figs. E.6 to E.9).
+    """Plot force over displacement, and capacity, stiffness and modulus over pressure (Figs. E.6 to E.9).
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:
     Returns
     -------
     Axes
-        The first of four.
+        The first of four panels.
     """
     for data in tests:
         style.require(data, ("platen_displacement", "shear_force"), "shear tests")
@@ -59,7 +59,7 @@ def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:
     worst = max(abs(d.attrs["shear_capacity_n"] / _first(tests, d).attrs["shear_capacity_n"] - 1.0) for d in tests)
     style.title(curves, "Stick, then sliding at the platen (blue to red: rising pressure)", 46)
     share = f"{100 * worst:.2g} %" if worst > 1e-5 else "rounding"
-    style.title(rest[0], f"Capacity does not depend on the layers (to {share})", 46)
+    style.title(rest[0], f"Capacity is independent of the layer count (to {share})", 46)
     return curves
 
 
@@ -72,12 +72,12 @@ def _first(tests: Sequence[xr.Dataset], one: xr.Dataset) -> xr.Dataset:
 
 
 def plot_velocity_steps(histories: Mapping[str, xr.Dataset]) -> Axes:
-    """Plot the coefficient of friction over slip for several laws under one history of rates (Fig. E.15).
+    """Plot the coefficient of friction of several laws over slip, for the same slip-rate history (Fig. E.15).
 
     Parameters
     ----------
     histories
-        Words -> result of `lab.shear_history`.
+        Panel title -> result of `lab.shear_history`.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def plot_velocity_steps(histories: Mapping[str, xr.Dataset]) -> Axes:
     first: Axes = panels[0, 0]
     rate = next(iter(histories.values()))["slip_rate"].values
     style.figure_of(first).suptitle(
-        f"Slip at {1e6 * rate.min():g} and (grey) {1e6 * rate.max():g} µm/s: the direct effect a jumps and stays, the "
-        "state b follows over the slip distance $D_R$", x=0.01, ha="left", fontsize=10,
+        f"Slip rate {1e6 * rate.min():g} µm/s, on grey {1e6 * rate.max():g} µm/s: the direct effect (a) is immediate, "
+        "the state effect (b) evolves over the slip distance $D_R$", x=0.01, ha="left", fontsize=10,
     )  # fmt: skip
     return first

@@ -1,4 +1,4 @@
-"""Pictures of mode shapes in three dimensions (pyvista, off-screen)."""
+"""Three-dimensional pictures of mode shapes, rendered by pyvista without a window."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _VTK_QUAD9 = 28
 
 
 def has_display() -> bool:
-    """Whether a window can open here."""
+    """Whether a display for windows is available."""
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _pyvista() -> ModuleType:
-    """Import pyvista, set up for rendering without a display where there is none."""
+    """Import pyvista; without a display, set it up for off-screen rendering."""
     if not has_display():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     try:
@@ -43,7 +43,7 @@ def _pyvista() -> ModuleType:
 def _render(
     meshes: Sequence[tuple[Any, dict[str, Any]]], centre: FloatArray, direction: Sequence[float], extent: float
 ) -> npt.NDArray[np.uint8]:
-    """Picture (rows, columns, 3) of meshes with their `add_mesh` options on white."""
+    """Render meshes with their `add_mesh` options on white; returns the picture (rows, columns, 3)."""
     plotter = _pyvista().Plotter(off_screen=True, window_size=(1000, 1000))
     try:
         plotter.set_background("white")
@@ -62,7 +62,7 @@ def _render(
 
 
 def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8]]:
-    """Crop all pictures to one box that holds every pixel that is not white in any of them: same scale in each."""
+    """Crop all pictures to their common bounding box, so that they share one scale."""
     seen = np.argwhere(np.any([(picture < 250).any(axis=2) for picture in pictures], axis=0))
     if seen.size == 0:
         return pictures
@@ -71,7 +71,7 @@ def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8
 
 
 def _deformed(points: FloatArray, cells: npt.NDArray[np.int64], shapes: FloatArray) -> list[npt.NDArray[np.uint8]]:
-    """Pictures of the structure in every shape (k, n, 3), with its borders at rest."""
+    """Render the structure in each shape (k, n, 3), with its undeformed edges in grey."""
     used = np.unique(cells)
     extent = float(np.ptp(points[used], axis=0).max())
     kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
@@ -104,12 +104,12 @@ def plot_mode_shapes(
     *,
     columns: int = 5,
 ) -> Path:
-    r"""Render deformed mode shapes side by side, coloured by displacement over its largest value.
+    r"""Render mode shapes side by side, coloured by displacement relative to its largest value.
 
     Parameters
     ----------
     points
-        (n, 3) m.
+        (n, 3) coordinates of the nodes, m.
     cells
         (m, 9) node numbers in VTK_BIQUADRATIC_QUAD order.
     shapes
@@ -117,7 +117,7 @@ def plot_mode_shapes(
     titles
         k titles, for example "1  bending\n148.2 Hz".
     path
-        PNG to write; parents are made.
+        PNG file to write; parent folders are created.
     columns
         Pictures per row.
 
@@ -129,7 +129,7 @@ def plot_mode_shapes(
     Raises
     ------
     InputError
-        For arrays that do not match, or when pyvista is missing.
+        If the arrays do not match, or pyvista is missing.
 
     Notes
     -----
@@ -139,7 +139,7 @@ def plot_mode_shapes(
     points, shapes = np.asarray(points, dtype=np.float64), np.asarray(shapes, dtype=np.float64)
     if shapes.ndim != 3 or shapes.shape[1:] != points.shape or len(titles) != len(shapes) or len(shapes) == 0:
         raise InputError(
-            f"{len(titles)} titles and shapes {shapes.shape} for points {points.shape}",
+            f"{len(titles)} titles, shapes {shapes.shape} and points {points.shape} do not match",
             remedy="pass (k, n, 3) shapes, (n, 3) points and k titles, k >= 1",
         )
     columns = min(columns, len(shapes))
@@ -153,7 +153,7 @@ def plot_mode_shapes(
         ax.set_title(text, fontsize=9)
     scale = ScalarMappable(Normalize(0.0, 1.0), "viridis")
     bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.5, aspect=35, pad=0.02)
-    bar.set_label("Displacement over its largest (–); grey rings: at rest")
+    bar.set_label("Displacement / largest displacement (–); grey: undeformed edges")
     target = style.target(path)
     figure.savefig(target)
     return target

@@ -1,4 +1,4 @@
-"""Natural frequencies by kind."""
+"""Figure of the natural frequencies, coloured by kind of mode."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wroll_fem.typing import FloatArray
 
 
 def _mass_fraction(dataset: xr.Dataset) -> tuple[FloatArray, list[str]] | None:
-    """Largest effective mass fraction of each mode and its direction; None when not in the results."""
+    """Largest effective mass fraction of each mode and its direction; None if the results lack it."""
     if "effective_mass_fraction" not in dataset:
         return None
     fraction = dataset["effective_mass_fraction"]
@@ -34,7 +34,7 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         Has `mode_frequency` (Hz) and, where known, `mode_kind` over `mode`; `effective_mass_fraction` over `mode` or
         (`mode`, direction) is written next to the stems when it exceeds 0.5 %.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """
     style.require(dataset, ("mode_frequency",), "mode figure")
     frequency = dataset["mode_frequency"].values
-    named = "mode_kind" in dataset  # a structure from a file has no ring of nodes to tell by
+    named = "mode_kind" in dataset  # modes of a structure from a file are not classified
     kinds = [str(kind) for kind in dataset["mode_kind"].values] if named else ["mode"] * frequency.size
     families = list(dict.fromkeys(kind.split("-")[0] for kind in kinds))
     colours = {family: style.LINES[i % len(style.LINES)] for i, family in enumerate(families)}

@@ -1,7 +1,8 @@
-"""Figures by name: `wf.plot.slip_map(result)`.
+"""Public figure functions, for example `wf.plot.slip_map(result)`.
 
-Each takes a Dataset (those of a study a list of `SeriesMember`) and, where it draws one panel, the `ax` to draw in. It
-returns the `ax`; nothing is shown or computed again. `save(ax, path)` writes at 150 dpi and closes.
+Each function takes a Dataset; a figure of a study takes a list of `SeriesMember`. A figure of one panel also takes the
+`ax` to draw in. Functions return the `ax` and open no window. `save(ax, path)` writes the figure at 150 dpi and closes
+it.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ _OLD = {
     "frequency_over_shear_stiffness": "shear_stiffness",
     "frequency_over_shear_stiffness_band": "shear_stiffness_band",
 }
-"""Earlier name -> name."""
+"""Old name -> current name."""
 
 __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "jupyter_backend",
@@ -66,12 +67,12 @@ __all__ += FIGURES
 
 
 def study_figure(name: str, members: Sequence[SeriesMember]) -> Axes:
-    """Draw a figure of a study by the name that a grid file gives it.
+    """Draw the figure of a study that has a given name in grid files (key `figure`).
 
     Raises
     ------
     InputError
-        For a name that is not known, or members that lack what the figure needs.
+        If the name is unknown, or the cases lack what the figure needs.
     """
     if name not in FIGURES:
         raise InputError(f"no figure {name!r}", key="figure", remedy=f"use one of: {', '.join(FIGURES)}")
@@ -83,7 +84,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> object:
-    """Old spellings: `plot_slip_map` for `slip_map`, and the names in `_OLD`."""
+    """Resolve old spellings: `plot_slip_map` for `slip_map`, and the names in `_OLD`."""
     short = name.removeprefix("plot_")
     short = _OLD.get(short, short)
     if short == name or short not in globals():

@@ -1,4 +1,4 @@
-"""Slip in space, to be turned with the mouse (pyvista)."""
+"""Interactive three-dimensional scene of the slip (pyvista)."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from wroll_fem.plotting.slip import in_small_unit
 
 
 def jupyter_backend() -> str:
-    """How a notebook shows a scene: "trame" (to be turned) where there is a display and that library, else "static"."""
+    """Notebook backend of pyvista: "trame" (interactive) if it is installed and a display exists, else "static"."""
     return "trame" if has_display() and find_spec("trame") is not None else "static"
 
 
 def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = None) -> Any:
-    """Scene of the slip: a coil cut open, coloured by the level from which it slips, or an interface between layers.
+    """Scene of a coil cut open, coloured by slip level, or of an interface, coloured by accumulated slip.
 
     Parameters
     ----------
     dataset
-        Results of `modal_transient`, or of a history with interfaces (coloured by its accumulated slip).
+        Results of `modal_transient`, or of a history with interfaces.
     interface
-        Interface between layers, inner first.
+        Index of the interface; 0 is the innermost.
     top
-        Height in m up to which a coil is shown; all of it when None.
+        Height (m) up to which a coil is shown; the whole coil if None.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""Figures of a study: many cases of one grid in one picture.
+"""Figures of a study, drawn from many cases of one grid.
 
-Every function takes the finished cases of the study, returns an axes and puts one sentence above it that is computed
-from what it draws. `FIGURES` are the names that a grid file may give as `figure`.
+Every function takes the finished cases of the study and returns an axes, whose title states the result in one
+sentence. `FIGURES` lists the values of the grid-file key `figure`.
 """
 
 from __future__ import annotations
@@ -55,12 +55,12 @@ def _colours(count: int) -> list[Any]:
 
 
 def _base_key(members: Sequence[SeriesMember]) -> str | None:
-    """Key of the layers' base condition when the study varies it."""
+    """Key of the base condition of the layers if the study varies it, else None."""
     return LAYER_BASE if any(LAYER_BASE in m.values for m in members) else None
 
 
 def _panels(count: int, height: float) -> list[Axes]:
-    """Panels below each other."""
+    """Axes of a new figure with panels stacked vertically."""
     _, panels = plt.subplots(
         count, 1, figsize=(style.WIDTH, 0.4 + height * count), dpi=style.DPI, layout="constrained", squeeze=False
     )
@@ -80,19 +80,19 @@ def plot_curves(
     Parameters
     ----------
     members
-        Finished cases. Sweeps are full lines, steady-state curves of the same case dashed in the same colour, the
-        reference (a modal analysis) is dashed in black and cut off where it leaves the panel.
+        Finished cases. Sweeps are solid lines, steady-state curves of the same case are dashed in the same colour. The
+        reference (a modal analysis) is a black dashed line.
     colour, panel
-        Dotted keys.
+        Dotted keys that select the colour and the panel.
     sentence
-        Title from the sweeps; names the range of the resonance without.
+        Function that returns the title; by default the title gives the range of the resonance.
     figure
         Name of the figure, for errors.
 
     Raises
     ------
     InputError
-        When no case has the keys, or one has no curve.
+        If no case has the keys, or a case has no curve.
     """
     keys = [colour] + ([panel] if panel is not None else [])
     grid = grid_members(members, figure, *keys)
@@ -119,7 +119,7 @@ def plot_curves(
 
 
 def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Sequence[Any]) -> float:
-    """Draw one panel of `plot_curves`; returns the highest point of its curves."""
+    """Draw one panel of `plot_curves`; returns the largest value of its curves."""
     top = 0.0
     swept = any(is_sweep(m) for m in members)
     dash = (0, (3, 1.5))
@@ -142,7 +142,7 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
 
 
 def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | None) -> str:
-    """Title: "Free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)", panel by panel."""
+    """Title, one clause per panel: "Free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)"."""
     parts = []
     for room in values_of(grid, panel) if panel is not None else [None]:
         here = [m for m in (having(grid, panel, room) if panel else grid) if is_sweep(m)]
@@ -151,7 +151,7 @@ def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | Non
             continue
         f = [read(m).f_n for m in here]
         first, last = (shown(key, here[k].values[key]) for k in (0, -1))
-        word = {"rises": "rises", "falls": "falls"}.get(trend(f), "goes")
+        word = {"rises": "rises", "falls": "falls"}.get(trend(f), "changes")
         where = f"{shown(panel, room)}: " if panel is not None else ""
         parts.append(f"{where}resonance {word} from {f[0]:.1f} Hz ({first}) to {f[-1]:.1f} Hz ({last})")
     text = "; ".join([*parts, *_agreement(grid)])
@@ -163,7 +163,7 @@ def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
 
 
 def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
-    """Largest difference of the peaks of sweeps and steady states of the same case, as text; empty without pairs."""
+    """Largest difference between the peaks of sweep and steady state of the same case, as text; empty without pairs."""
     peaks: dict[str, list[float]] = {}
     for m in grid:
         same = {key: value for key, value in m.values.items() if key != "analysis"}
@@ -178,7 +178,22 @@ def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
 def plot_damping_over_frequency(
     members: Sequence[SeriesMember], ax: Axes | None = None, *, line: str | None = None
 ) -> Axes:
-    """Plot zeta over f_n, one point per preload, one line per value of `line` (the base without; Figs 4.5 and 5.8)."""
+    """Plot zeta over f_n, one point per preload, one line per value of a key (Figs 4.5 and 5.8).
+
+    Parameters
+    ----------
+    members
+        Finished cases over `preload.pressure`.
+    ax
+        Axes to draw in; a new figure if None.
+    line
+        Dotted key with one line per value; by default the base condition of the layers if the study varies it.
+
+    Raises
+    ------
+    InputError
+        If no case has the keys.
+    """
     grid = grid_members(members, "damping_over_frequency", PRESSURE, *([line] if line is not None else []))
     line = line if line is not None else _base_key(grid)
     ax = style.axes(ax, 4.4)
@@ -232,7 +247,7 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
         x = [scaled(PRESSURE, m.values[PRESSURE]) for m in group]
         ax.plot(x, work, marker=MARKERS[k], color=style.LINES[k], ms=5, lw=1.4, label=text or None)
         first, last = (shown(PRESSURE, group[j].values[PRESSURE]) for j in (0, -1))
-        word = {"rises": "rises", "falls": "falls"}.get(trend(work), "goes, not always one way,")
+        word = {"rises": "rises", "falls": "falls"}.get(trend(work), "changes both ways")
         where = f"{text}: " if text else ""
         said.append(f"{where}friction work {word} from {work[0]:.3g} mJ at {first} to {work[-1]:.3g} mJ at {last}")
     ax.set_xscale("log")
@@ -250,11 +265,18 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
 
 
 def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot the friction work of a sweep over zeta, one point per preload (Fig 4.8); free base where both are there."""
+    """Plot the friction work of a sweep over zeta, one point per preload (Fig 4.8); clamped bases are left out.
+
+    Raises
+    ------
+    InputError
+        If fewer than two sweeps have a damping estimate.
+    """
     grid = [m for m in grid_members(members, "friction_over_damping", PRESSURE) if is_sweep(m)]
     grid = _by_pressure([m for m in having(grid, LAYER_BASE, "free") if np.isfinite(read(m).zeta)])
     if len(grid) < 2:
-        raise InputError("the figure friction_over_damping needs two readable sweeps", remedy="add preloads")
+        problem = "the figure friction_over_damping needs two sweeps with a damping estimate"
+        raise InputError(problem, remedy="add preloads")
     ax = style.axes(ax, 4.2)
     zeta, work = [100 * read(m).zeta for m in grid], [1e3 * friction_work(m) for m in grid]
     ax.plot(zeta, work, color="#BBBBBB", lw=1.0, zorder=1)
@@ -275,7 +297,7 @@ def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None 
 
 
 def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
-    """Plot tip acceleration and cumulative friction work along the sweep, lowest and highest preload (Fig 4.6)."""
+    """Plot tip acceleration and friction work along the sweep at the lowest and the highest preload (Fig 4.6)."""
     grid = [m for m in grid_members(members, "friction_along_sweep", PRESSURE) if is_sweep(m)]
     grid = _by_pressure(having(grid, LAYER_BASE, "free"))
     drawing = plt.figure(figsize=(style.WIDTH, 7.2), dpi=style.DPI, layout="constrained")
@@ -293,7 +315,7 @@ def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
 
 
 def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
-    """Plot the transmissibility of one case by several integration schemes (Fig B.3)."""
+    """Plot the transmissibility of one case with several integration schemes (Fig B.3)."""
     key = "integrator.scheme"
 
     def sentence(grid: Sequence[SeriesMember]) -> str:
@@ -301,14 +323,14 @@ def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
         hht = {name: peak for name, peak in peaks.items() if name != "quasi_static"}
         text = f"Peaks of the HHT schemes lie within {100 * (max(hht.values()) / min(hht.values()) - 1):.1f} %"
         if "quasi_static" in peaks:
-            text += f"; backward Euler (quasi static) leaves {100 * peaks['quasi_static'] / max(hht.values()):.0f} %"
+            text += f"; backward Euler (quasi-static) reaches {100 * peaks['quasi_static'] / max(hht.values()):.0f} %"
         return text + " of the highest" if "quasi_static" in peaks else text
 
     return plot_curves(members, colour=key, sentence=sentence, figure="integrators")
 
 
 def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
-    """Plot the transmissibility of every preload, one panel per case file: constant and rate-dependent (Fig E.25)."""
+    """Plot transmissibility curves per preload, one panel per friction law: constant and rate-dependent (Fig E.25)."""
 
     def sentence(grid: Sequence[SeriesMember]) -> str:
         files = values_of(grid, "case")
@@ -348,4 +370,4 @@ FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
     "winding_hardness": plot_soft_and_hard,
     "winding_tension": plot_pressure_over_tension,
 }
-"""Name in a grid file -> function of the finished cases."""
+"""Value of the grid-file key `figure` -> function that draws the finished cases."""

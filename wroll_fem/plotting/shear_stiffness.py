@@ -18,24 +18,26 @@ _LOW_MASS = 0.1  # a mode below bending with less than this share of bending's e
 
 
 def bending_mode(member: SeriesMember) -> tuple[float, int]:
-    """Frequency in Hz and number (1 is the lowest mode; a pair counts once) of the bending mode with most mass.
+    """Frequency (Hz) and number of the bending mode with the largest effective mass.
+
+    The lowest mode has the number 1; a degenerate pair counts once.
 
     Raises
     ------
     InputError
-        When the modes of the case do not reach up to bending.
+        If the computed modes include no bending mode.
     """
     style.require(member.data, ("mode_frequency", "mode_kind", "effective_mass_fraction"), "figure of frequencies")
     frequency = member.data["mode_frequency"].values
     index = main_bending(member.data["mode_kind"].values.tolist(), member.data["effective_mass_fraction"].values)
     if index is None:
-        raise InputError(f"{member.name} has no bending mode among its modes", key="modal.count", remedy="raise it")
+        raise InputError(f"the modes of {member.name} include no bending mode", key="modal.count", remedy="increase it")
     below = frequency[:index][frequency[:index] < (1 - 1e-5) * frequency[index]]
     return float(frequency[index]), 1 + int(np.count_nonzero(np.diff(below, prepend=0.0) > 1e-5 * below))
 
 
 def _curve(group: Sequence[SeriesMember]) -> tuple[FloatArray, FloatArray, list[int]]:
-    """Shear stiffness in Pa, bending frequency in Hz, number of the mode; rising stiffness."""
+    """Shear stiffness (Pa, ascending), bending frequency (Hz) and mode number of each case."""
     ordered = sorted(group, key=lambda m: m.values[SHEAR])
     found = [bending_mode(m) for m in ordered]
     return np.array([m.values[SHEAR] for m in ordered]), np.array([f for f, _ in found]), [n for _, n in found]
@@ -54,7 +56,7 @@ def _log_axis(ax: Axes) -> None:
 
 
 def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
-    """First x at which the rising series y reaches a level, interpolated over log x; nan when it does not."""
+    """First x at which the ascending y reaches a level, interpolated in log x; nan if y does not reach it."""
     above = np.flatnonzero(y >= level)
     if above.size == 0 or above[0] == 0:
         return np.nan
@@ -64,19 +66,27 @@ def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
 
 
 def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot f_n over the frequency with the coil as mass alone; hollow where bending is not the lowest mode."""
+    """Plot the bending frequency, relative to a coil of mass alone, over the shear stiffness (Fig. 2.13).
+
+    Open symbols: bending is not the lowest mode.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two finished cases, or no reference.
+    """
     grid = grid_members(members, "shear_stiffness", SHEAR)
     mass_alone = _reference(members, "shear_stiffness", "the coil as mass without stiffness")
     ax = style.axes(ax, 4.2)
     x, f, number = _curve(grid)
     if x.size < 2:
-        problem, remedy = "one finished case makes no curve", "give two or more values of the key"
+        problem, remedy = "a curve needs at least two finished cases", "give two or more values of the key"
         raise InputError(problem, key=f"grid.{SHEAR}", remedy=remedy)
     ax.plot(x, f / mass_alone, color=style.BLUE, lw=1.4, zorder=2)
     lowest = np.array(number) == 1
     for mask, face, text in (
         (lowest, style.BLUE, "bending is the lowest mode"),
-        (~lowest, "white", "other modes lie lower"),
+        (~lowest, "white", "other modes are lower"),
     ):
         if mask.any():
             ax.plot(
@@ -84,7 +94,7 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
             )
     ax.axhline(1.0, color=style.RED, lw=1.3, label=f"coil as mass alone, {mass_alone:.1f} Hz")
     _log_axis(ax)
-    ax.set_ylabel("Bending frequency over that of mass alone (–)")
+    ax.set_ylabel("Bending frequency / mass alone (–)")
     ax.legend(fontsize=8, loc="upper left")
     slope = np.gradient(np.log(f), np.log(x))
     style.title(
@@ -96,7 +106,15 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
 
 
 def plot_shear_stiffness_band(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot f_n over shear stiffness as a band between the moduli of the web, and the mandrel alone."""
+    """Plot the bending frequency over shear stiffness for each in-plane modulus, and of the mandrel alone (Fig. 2.17).
+
+    Open symbols: bending is not the lowest mode.
+
+    Raises
+    ------
+    InputError
+        If there is no finished case, or no reference.
+    """
     grid = grid_members(members, "shear_stiffness_band", SHEAR, MODULUS)
     mandrel = _reference(members, "shear_stiffness_band", "the mandrel alone")
     ax = style.axes(ax, 4.2)
@@ -110,17 +128,17 @@ def plot_shear_stiffness_band(members: Sequence[SeriesMember], ax: Axes | None =
         ax.plot(x[lowest], f[lowest], "o", ms=4.5, color=colour)
         ax.plot(x[~lowest], f[~lowest], "o", ms=4.5, color=colour, markerfacecolor="white")
     if any(n > 1 for _, _, number in curves.values() for n in number):
-        ax.plot([], [], "o", ms=4.5, color=style.GREY, markerfacecolor="white", label="other modes lie lower")
+        ax.plot([], [], "o", ms=4.5, color=style.GREY, markerfacecolor="white", label="other modes are lower")
     ax.axhline(mandrel, color=style.RED, lw=1.3, label=f"mandrel alone, {mandrel:.1f} Hz")
     _log_axis(ax)
     ax.set_ylabel("Bending frequency (Hz)")
     ax.legend(fontsize=8, loc="upper left")
     meets = [crossing(x, f, mandrel) for x, f, _ in curves.values()]
     spans = [f"{f[-1] - f[0]:.0f} Hz" for _, f, _ in curves.values()]
-    told = " and ".join(style.engineering(x, "Pa") for x in meets if np.isfinite(x)) or "no shear stiffness"
+    where = " and ".join(style.engineering(x, "Pa") for x in meets if np.isfinite(x)) or "no shear stiffness"
     style.title(
         ax,
-        f"With $E$ = {' and '.join(curves)} the roll reaches the mandrel's frequency at {told}; from the softest to "
+        f"With $E$ = {' and '.join(curves)} the roll reaches the mandrel's frequency at {where}; from the softest to "
         f"the stiffest coil it gains {' and '.join(spans)}",
     )
     return ax

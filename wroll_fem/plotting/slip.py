@@ -19,7 +19,7 @@ _STUCK = "#E4E4E4"
 
 
 def interface_name(interface: int, dataset: xr.Dataset | None = None) -> str:
-    """Return the bodies on both sides: "mandrel and layer 1", "layer 1 and layer 2", ...; as the results name them."""
+    """Return the names of the two bodies at an interface, from the results if given: "mandrel and layer 1"."""
     if dataset is not None and "interface_name" in dataset.variables:
         name = str(dataset["interface_name"].values[interface])
         inner, slash, outer = re.sub(r"_0*(?=\d)", " ", name).partition("/")
@@ -41,7 +41,7 @@ def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: FloatArray) -> None:
 
 
 def in_small_unit(values_m: FloatArray) -> tuple[FloatArray, str]:
-    """Return lengths in the unit that suits the largest, micrometres or nanometres, and the unit."""
+    """Convert lengths (m) to micrometres or nanometres, whichever suits the largest; returns values and unit."""
     largest = float(np.nanmax(np.abs(values_m), initial=0.0))
     return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")
 
@@ -56,9 +56,9 @@ def plot_slip_map(
     dataset
         Has `theta_rad`, `z_m`, `area`, `slipped` and `quantity` over (`interface`, `point`); half a roll is mirrored.
     interface
-        0 is the innermost (mandrel and layer 1).
+        Index of the interface; 0 is the innermost (mandrel and layer 1).
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
     quantity
         A length of the field table over (`interface`, `point`): "cumulative_slip" or "max_slip". The first is blank
         (hatched grey) where the interface stuck; "max_slip" contains elastic slip and is shown everywhere.
@@ -75,8 +75,8 @@ def plot_slip_map(
 
     Notes
     -----
-    Values between contact points are interpolated; the outline of the slipped region runs half way
-    between points that slipped and points that stuck. The area fraction in the title is that of the points' areas.
+    Values between contact points are interpolated. The outline of the slipped region runs half way between points
+    that slipped and points that stuck. The area fraction in the title uses the tributary areas.
     """
     points = surface(dataset, interface, quantity, "slipped")
     fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
@@ -117,9 +117,9 @@ def plot_pressure_map(dataset: xr.Dataset, interface: int = 0, ax: Axes | None =
     dataset
         Has `theta_rad`, `z_m`, `area` and `pressure` over (`interface`, `point`); half a roll is mirrored.
     interface
-        0 is the innermost (mandrel and layer 1).
+        Index of the interface; 0 is the innermost (mandrel and layer 1).
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Raises
     ------
@@ -162,18 +162,18 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
 def plot_peak_slip_vectors(
     dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None, max_arrows: int = 700
 ) -> Axes:
-    """Plot the relative displacement (outer minus inner) at its largest, as arrows on the unrolled cylinder.
+    """Plot the largest relative displacement of each point (outer minus inner) as arrows on the unrolled cylinder.
 
     Parameters
     ----------
     dataset
         Has `peak_slip_hoop`, `peak_slip_axial` over (`interface`, `point`), `theta_rad`, `z_m`, `area`.
     interface
-        0 is the innermost.
+        Index of the interface; 0 is the innermost.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
     max_arrows
-        Points are thinned evenly to at most this number; the longest arrow is always drawn.
+        Largest number of arrows, drawn at evenly spaced points; the longest arrow is always drawn.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Figures of a study of slip: every interface at every level of excitation."""
+"""Figures of the slip of every interface at every excitation level of a study."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ AMPLITUDE = "excitation.amplitude"
 
 
 def _levels(members: Sequence[SeriesMember], figure: str) -> list[SeriesMember]:
-    """Members from the lowest excitation to the highest."""
+    """Cases in order of increasing excitation."""
     return sorted(grid_members(members, figure, AMPLITUDE), key=lambda m: m.values[AMPLITUDE])
 
 
@@ -35,7 +35,7 @@ def _unrolled(ax: Axes, *, left: bool, bottom: bool) -> None:
 
 
 def plot_slip_extent(members: Sequence[SeriesMember]) -> Axes:
-    """Plot where each interface slipped at any time: a row per level of excitation, a column per interface (Fig 4.10).
+    """Plot where interfaces slipped at any time, one row per excitation level, one column per interface (Fig 4.10).
 
     Parameters
     ----------
@@ -108,14 +108,14 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: FloatArray) -> str
 
 
 def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) -> Axes:
-    """Plot the largest relative displacement as arrows, all interfaces at one scale, lowest excitation (Fig 4.11).
+    """Plot the largest relative displacements at the lowest excitation as arrows of one scale (Fig 4.11).
 
     Parameters
     ----------
     members
         Finished cases over `excitation.amplitude` with `peak_slip_hoop`, `peak_slip_axial`, `theta_rad`, `z_m`.
     max_arrows
-        Columns of points are thinned evenly to at most about this number per panel; the longest is always drawn.
+        Approximate largest number of arrows per panel; the longest arrow is always drawn.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) ->
         ax.set_ylim(y.min() - pad, y.max() + pad)
         largest_here, unit_here = in_small_unit(np.array([size.max()]))
         ax.set_title(f"{interface_name(k)}: {style.three_digits(float(largest_here[0]))} {unit_here}", fontsize=8.5)
-    assert arrows is not None  # an interface is there: `surface` has said so
+    assert arrows is not None  # `surface` raises an error without an interface
     bar = figure.colorbar(arrows, ax=list(panels.ravel()), shrink=0.8, pad=0.02)
     bar.set_label(f"Largest relative displacement ({unit})", fontsize=9)
     figure.supxlabel("Angle around the roll from x (°); 0° and ±180° face the excitation", fontsize=9)

@@ -1,4 +1,4 @@
-"""Cases of a study as figures need them: values of the grid, resonance, text for axes and legends."""
+"""Finished cases of a study: grid values, resonance, and texts for axes and legends."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ class SeriesMember:
     Attributes
     ----------
     name
-        Name of its run folder.
+        Name of the run folder.
     values
         Dotted key -> value in the grid; "case" -> name of the case file when the grid has several.
     data
-        Its results.
+        Results of the case.
     reference
-        Whether it stands beside the grid, to compare with.
+        Whether it is a reference case outside the grid.
     """
 
     name: str
@@ -60,18 +60,18 @@ class SeriesMember:
 
 
 def read(member: SeriesMember) -> Resonance:
-    """Resonance and damping that the results of a case hold."""
+    """Resonance and damping in the results of a case."""
     return resonance(member.data)
 
 
 def natural_frequency(member: SeriesMember) -> float:
-    """Frequency of the mode that moves the tip most under motion of the base, Hz, of a modal analysis."""
+    """Natural frequency (Hz) of the mode with the largest tip participation in a modal analysis."""
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
     return float(member.data["mode_frequency"].values[np.abs(member.data["tip_participation"].values).argmax()])
 
 
 def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
-    """|T| of the modes of a modal analysis without damping, (n,)."""
+    """(n,) undamped |T| at frequencies (n,) in Hz, from the modes of a modal analysis."""
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
     return undamped(frequency, member.data["mode_frequency"].values, member.data["tip_participation"].values)
 
@@ -83,7 +83,7 @@ def friction_work(member: SeriesMember) -> float:
 
 
 def is_sweep(member: SeriesMember) -> bool:
-    """Whether the case is a time history with a transmissibility (not a steady-state curve)."""
+    """Whether the case is a sweep in time, with a transmissibility."""
     return "time" in member.data.dims and "transmissibility_real" in member.data
 
 
@@ -110,12 +110,12 @@ def axis_label(key: str) -> str:
 
 
 def grid_members(members: Sequence[SeriesMember], figure: str, *keys: str) -> list[SeriesMember]:
-    """Return the members of the grid that have all keys.
+    """Cases of the grid that have values of all keys, without the reference.
 
     Raises
     ------
     InputError
-        When there is none.
+        If there are no such cases.
     """
     found = [m for m in members if not m.reference and all(key in m.values for key in keys)]
     if not found:
@@ -127,29 +127,29 @@ def grid_members(members: Sequence[SeriesMember], figure: str, *keys: str) -> li
 
 
 def values_of(members: Sequence[SeriesMember], key: str) -> list[Any]:
-    """Distinct values of a key; numbers rising, others as they come."""
+    """Distinct values of a key: numbers in ascending order, others in the order of the cases."""
     unique = {json.dumps(m.values[key]): m.values[key] for m in members if key in m.values}
     found = list(unique.values())
     return sorted(found) if all(isinstance(value, int | float) for value in found) else found
 
 
 def having(members: Sequence[SeriesMember], key: str, value: Any) -> list[SeriesMember]:
-    """Return the members with this value; every member when the grid does not have the key."""
+    """Cases with this value of a key, and cases without the key."""
     return [m for m in members if key not in m.values or m.values[key] == value]
 
 
 def scaled(key: str, value: float) -> float:
-    """Value of a key in the unit that figures show."""
+    """Value of a key in the unit used in figures."""
     return _QUANTITIES[key][2] * value
 
 
 def percent(zeta: float) -> str:
-    """Damping ratio as text, two decimals."""
+    """Damping ratio as text, in percent with two decimals."""
     return f"{100 * zeta:.2f} %" if np.isfinite(zeta) else "no estimate"
 
 
 def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
-    """Trend of a series: "rises", "falls" or "changes both ways" (slack: share of its range)."""
+    """Trend of values: "rises", "falls" or "changes both ways"; `slack` is a tolerance relative to their range."""
     steps = np.diff(np.asarray(values, dtype=float))
     allowed = slack * float(np.ptp(values))
     if np.all(steps > -allowed):
@@ -158,7 +158,7 @@ def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
 
 
 def lines_of(members: Sequence[SeriesMember], key: str | None) -> dict[str, list[SeriesMember]]:
-    """Members in groups to be joined by a line: by value of a key, sweeps and steady states apart."""
+    """Group cases into lines by the value of a key, with sweeps and steady-state curves apart; label -> cases."""
     groups: dict[str, list[SeriesMember]] = {}
     for value in values_of(members, key) if key is not None else [None]:
         for m in having(members, key, value) if key is not None else members:

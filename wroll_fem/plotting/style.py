@@ -1,4 +1,4 @@
-"""Shared by all figures: colours, sizes, titles that state the result, saving."""
+"""Common style of all figures: colours, sizes, titles, saving."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from wroll_fem.typing import FloatArray
 
 DPI = 150
 WIDTH = 7.2  # inch: 1080 pixels, legible when a README shows it at 800
-# Okabe and Ito's colours, told apart by colour-blind readers
+# colours of Okabe and Ito, distinguishable for colour-blind readers
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2",
     "#E69F00",
@@ -35,7 +35,7 @@ LINES = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, "#000000")
 
 
 def axes(ax: Axes | None, height: float = 4.2) -> Axes:
-    """Return the axes given, or those of a new figure (inches: `WIDTH` x `height`)."""
+    """Set up the given axes, or axes of a new figure of `WIDTH` x `height` inches."""
     if ax is None:
         _, ax = plt.subplots(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
     ax.grid(True, color="#DDDDDD", linewidth=0.6)
@@ -46,7 +46,7 @@ def axes(ax: Axes | None, height: float = 4.2) -> Axes:
 
 
 def title(ax: Axes, sentence: str, width: int = 92) -> None:
-    """Left-aligned title sentence in lines of even length that fit the figure."""
+    """Set a left-aligned title, wrapped into lines of similar length, at most `width` characters."""
     sentence = re.sub(r"(?<=\d) (?=[nµmkM]?(?:%|Hz|m|J|s|m/s²)(?![\w/]))|(?<=layer) (?=\d)", "\u00a0", sentence)
     sentence = sentence.replace(" -", " −")
     lines = len(textwrap.wrap(sentence, width))
@@ -55,22 +55,28 @@ def title(ax: Axes, sentence: str, width: int = 92) -> None:
 
 
 def figure_of(ax: Axes) -> Figure:
-    """Figure that holds the axes, also when they sit in a subfigure."""
+    """Figure of the axes, also of axes in a subfigure.
+
+    Raises
+    ------
+    InputError
+        If the axes belong to no figure.
+    """
     figure = ax.get_figure(root=True)
     if not isinstance(figure, Figure):
-        raise InputError("axes without a figure", remedy="pass axes made by matplotlib's subplots")
+        raise InputError("the axes belong to no figure", remedy="pass axes made by matplotlib's subplots")
     return figure
 
 
 def target(path: str | os.PathLike[str]) -> Path:
-    """Path of a file to write; its folders are made."""
+    """Path of a file to write, after creating its parent folders."""
     place = Path(path)
     place.parent.mkdir(parents=True, exist_ok=True)
     return place
 
 
 def save_figure(ax: Axes, path: str | os.PathLike[str]) -> Path:
-    """Write the figure of `ax` at 150 dpi (parents are made), close it and return the path."""
+    """Write the figure of `ax` at 150 dpi, close it and return the path; parent folders are created."""
     place = target(path)
     figure = figure_of(ax)
     figure.savefig(place, dpi=DPI)
@@ -79,7 +85,13 @@ def save_figure(ax: Axes, path: str | os.PathLike[str]) -> Path:
 
 
 def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
-    """Raise an InputError that names the variables missing for this figure."""
+    """Check that the results have all variables that a figure needs.
+
+    Raises
+    ------
+    InputError
+        If variables are missing; the message names them.
+    """
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(
@@ -89,9 +101,9 @@ def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
 
 
 def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Lowest and highest value of a long oscillating series per bin of more than a cycle: (x, low, high).
+    """Envelope of a long oscillating signal in bins of more than a cycle: x, lowest and highest values.
 
-    A series of fewer than 400 oscillations, which a picture can show, comes back as a line (low is high; `thinned`).
+    A signal of fewer than 400 oscillations is returned as one line, reduced by `thinned` (``low is high``).
     """
     oscillations = np.count_nonzero(np.diff(np.signbit(np.diff(y)))) // 2
     if oscillations < 400:
@@ -103,7 +115,7 @@ def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray,
 
 
 def thinned(x: FloatArray, y: FloatArray, bins: int = 2000) -> tuple[FloatArray, FloatArray]:
-    """Fewer points of a long line that look the same: the ends, and the lowest and highest point of each bin."""
+    """Reduce a long line without a visible change to its ends and the lowest and highest point of each bin."""
     width = x.size // bins
     if width < 4:
         return x, y

@@ -35,7 +35,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         Has `transmissibility_real/_imag` over `frequency`, and the estimate in its attributes (`results.resonance`);
         `transmissibility_spectrum_real/_imag` is drawn if there.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
         Label -> Dataset with `transmissibility_real/_imag`, in the order of a parameter (its colours
         run from dark to light) or up to three unordered runs.
     ax
-        Axes to draw in; a new figure without.
+        Axes to draw in; a new figure if None.
 
     Returns
     -------

@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
+from wroll_fem.results.design_space import tuned_stiffness
 from wroll_fem.typing import FloatArray
 
 _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_low", "omega_high", "zeta")
@@ -32,7 +33,7 @@ def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _colours(count: int) -> np.ndarray:
-    """Blue (low capacity) to red (high), as in the thesis; the pale middle left out."""
+    """Colours from blue (low capacity) to red (high) as in the thesis, without the pale middle."""
     share = np.linspace(0.0, 1.0, count)
     return colormaps["coolwarm"](np.where(share < 0.5, 0.42 * share / 0.5, 0.58 + 0.42 * (share - 0.5) / 0.5))
 
@@ -58,7 +59,7 @@ def plot_two_dof(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax = style.axes(ax, 4.6)
     capacities = dataset["friction_capacity"].values
     for k, colour in enumerate(_colours(len(capacities))):
-        # loose ones on top: where the masses stick, all curves fall together
+        # low capacities on top: where the masses stick, all curves coincide
         ax.plot(*_line(dataset, k), color=colour, lw=1.6, label=f"{capacities[k]:g} N", zorder=3.0 - 0.01 * k)
         peak = dataset.isel(friction_capacity=k)
         ax.plot(float(peak["omega_peak"]), float(peak["peak_transmissibility"]), "o", color=colour, ms=4, zorder=4.0)
@@ -85,14 +86,14 @@ def _sentence(dataset: xr.Dataset) -> str:
 
 
 def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
-    """Plot damping, peak, its frequency and skewness over the friction capacity; returns the first axes.
+    """Plot damping, peak, peak frequency and skewness over the friction capacity; returns the first axes.
 
     Raises
     ------
     InputError
         When the Dataset holds no such response.
     """
-    style.require(dataset, (*_RESPONSE, "skewness", "omega_stuck"), "readings of the two masses")
+    style.require(dataset, (*_RESPONSE, "skewness", "omega_stuck"), "damping figure of the two masses")
     _, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 5.8), dpi=style.DPI, layout="constrained", sharex=True)
     capacity = dataset["friction_capacity"].values
     zeta = 100.0 * dataset["zeta"].values
@@ -134,7 +135,7 @@ def _methods(dataset: xr.Dataset) -> str:
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Plot contours of the largest damping over mass and stiffness of the secondary (Fig. 5.7).
 
-    The dashed line is where both masses have the same resonance on their own, at the capacity that is most often best.
+    On the dashed line the uncoupled masses have equal natural frequencies, at the capacity that is optimal most often.
 
     Raises
     ------
@@ -151,7 +152,7 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
     ax.clabel(lines, fmt="%.3g", fontsize=7)
     bar = style.figure_of(ax).colorbar(filled, ax=ax)
     bar.set_label("Largest half-power damping over the capacities (%)")
-    _tuned(dataset, ax)
+    _draw_tuned(dataset, ax)
     ax.grid(False)
     ax.set_xlabel(label("m2", "kg"))
     ax.set_ylabel(label("k2", "N/m"))
@@ -169,29 +170,26 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
     return ax
 
 
-def _tuned(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw k2' / m2' = k1 / m1' (equations 5.6 and 5.7)."""
-    attrs, best = dataset.attrs, dataset["capacity_at_zeta_max"].values
-    known, count = np.unique(best[np.isfinite(best)], return_counts=True)
-    if attrs.get("arrangement") != "both_on_base" or known.size == 0:
+def _draw_tuned(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the line of equal uncoupled natural frequencies."""
+    found = tuned_stiffness(dataset)
+    if found is None:
         return
-    capacity = float(known[count.argmax()])
-    share = np.tanh(0.5 * capacity) if attrs["preload_dependent"] else 1.0
+    capacity, k2 = found
     m2 = dataset["m2"].values
-    k2 = m2 * attrs["primary_stiffness_n_m"] / (attrs["primary_mass_kg"] + m2 * (1.0 - share))
     shown = (k2 >= float(dataset["k2"].min())) & (k2 <= float(dataset["k2"].max()))
-    text = f"same resonance on their own (at {capacity:g} N)"
+    text = f"equal uncoupled frequencies (at {capacity:g} N)"
     ax.plot(m2[shown], k2[shown], color="white", ls="--", lw=1.6, label=text)
     ax.legend(fontsize=8, facecolor="#777777", labelcolor="white", loc="upper right")
 
 
 def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
-    """Plot the response of the arrangements of Fig. 5.1 next to each other (Fig. 5.2); returns the first axes.
+    """Plot the responses of the arrangements of Fig. 5.1 side by side (Fig. 5.2); returns the first axes.
 
     Parameters
     ----------
     datasets
-        Words for each panel -> result of the analysis two_dof.
+        Panel title -> result of the analysis two_dof.
 
     Raises
     ------

@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import MARKERS, SeriesMember, axis_label, grid_members, shown, values_of
+from wroll_fem.results.pressure_profile import middle_slope
 
 TENSION, MODULUS = "winding.tension_newton", "winding.web.radial_modulus"
 SIMULATED = (10e3, 300e3)
@@ -52,7 +53,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
         upper.plot(radius / ends[0], scale * dataset[f"{name}_pa"], color=colour, lw=1.8, label=text)
         coarse = np.append(dataset[f"wrap_{name}_pa"].values, 0.0)
         upper.plot(under, scale * coarse, color=colour, lw=1.2, ls=(0, (4, 2)), label=f"{text}, thesis's grid")
-    upper.set_ylabel(f"Between the wraps ({unit})")
+    upper.set_ylabel(f"Interlayer stress ({unit})")
     upper.set_ylim(0.0, None)
     upper.legend(fontsize=8, framealpha=0.9)
     scale, unit = _scaled(float(dataset["winding_tension_pa"].max()))
@@ -66,8 +67,8 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
         label="in the roll, thesis's grid",
     )  # fmt: skip
     lower.axhline(0.0, color="black", lw=0.8)
-    lower.set_ylabel(f"Along the web ({unit})")
-    lower.set_xlabel("Radius over that of the mandrel (–)")
+    lower.set_ylabel(f"Hoop stress ({unit})")
+    lower.set_xlabel("Radius / mandrel radius (–)")
     lower.set_xlim(1.0, ends[1] / ends[0])
     lower.legend(fontsize=8, framealpha=0.9)
     attrs = dataset.attrs
@@ -83,7 +84,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
 
 
 def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot pressure over winding tension along the radius, one line per radial modulus (Fig 2.4)."""
+    """Plot pressure, divided by winding tension, over the radius, one line per radial modulus (Fig 2.4)."""
     grid = grid_members(members, "winding_hardness", MODULUS)
     for m in grid:
         style.require(m.data, (*_STRESS, "radial_modulus_pa"), "figure of soft and hard rolls")
@@ -95,15 +96,15 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
         ax.plot(1.0, m.data["pressure_pa"].values[0] / tension, "o", color=colour, ms=5, clip_on=False, zorder=5)
     ax.set_xlim(1.0, max(float(m.data["r"][-1] / m.data["r"][0]) for m in grid))
     ax.set_ylim(0.0, None)
-    ax.set_xlabel("Radius over that of the mandrel (–)")
-    ax.set_ylabel("Pressure over winding tension (–)")
+    ax.set_xlabel("Radius / mandrel radius (–)")
+    ax.set_ylabel("Pressure / winding tension (–)")
     ax.legend(fontsize=8, title="Radial modulus of the stack", title_fontsize=8)
     at_core = [float(m.data["pressure_pa"].values[0]) for m in grid]
     slopes = [middle_slope(m.data) for m in grid]
     style.title(
         ax,
         f"The softest roll has {100 * at_core[-1] / at_core[0]:.0f} % of the hardest one's pressure at the mandrel, "
-        f"and {100 * slopes[-1] / slopes[0]:.0f} % of its slope over the middle half",
+        f"and {100 * slopes[-1] / slopes[0]:.0f} % of its pressure gradient over the middle half",
     )
     return ax
 
@@ -117,14 +118,6 @@ def _law(member: SeriesMember) -> str:
     if modulus["law"] == "pfeiffer":
         return f"{modulus['K2']:g} ({1e-3 * modulus['K1']:g} kPa + P)"
     return "measured table"
-
-
-def middle_slope(dataset: xr.Dataset) -> float:
-    """Mean slope of the pressure over the middle half of the roll, Pa/m, positive where it falls outwards."""
-    r, pressure = dataset["r"].values, dataset["pressure_pa"].values
-    ends = r[0] + np.array([0.25, 0.75]) * (r[-1] - r[0])
-    values = np.interp(ends, r, pressure)
-    return float((values[0] - values[1]) / (ends[1] - ends[0]))
 
 
 def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
@@ -174,5 +167,5 @@ def _varied(grid: Sequence[SeriesMember]) -> list[str]:
 
 
 def _scaled(largest: float) -> tuple[float, str]:
-    """Scale and unit in which a stress is legible."""
+    """Scale and unit of a stress, by its largest value: MPa or kPa."""
     return (1e-6, "MPa") if largest >= 1e6 else (1e-3, "kPa")
