@@ -60,7 +60,7 @@ CASES: dict[str, tuple[str, list[str]]] = {
     "dwell_opening_reduced": ("lab_dwell_layers", [*COARSE, *DWELL, *LOW]),
     "harmonic": ("lab_harmonic", PERIODIC),
     "harmonic_rate": ("lab_harmonic", [*PERIODIC, *RATE]),
-    "harmonic_smoothed": ("lab_harmonic", [*PERIODIC, *SMOOTH, "contact.friction.reference_speed=0.03"]),
+    "harmonic_smoothed": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3", QUIET, *SMOOTH]),
     "harmonic_rational": ("lab_harmonic", [*PERIODIC, "output.damping=rational_fraction"]),
     "backbone": ("lab_backbone", COARSE),
     "modal_bonded": ("lab_modal", COARSE),

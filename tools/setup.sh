@@ -23,7 +23,7 @@ fail() {
 }
 
 state() { # what the installed environment depends on
-    { cat pyproject.toml tools/setup.sh; pwd; echo "$extras"; "$system_python" --version; debian_version numpy; } 2>/dev/null | sha256sum
+    { cat pyproject.toml tools/setup.sh; grep "^__version__" wroll_fem/__init__.py; pwd; echo "$extras"; "$system_python" --version; debian_version numpy; } 2>/dev/null | sha256sum
 }
 
 debian_version() { # version of a Python package of Debian, seen from Debian's Python alone
