@@ -52,7 +52,7 @@ class Claim:
 
     @property
     def number(self) -> int:
-        """Number in the id."""
+        """Number of the claim."""
         return int(self.id[1:])
 
 

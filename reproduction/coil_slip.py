@@ -47,7 +47,7 @@ def onset(data: xr.Dataset) -> float:
 
 
 def from_axis(degrees: float) -> float:
-    """Angle to the nearest of 0 and 180 degrees."""
+    """Angular distance to 0 or 180 degrees, whichever is nearer."""
     return min(abs(degrees) % 180.0, 180.0 - abs(degrees) % 180.0)
 
 
@@ -70,7 +70,7 @@ class RootSection:
         self.root = {name: values[:, 0, :] for name, values in self.all.items()}
 
     def ratio(self) -> FloatArray:
-        """(n_z,) largest srz over largest srt of each row."""
+        """(n_z,) ratio of the largest srz to the largest srt in each row of points."""
         return np.asarray(self.all["rz"].max(axis=(0, 2)) / self.all["rt"].max(axis=(0, 2)))
 
     def half_depth(self, name: str, row: int = 0) -> float:
@@ -264,6 +264,6 @@ GROUP = ClaimGroup(
     tables={
         "Slip of the case study on other meshes": meshes,
         "Slip of the case study with fewer and more modes (harmonics)": truncation,
-        "What would move the onset of slip (harmonics, finest mesh, unless it says otherwise)": inputs,
+        "Inputs that change the onset of slip (harmonics, finest mesh, unless stated otherwise)": inputs,
     },
 )

@@ -40,7 +40,7 @@ def bending_index(data: xr.Dataset) -> int:
     """
     index = main_bending(data["mode_kind"].values.tolist(), data["effective_mass_fraction"].values)
     if index is None:
-        raise InputError("no bending mode among the modes", key="modal.count", remedy="raise it")
+        raise InputError("the modes include no bending mode", key="modal.count", remedy="increase it")
     return index
 
 
@@ -114,7 +114,7 @@ def c17(evidence: Evidence) -> Verdict:
 
 
 def kapton(modulus: float, G: float) -> tuple[str, str, str]:
-    """Overrides of the Kapton roll for an in-plane modulus and an interlayer shear modulus, Pa."""
+    """Overrides of the Kapton roll with given in-plane and interlayer shear modulus, Pa."""
     return KAPTON, f"{MODULUS}={modulus!r}", f"{SHEAR}={G!r}"
 
 
@@ -124,7 +124,7 @@ def isotropic(modulus: float) -> float:
 
 
 def softest(evidence: Evidence, modulus: float) -> float:
-    """Lowest shear modulus with a fundamental bending mode, Pa, from Fourier elements."""
+    """Lowest shear modulus for which bending is the fundamental mode, Pa, from Fourier elements."""
     case = evidence.roll(*kapton(modulus, isotropic(modulus)), HARMONICS)
 
     def search() -> xr.Dataset:

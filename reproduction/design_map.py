@@ -1,4 +1,4 @@
-"""Claims on the map of mandrels (section 2.5, Fig 2.16), C26 and C27, and the effect of inputs that are not stated."""
+"""Claims on the design map (section 2.5, Fig 2.16), C26 and C27, and the effect of inputs that the thesis omits."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def variants(evidence: Evidence) -> str:
 
 
 def map_figure(evidence: Evidence) -> Axes:
-    """Fig 2.16."""
+    """Draw Fig 2.16."""
     return plot_design_map(evidence.result(MAP))
 
 

@@ -124,7 +124,7 @@ def series_table(series: str, evidence: Evidence) -> str:
 
 
 def plot_curves(series: str, evidence: Evidence) -> Axes:
-    """Fig. A.2: transmissibility, one curve per elastic slip."""
+    """Draw Fig. A.2: transmissibility, one curve per elastic slip."""
     ax = style.axes(None, 4.6)
     for m, colour, dash in zip(members(evidence, series), style.LINES, ("-", "--", "-.", ":"), strict=False):
         text = rf"$\gamma^*$ = {1e6 * float(m.values[SLIP]):g} µm"

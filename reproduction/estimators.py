@@ -108,7 +108,7 @@ def exact_table(evidence: Evidence) -> str:
 
 
 def unconstrained(z: float) -> float:
-    """Damping of a bell with the curvature of the peak: the fit for d -> 0, which the constraint excludes."""
+    """Damping of a bell with the curvature of the peak (limit d -> 0 of the fit, which the constraint excludes)."""
     f = np.linspace(0.9, 1.1, 5) if z > 0.3 else np.linspace(1.0 - 0.2 * z, 1.0 + 0.2 * z, 5)
     top = np.abs(single_dof_transmissibility(FREQUENCY, 1.0, z)).argmax()
     f = f - 1.0 + FREQUENCY[top]
@@ -163,7 +163,7 @@ def hard_table(evidence: Evidence) -> str:
 
 
 def plot_estimators(evidence: Evidence) -> Axes:
-    """Fig. D.1."""
+    """Draw Fig. D.1."""
     _, (left, right) = plt.subplots(1, 2, figsize=(1.45 * style.WIDTH, 4.4), dpi=style.DPI, layout="constrained")
     z = np.array(PRESCRIBED)
     shown = {

@@ -63,7 +63,7 @@ class Evidence:
         if not (self.configs / "studies").is_dir():
             raise InputError(
                 "the case files of the studies are missing", file=str(self.configs),
-                remedy="run from a clone of the project, whose folder configs/ has them",
+                remedy="run from a clone of the project, which contains configs/",
             )  # fmt: skip
         self._studies: dict[str, list[SeriesMember]] = {}
         self._results: dict[str, xr.Dataset] = {}
@@ -86,7 +86,7 @@ class Evidence:
         return load_case(self.configs / f"{config}.yaml", [*coarse, *overrides])
 
     def roll(self, config: str, *overrides: str) -> OnRoll:
-        """As `case`, for a case on a roll."""
+        """Case of configs/ that describes a roll, with the arguments of `case`."""
         return self.case(config, *overrides).expect(OnRoll)
 
     def result(self, config: str, *overrides: str) -> xr.Dataset:

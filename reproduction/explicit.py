@@ -105,7 +105,7 @@ def _run(
 def run_from_rest(
     preloaded: PreloadedTwoMasses, omega: float, *, rtol: float, atol: float, periods: int = 20
 ) -> ExplicitRun:
-    """Run for 6/(0.002 omega) s from rest under y = Y_0 sin(omega t), read over its last ``periods``.
+    """Run for 6/(0.002 omega) s from rest under y = Y_0 sin(omega t), evaluated over the last ``periods``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Claim on a coefficient of friction that rises with the slip rate: C125."""
+"""Claim on a coefficient of friction that increases with the slip rate: C125."""
 
 from __future__ import annotations
 

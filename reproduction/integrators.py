@@ -27,9 +27,9 @@ PRINTED = {-0.05: ("0.275625", "0.55"), -0.41421: ("0.5", "0.91421"), 0.0: ("0.2
 STEP = 3.0722e-4
 """Time step of the run in the thesis (Fig. B.2), s."""
 ANGLE = 0.29
-"""omega dt of 150 Hz at that step, rad."""
+"""omega dt at 150 Hz with this time step, rad."""
 FINER = 4
-"""Number of steps of the reference run over that in the thesis."""
+"""Number of time steps of the reference run, relative to the run in the thesis."""
 ENERGIES = ("input_work", "friction_energy", "numerical_dissipation")
 
 
@@ -119,7 +119,7 @@ def schemes_table(evidence: Evidence) -> str:
 
 
 def plot_damping(evidence: Evidence) -> Axes:
-    """Fig. B.1's schemes: numerical damping ratio over steps per cycle."""
+    """Draw the numerical damping ratio of the schemes of Fig. B.1 over the steps per cycle."""
     ax = style.axes(None)
     steps = np.geomspace(8.0, 320.0, 200)
     for name, colour in zip(NAMES[:0:-1], style.LINES, strict=False):
@@ -136,7 +136,7 @@ def plot_damping(evidence: Evidence) -> Axes:
 
 
 def plot_schemes(evidence: Evidence) -> Axes:
-    """Fig. B.3: sweep with each scheme, and with a quarter of the step."""
+    """Draw Fig. B.3: sweep with each scheme, and with a quarter of the time step."""
     ax = style.axes(None, 4.6)
     found = by_scheme(evidence)
     lines = {**found, "reference: a quarter of the step": reference(evidence)}

@@ -64,7 +64,7 @@ def c126(evidence: Evidence) -> Verdict:
 
 
 def plot(evidence: Evidence) -> Axes:
-    """Fig. E.15."""
+    """Draw Fig. E.15."""
     a, b = CONSTANTS.a, CONSTANTS.b
     cases = {"a and b": (a, b), "b = 0: direct effect alone": (a, 0.0), "a = 0: state alone": (0.0, b)}
     rates, durations = STEPS.history(points=400)

@@ -10,7 +10,7 @@ from wroll_fem.plotting.convergence import first_bending
 from wroll_fem.plotting.study import PRESSURE, SeriesMember, is_sweep, read
 
 PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
-"""Base of the layer -> its sweeps over the preload."""
+"""Base condition of the layer -> study of sweeps over the preload."""
 
 
 def sweeps(evidence: Evidence, base: str) -> list[SeriesMember]:
@@ -36,7 +36,7 @@ def bound(evidence: Evidence, interface: str, base: str) -> float:
 def beside(
     evidence: Evidence, said: Callable[[Sequence[SeriesMember]], str], found: Callable[[str], Sequence[SeriesMember]]
 ) -> str:
-    """Text for the free base, on which claims are judged, followed by that for the clamped base.
+    """Results for the free base, on which claims are judged, and for the clamped base, as text.
 
     Parameters
     ----------

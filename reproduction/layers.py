@@ -21,7 +21,7 @@ from wroll_fem.typing import FloatArray
 
 AMPLITUDE = "excitation.amplitude"
 DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped"}
-"""Base of the layers -> their dwells at 150 Hz."""
+"""Base condition of the layers -> study of dwells at 150 Hz."""
 
 Members = Sequence[SeriesMember]
 
@@ -46,7 +46,7 @@ def level(member: SeriesMember) -> str:
 
 
 def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
-    """Text for both base conditions."""
+    """Result for both base conditions as text."""
     return beside(evidence, said, lambda base: dwells(evidence, base))
 
 

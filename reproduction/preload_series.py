@@ -18,12 +18,12 @@ Members = Sequence[SeriesMember]
 
 
 def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
-    """Text for both base conditions."""
+    """Result for both base conditions as text."""
     return beside(evidence, said, lambda base: sweeps(evidence, base))
 
 
 def at_interface(evidence: Evidence, said: Callable[[Members], str]) -> str:
-    """Text for the preloads with an interface pressure of at least 10 kPa."""
+    """Result for the preloads with an interface pressure of at least 10 kPa, as text."""
     members = [
         m for m in sweeps(evidence, "free") if evidence.summary("preload", m)["interface_pressure_mean_pa"][0] >= 1e4
     ]
@@ -74,7 +74,7 @@ def c67(evidence: Evidence) -> Verdict:
 
 
 def c68(evidence: Evidence) -> Verdict:
-    """Fraction of E_F gained within 10 % of f_n, and frequency of its largest rate (windows of about 20 cycles)."""
+    """Fraction of E_F dissipated within 10 % of f_n, and frequency of its largest rate (windows of about 20 cycles)."""
     members = sweeps(evidence, "free")
     parts, holds = [], True
     for m in (members[0], members[-1]):

@@ -152,7 +152,7 @@ def spikes_table(evidence: Evidence) -> str:
 
 
 def plot_sign(evidence: Evidence) -> Axes:
-    """Figs. 5.5 and C.1."""
+    """Draw Figs. 5.5 and C.1."""
     ax = style.axes(None)
     x = np.linspace(-6.0, 6.0, 1201)
     for scale, colour in zip(SCALES, style.LINES, strict=False):
@@ -166,7 +166,7 @@ def plot_sign(evidence: Evidence) -> Axes:
 
 
 def plot_responses(evidence: Evidence) -> Axes:
-    """Fig. C.2: orbits, and runs from rest with ode45's default tolerance."""
+    """Draw Fig. C.2: orbits, and runs from rest with ode45's default tolerance."""
     size = (style.WIDTH, 6.4)
     figure, panels = plt.subplots(2, 2, figsize=size, dpi=style.DPI, layout="constrained", sharex=True, sharey=True)
     found, forces = curves(evidence), capacities(evidence)

@@ -44,7 +44,7 @@ class Judged:
 
     @property
     def line(self) -> str:
-        """Id, verdict, what the thesis states, what was computed."""
+        """Line with id, verdict, statement of the thesis and computed value."""
         return f"{self.claim.id:<5} {self.verdict.word:<24} thesis: {self.claim.claim}  here: {self.verdict.value}"
 
 

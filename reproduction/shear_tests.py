@@ -94,7 +94,7 @@ def c121(evidence: Evidence) -> Verdict:
 
 
 def plot(evidence: Evidence) -> Axes:
-    """Figs. E.6 to E.9."""
+    """Draw Figs. E.6 to E.9."""
     return plot_shear_tests(tests(evidence))
 
 

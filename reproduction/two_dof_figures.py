@@ -36,7 +36,7 @@ def with_lab_density(evidence: Evidence) -> list[SeriesMember]:
 
 
 def plot_both_models(evidence: Evidence) -> Axes:
-    """Fig. 5.6: finite elements on the left, two masses on the right, over frequency/(mandrel alone)."""
+    """Draw Fig. 5.6: finite elements (left) and two masses (right), over frequency / frequency of the mandrel alone."""
     modulus = lab_values(evidence)[1]
     members = [m for m in with_lab_density(evidence) if float(m.values[MODULUS]) == modulus]
     if not members:
@@ -100,7 +100,7 @@ def plot_stiffness(evidence: Evidence) -> Axes:
 
 
 def plot_layer_space(evidence: Evidence) -> Axes:
-    """Both maps of largest damping over mass and stiffness of the secondary, relative to Table 5.2 and the lab roll."""
+    """Draw both maps of largest damping over secondary mass and stiffness, relative to Table 5.2 and the lab roll."""
     density, modulus = lab_values(evidence)
     found = study.largest_damping(evidence.study(SPACE_STUDY), DENSITY, MODULUS)
     rho, young = sorted({key[0] for key in found}), sorted({key[1] for key in found})
@@ -123,7 +123,7 @@ def plot_layer_space(evidence: Evidence) -> Axes:
 
 
 def draw_map(ax: Axes, x: FloatArray, y: FloatArray, percent: FloatArray) -> None:
-    """Contours of damping in % (y, x) on logarithmic axes, the reference marked."""
+    """Draw contours of damping (%) over (y, x) on logarithmic axes, with the reference marked."""
     style.axes(ax)
     filled = ax.contourf(x, y, percent, levels=14, cmap="viridis")
     lines = ax.contour(x, y, percent, levels=np.asarray(filled.levels)[::2], colors="white", linewidths=0.7)

@@ -10,7 +10,7 @@ EXPERIMENT = "out of scope: experiment"
 NOT_YET = "not yet"
 NOT_COMPUTED = "not computed"
 VERDICTS = (MET, NOT_MET, THESIS_ERROR, EXPERIMENT, NOT_YET, NOT_COMPUTED)
-"""All verdicts in the order of the count; the last one means that a run failed."""
+"""All verdicts in the order of the summary; the last one means that a run failed."""
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ def with_modulus(winding: Winding, E_r: float) -> Winding:
 
 
 def core_of(winding: Winding) -> float:
-    """E_theta/K_m + nu_theta."""
+    """Coefficient E_theta/K_m + nu_theta of the core condition."""
     return winding.web.E_theta / wound_roll(winding).mandrel_stiffness + winding.web.nu_theta
 
 
@@ -257,12 +257,12 @@ def c61(evidence: Evidence) -> Verdict:
 
 
 def case_study_figure(evidence: Evidence) -> Axes:
-    """Fig 2.12."""
+    """Draw Fig 2.12."""
     return plot_winding(evidence.result("winding_case_study"))
 
 
 def beam_figure(evidence: Evidence) -> Axes:
-    """Figs 2.8 and 2.9."""
+    """Draw Figs 2.8 and 2.9."""
     return plot_cantilever(mandrel_beam(evidence))
 
 

@@ -1,4 +1,4 @@
-"""Texts and orderings shared by several claim groups."""
+"""Text formats and monotonicity checks shared by several claim groups."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SLACK = 0.005
 
 
 def exactly(error: float) -> str:
-    """Relative error as text; an exact zero is given as below rounding."""
+    """Relative error as text; "rounding" for an exact zero."""
     return f"{error:.0e}" if error > 0 else "rounding"
 
 
@@ -24,7 +24,7 @@ def numbers(values: Iterable[float], form: str, joined: str = ", ") -> str:
 
 
 def listed(members: Iterable[SeriesMember], value: Callable[[SeriesMember], float], form: str) -> str:
-    """One value of every case of a study."""
+    """One value of every case of a study, as text."""
     return numbers((value(m) for m in members), form)
 
 

@@ -14,7 +14,7 @@ from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, Sym
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
-"""Lower end of the search for the interlayer shear modulus, Pa; if bending is lowest even here, there is no limit."""
+"""Lowest interlayer shear modulus of the search, Pa; if bending is the fundamental mode here, there is no bound."""
 
 _TOLERANCE = 1e-8  # absolute tolerance of ln G
 _REACH = 2.5  # length of the first interval per gap at its start; with the slope 1/2 the zero is at 2
@@ -56,7 +56,7 @@ def with_shear_modulus(material: CylindricalOrthotropic, G: float) -> Cylindrica
 
 
 def fundamental(roll: FourierRoll) -> FourierMode:
-    """Fundamental mode of a roll: the lowest over all circumferential wave numbers.
+    """Fundamental mode of a roll, the lowest of all circumferential wave numbers.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> Softest
 
 
 def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
-    """Zero of an increasing function below ``top``; ln `LOWEST_MODULUS` if the function is positive even there.
+    """Zero of an increasing function below ``top``, or ln `LOWEST_MODULUS` if the function is positive there.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
         if gap(high) < 0:
             raise ConvergenceError(
                 "bending is not the fundamental mode at the interlayer shear modulus of the stiffest coil", time_s=None,
-                iterations=3, residual_history=[], advice="give design_map.loosest as a shear modulus in Pa",
+                iterations=3, residual_history=[], advice="give design_map.softest as a shear modulus in Pa",
             )  # fmt: skip
     if gap(low) > 0:
         low = floor

@@ -102,7 +102,7 @@ class Oscillators:
         return np.asarray(-amplitude * np.asarray(self.participation) / stiffness)
 
     def from_rest(self, times: FloatArray, frequency_hz: float, amplitude: float = 1.0) -> ModalState:
-        """Motion from rest at t = 0; the equations are in the docstring of the module.
+        """Motion from rest at t = 0 (equations of the module docstring).
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ def run_to_steady_state(
 
 
 def steady_transmissibility(oscillators: Oscillators, tip: FloatArray, frequency_hz: float) -> complex:
-    """Ratio of absolute tip acceleration to base acceleration in the steady state: 1 - W^2 sum_k tip_k Q_k / A.
+    """Steady-state ratio of absolute tip acceleration to base acceleration, 1 - W^2 sum_k tip_k Q_k / A.
 
     Parameters
     ----------

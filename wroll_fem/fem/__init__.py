@@ -1,1 +1,1 @@
-"""Everything that needs dolfinx: shells, solids, constraints, bodies and their natural frequencies."""
+"""Finite elements with dolfinx: shells, solids, constraints, bodies and eigensolvers."""

@@ -182,7 +182,7 @@ def bonded_map(
     Raises
     ------
     InputError
-        If `symmetric` is set but the nodes do not mirror about the x-z plane.
+        If `symmetric` is set but the nodes are not symmetric about the x-z plane.
     """
     n = len(nodes)
     source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)

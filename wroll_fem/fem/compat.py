@@ -62,7 +62,7 @@ def quiet_compiler() -> Iterator[None]:
 
 
 JIT_SECONDS = 120
-"""Time to wait for a form that another process is compiling, s; the 10 s of ffcx are too short on a busy machine."""
+"""Time to wait for a form that another process is compiling, s; the default of ffcx, 10 s, is too short under load."""
 
 
 def compile_form(form: Any) -> Any:

@@ -72,7 +72,7 @@ def build_constraints(
     Raises
     ------
     InputError
-        If `symmetric` is set but the nodes do not mirror about the x-z plane.
+        If `symmetric` is set but the nodes are not symmetric about the x-z plane.
     """
     n = len(nodes)
     source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
@@ -125,7 +125,7 @@ def mirrored_values(
     Raises
     ------
     InputError
-        If `symmetric` is set but the nodes do not mirror about the x-z plane.
+        If `symmetric` is set but the nodes are not symmetric about the x-z plane.
     """
     n, k = len(nodes), len(parity)
     source, sign, free = np.arange(n), np.ones((n, k)), np.ones((n, k), bool)
@@ -133,9 +133,9 @@ def mirrored_values(
         partner = mirror_nodes(nodes)
         if partner is None:
             raise InputError(
-                "the mesh's nodes do not mirror about the x-z plane",
+                "the nodes of the mesh are not symmetric about the x-z plane",
                 key="solver.symmetry",
-                remedy="set solver.symmetry: false, or mesh with a node at theta = 0 and mirrored divisions",
+                remedy="set solver.symmetry: false, or mesh with a node at theta = 0 and symmetric divisions",
             )
         below = nodes[:, 1] < -1e-9 * np.abs(nodes).max()
         source[below], sign[below] = partner[below], parity

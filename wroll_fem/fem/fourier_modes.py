@@ -22,9 +22,9 @@ SHIFT = -((2 * np.pi * 100.0) ** 2)
 """Spectral shift in (rad/s)^2: below the spectrum, and large enough to keep rounding errors of 0.5 mm cells small."""
 
 HIGHEST_WAVE_NUMBER = 80
-"""Circumferential wave number at which the search for modes stops with an error."""
+"""Largest circumferential wave number of the search for modes, which then stops with an error."""
 _BEYOND = 4
-"""Number of consecutive wave numbers whose lowest frequency must rise above all wanted ones before the search ends."""
+"""Number of consecutive wave numbers with all frequencies above the wanted ones, after which the search ends."""
 _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
 
 
@@ -34,7 +34,7 @@ class FourierMode:
 
     Attributes
     ----------
-    family
+    symmetry
         Symmetry class of the mode.
     frequency_hz, residual
         Natural frequency (Hz), relative residual of the eigenpair.
@@ -144,7 +144,7 @@ def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
 
 
 def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float) -> list[FourierMode]:
-    """Modes of a symmetry class up to the frequency `limit` (Hz), at least one and at most as many as can be needed."""
+    """Modes of a symmetry class up to `limit` (Hz); at least one, at most those among the lowest `count`."""
     most = count if symmetry.wave_number == 0 else (count + 1) // 2
     some = min(3, most)
     while True:

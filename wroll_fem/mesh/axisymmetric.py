@@ -26,7 +26,7 @@ BOND_RATIO = 0.3
 """Ratio of the radial sizes of adjacent cells in that refinement."""
 
 MESHED_COILS = ("solid", "bonded")
-"""Coil models that are meshed; the other models add a mass to the wall, or nothing."""
+"""Coil models that are meshed; the other models add at most a mass to the wall."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ Hexes = tuple[FloatArray, IntArray]
 
 
 def start_gmsh() -> None:
-    """Initialise gmsh and remove one false alarm from its messages on stderr.
+    """Initialise gmsh and suppress one false warning on stderr.
 
     The PETSc library in the gmsh wheel mistakes Open MPI 5, whose ROMIO defines a few symbols of MPICH, for a second
     MPI library and warns that the program will not run correctly. Meshing does not use MPI.

@@ -25,7 +25,7 @@ _MATCH_TOLERANCE = 1e-6  # relative deviation of a user's mesh from the geometry
 
 
 def part_name(index: int) -> str:
-    """Name of shell `index`: "mandrel" for 0, otherwise that of the layer, counted from the inside."""
+    """Name of shell `index`, counted from the inside: "mandrel" for 0, otherwise "layer_01", "layer_02", ..."""
     return "mandrel" if index == 0 else f"layer_{index:02d}"
 
 
@@ -89,7 +89,7 @@ def build_mesh(roll: RollSections) -> CylinderMesh:
 
 
 def check_geometry(mesh: CylinderMesh, layout: Sequence[tuple[str, float, float]], length: float, source: str) -> None:
-    """Compare a user's mesh with the mid-surfaces and the length of the case.
+    """Check that a user's mesh has the mid-surfaces and the length of the case.
 
     Parameters
     ----------

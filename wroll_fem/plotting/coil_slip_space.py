@@ -47,6 +47,11 @@ def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     -------
     Path
         The file written.
+
+    Raises
+    ------
+    InputError
+        If the Dataset lacks a field.
     """
     style.require(dataset, (*_FIELDS, "amplitude_g"), "slip map of the coil")
     values = {name: dataset[name].values for name in _FIELDS}

@@ -25,7 +25,13 @@ AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
 
 
 def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
-    """Plot f_n, peak, zeta and friction work over the number of axial elements, one line per grading."""
+    """Plot f_n, peak, zeta and friction work over the number of axial elements, one line per grading.
+
+    Raises
+    ------
+    InputError
+        If no case has a value of `mesh.axial`.
+    """
     key = AXIAL
     grid = grid_members(members, "mesh_friction", key)
     line = GRADING if len(values_of(grid, GRADING)) > 1 else None
@@ -60,7 +66,13 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
 
 
 def first_bending(member: SeriesMember) -> float:
-    """Frequency of the first bending mode of a modal analysis, Hz."""
+    """Frequency of the first bending mode of a modal analysis, Hz.
+
+    Raises
+    ------
+    InputError
+        If the Dataset holds no modes.
+    """
     style.require(member.data, ("mode_frequency", "mode_kind"), "figure of frequencies")
     bending = [str(kind) == "bending" for kind in member.data["mode_kind"].values]
     return float(member.data["mode_frequency"].values[bending][0])
@@ -70,6 +82,11 @@ def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None 
     """Plot the first bending frequency over the number of axial elements, one line per circumferential number.
 
     The shaded band, +-1 % around the finest mesh, is the criterion of the thesis.
+
+    Raises
+    ------
+    InputError
+        If no case has values of `mesh.axial` and `mesh.circumferential`.
     """
     grid = grid_members(members, "mesh_frequency", AXIAL, AROUND)
     ax = style.axes(ax, 4.2)

@@ -36,7 +36,12 @@ def slip_surface(
     Returns
     -------
     points, cells, fields
-        (n, 3) Cartesian m, (m, 4) quads or (m, 3) triangles, and name -> (n,) of the slip fields the results hold.
+        (n, 3) Cartesian m, (m, 4) quads or (m, 3) triangles, and name -> (n,) values of each slip field in the results.
+
+    Raises
+    ------
+    InputError
+        If the Dataset lacks the interface.
     """
     names = [name for name in _FIELDS if name in dataset]
     points = surface(dataset, interface, *names)

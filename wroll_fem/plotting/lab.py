@@ -25,6 +25,11 @@ def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:
     -------
     Axes
         The first of four panels.
+
+    Raises
+    ------
+    InputError
+        If a Dataset holds no shear test.
     """
     for data in tests:
         style.require(data, ("platen_displacement", "shear_force"), "shear tests")
@@ -83,6 +88,11 @@ def plot_velocity_steps(histories: Mapping[str, xr.Dataset]) -> Axes:
     -------
     Axes
         The first panel.
+
+    Raises
+    ------
+    InputError
+        If a Dataset holds no friction history.
     """
     for data in histories.values():
         style.require(data, ("friction_coefficient", "slip_distance", "slip_rate"), "friction under velocity steps")

@@ -236,7 +236,13 @@ def plot_damping_over_frequency(
 
 
 def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot the friction work of a sweep over the preload, one line per base condition (Fig 4.7)."""
+    """Plot the friction work of a sweep over the preload, one line per base condition (Fig 4.7).
+
+    Raises
+    ------
+    InputError
+        If no case has a value of `preload.pressure`.
+    """
     grid = [m for m in grid_members(members, "friction_over_preload", PRESSURE) if is_sweep(m)]
     ax = style.axes(ax, 4.2)
     said = []
@@ -297,7 +303,13 @@ def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None 
 
 
 def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
-    """Plot tip acceleration and friction work along the sweep at the lowest and the highest preload (Fig 4.6)."""
+    """Plot tip acceleration and friction work along the sweep at the lowest and the highest preload (Fig 4.6).
+
+    Raises
+    ------
+    InputError
+        If no case has a value of `preload.pressure`.
+    """
     grid = [m for m in grid_members(members, "friction_along_sweep", PRESSURE) if is_sweep(m)]
     grid = _by_pressure(having(grid, LAYER_BASE, "free"))
     drawing = plt.figure(figsize=(style.WIDTH, 7.2), dpi=style.DPI, layout="constrained")

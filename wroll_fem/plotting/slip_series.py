@@ -46,6 +46,11 @@ def plot_slip_extent(members: Sequence[SeriesMember]) -> Axes:
     -------
     Axes
         The first panel.
+
+    Raises
+    ------
+    InputError
+        If no case has a value of `excitation.amplitude`, or a Dataset lacks a field.
     """
     rows = _levels(members, "slip_extent")
     count = rows[0].data.sizes["interface"]
@@ -121,6 +126,11 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) ->
     -------
     Axes
         The first panel.
+
+    Raises
+    ------
+    InputError
+        If no case has a value of `excitation.amplitude`, or a Dataset lacks a field.
     """
     m = _levels(members, "slip_vectors")[0]
     count = m.data.sizes["interface"]

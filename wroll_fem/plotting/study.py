@@ -65,19 +65,37 @@ def read(member: SeriesMember) -> Resonance:
 
 
 def natural_frequency(member: SeriesMember) -> float:
-    """Natural frequency (Hz) of the mode with the largest tip participation in a modal analysis."""
+    """Natural frequency (Hz) of the mode with the largest tip participation in a modal analysis.
+
+    Raises
+    ------
+    InputError
+        If the Dataset holds no modes or no participation.
+    """
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
     return float(member.data["mode_frequency"].values[np.abs(member.data["tip_participation"].values).argmax()])
 
 
 def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
-    """(n,) undamped |T| at frequencies (n,) in Hz, from the modes of a modal analysis."""
+    """(n,) undamped |T| at frequencies (n,) in Hz, from the modes of a modal analysis.
+
+    Raises
+    ------
+    InputError
+        If the Dataset holds no modes or no participation.
+    """
     style.require(member.data, ("mode_frequency", "tip_participation"), "reference of the figure")
     return undamped(frequency, member.data["mode_frequency"].values, member.data["tip_participation"].values)
 
 
 def friction_work(member: SeriesMember) -> float:
-    """Friction work of the whole run, J."""
+    """Friction work of the whole run, J.
+
+    Raises
+    ------
+    InputError
+        If the Dataset holds no friction work.
+    """
     style.require(member.data, ("friction_energy",), "figure of friction work")
     return float(member.data["friction_energy"].values[-1])
 

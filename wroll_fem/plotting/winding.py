@@ -84,7 +84,13 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
 
 
 def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot pressure, divided by winding tension, over the radius, one line per radial modulus (Fig 2.4)."""
+    """Plot pressure, divided by winding tension, over the radius, one line per radial modulus (Fig 2.4).
+
+    Raises
+    ------
+    InputError
+        If no case has a radial modulus in the grid, or a Dataset holds no wound roll.
+    """
     grid = grid_members(members, "winding_hardness", MODULUS)
     for m in grid:
         style.require(m.data, (*_STRESS, "radial_modulus_pa"), "figure of soft and hard rolls")
@@ -121,7 +127,13 @@ def _law(member: SeriesMember) -> str:
 
 
 def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot the pressure at the mandrel over the winding tension, with the hoop bound (Fig 4.3)."""
+    """Plot the pressure at the mandrel over the winding tension, with the hoop bound (Fig 4.3).
+
+    Raises
+    ------
+    InputError
+        If no case has a winding tension in the grid, or a Dataset holds no wound roll.
+    """
     grid = sorted(grid_members(members, "winding_tension", TENSION), key=lambda m: float(m.values[TENSION]))
     for m in grid:
         style.require(m.data, _STRESS, "figure of pressure over tension")

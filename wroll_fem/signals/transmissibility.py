@@ -1,4 +1,4 @@
-r"""Complex transmissibility T(f) from time histories: absolute tip acceleration over base acceleration.
+r"""Complex transmissibility T(f), absolute tip acceleration over base acceleration, from time histories.
 
 Sign convention: a base acceleration sin(2 pi f t) gives the tip acceleration |T| sin(2 pi f t + arg T); a lagging tip
 has a negative imaginary part (the e^{+i omega t} convention, as in the FFT of numpy). Real and imaginary part are
@@ -20,8 +20,8 @@ There are two estimates for a swept response:
 The kernel is K' = 2 K - K*K, where K is three successive moving averages over `window_cycles` cycles. K has a triple
 zero at every multiple of 1/window_cycles of the instantaneous frequency, so it removes the double-frequency term and
 all harmonics of the response. K' has the same zeros and reproduces polynomials in frequency up to the third degree
-exactly. With window_cycles = 3: -3 dB at an offset of
-0.13 f, support +-9 cycles (trimmed at both ends of the sweep).
+exactly. With window_cycles = 3 it has -3 dB at an offset of 0.13 f and a support of +-9 cycles (trimmed at both ends
+of the sweep).
 
 Notes
 -----
@@ -65,7 +65,7 @@ SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
 
 def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:
-    """Check that time is finite and ascending and all signals have its length; (n,) arrays."""
+    """Check time (finite, ascending) and signals (of the same length); returns (n,) arrays."""
     arrays = [np.asarray(a, dtype=np.float64) for a in (time, *signals)]
     if any(a.ndim != 1 or a.shape != arrays[0].shape for a in arrays) or arrays[0].size < 8:
         shapes = ", ".join(str(a.shape) for a in arrays)

@@ -1,1 +1,1 @@
-"""Linear structures: bodies and their matrices, materials, mode shapes, the cantilever beam."""
+"""Linear structures: bodies and their matrices, materials, mode shapes, probes and the cantilever beam."""

@@ -1,4 +1,4 @@
-"""Stress in a cantilevered tube under a distributed load and a tip load: the estimates of section 2.3 of the thesis.
+"""Stress in a cantilevered tube under a distributed load and a tip load (thesis, section 2.3).
 
 Only the mandrel resists bending; the roll contributes its inertia, which is part of the distributed load. z is the
 height above the base and theta the angle from the direction of the load.
@@ -73,7 +73,7 @@ class Cantilever:
         return float(np.pi / 4.0 * (self.outer_radius**4 - self.inner_radius**4))
 
     def shear_force(self, z: FloatArray | float) -> FloatArray:
-        """Shear force V at height z (m), N, in the shape of z: the resultant of the loads above z."""
+        """Shear force V at height z (m), N, in the shape of z; the resultant of the loads above z."""
         return self.distributed * (self.length - np.asarray(z, float)) + self.tip
 
     def moment(self, z: FloatArray | float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Points of one ring or row: equal coordinates but for rounding."""
+"""Grouping of coordinates that are equal within rounding, such as those of one ring or row of points."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ import numpy as np
 from wroll_fem.typing import FloatArray, IntArray
 
 SAME = 1e-6
-"""Neighbouring coordinates closer than this share of their range are one level; meshes are coarser by far."""
+"""Largest difference of equal coordinates, relative to their range; the nodes of meshes are much farther apart."""
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:
-    """Group values that differ by less than a tolerance from the next one.
+    """Group values whose differences from the next value are within a tolerance.
 
     Parameters
     ----------
     values
         (n,) values.
     tolerance
-        Largest difference between neighbours of one group, in the unit of the values; `SAME` of their range by default.
+        Largest difference between consecutive values of one group, in the unit of the values; by default `SAME` times
+        their range.
 
     Returns
     -------

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 MODULI = ("E_theta", "E_z", "E_r", "G_z_theta", "G_r_theta", "G_r_z")
 IN_PLANE = ("E_theta", "E_z", "nu_theta_z", "G_z_theta", "rho")
-"""In-plane constants of a web, determined by its constituents."""
+"""In-plane constants of a web that are averaged over its constituents."""
 
 RADIAL_RATIO = 0.01
 """Default ratio of E_r to the largest in-plane modulus (thesis, sections 2.4 and 2.5)."""

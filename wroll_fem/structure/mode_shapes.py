@@ -25,7 +25,7 @@ _AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0
 
 @dataclass(frozen=True)
 class ModeKind:
-    """Name and circumferential content of a mode.
+    """Kind of a mode and its circumferential wave numbers.
 
     Attributes
     ----------

@@ -177,7 +177,7 @@ class RateAndState:
 
 
 def positive(name: str, values: npt.ArrayLike) -> FloatArray:
-    """Array of the values, which must be positive.
+    """Convert values to an array and check that they are positive.
 
     Raises
     ------
@@ -208,7 +208,7 @@ class VelocitySteps:
     total: float = 3.0e-3
 
     def history(self, points: int = 200) -> tuple[FloatArray, FloatArray]:
-        """Slip rates (n,) in m/s and durations (n,) in s, with a number of points between two changes of the rate.
+        """Slip rates (n,) in m/s and durations (n,) in s, with `points` steps between two changes of the rate.
 
         Raises
         ------
@@ -222,7 +222,7 @@ class VelocitySteps:
 
 
 def sine_history(amplitude: float, frequency: float, *, cycles: int = 3, points: int = 2000) -> tuple[FloatArray, ...]:
-    """Mean slip rates and durations of the steps of a sinusoidal displacement.
+    """Mean slip rate and duration of each step of a sinusoidal displacement.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
-"""Relative increase of the friction limit of all interfaces but those at the platen; the stick stiffness is equal."""
+"""Relative increase of the friction limit of all interfaces except at the platen; the stick stiffness is equal."""
 NORMAL = 1.0e11
 """Normal penalty, Pa/m; it does not affect the results, because the normal force is prescribed."""
 ELASTIC = 0.8
@@ -131,7 +131,7 @@ class ShearTest:
         )
 
     def _interfaces(self, stack: int, shear: int, normal: int, size: int) -> list[Interface]:
-        """Interface at the platen, and all others, of one stack."""
+        """Interface at the platen and the other interfaces of one stack."""
         rows = sp.lil_matrix((3 * self.interfaces, size))
         for k in range(
             self.interfaces

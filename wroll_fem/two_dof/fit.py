@@ -1,4 +1,4 @@
-"""Fit of the two-mass model to a set of transmissibility curves by bounded least squares from several starts."""
+"""Fit of the two-mass model to transmissibility curves by bounded least squares from several starting points."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ACCURACY = 1e-6
 STEP = 1e-4
 """Relative finite-difference step of the Jacobian."""
 LOST = 10.0
-"""Residual assigned to a curve that cannot be computed; much larger than that of any fit."""
+"""Residual assigned to a curve that cannot be computed; much larger than the residual of any fit."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Fit:
-    """Best fit of several starts.
+    """Best fit from several starting points.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class _Problem:
         return np.concatenate(found)
 
     def solve(self, start: FloatArray) -> tuple[FloatArray, float]:
-        """Best logarithms of the parameters from one start, and root mean square residual."""
+        """Logarithms of the best parameters from one starting point, and root mean square residual."""
         with threadpool_limits(1, "blas"):
             done = least_squares(
                 self.residuals, start, bounds=(self.low, self.high), diff_step=STEP, x_scale=1.0, xtol=1e-5, ftol=1e-5

@@ -45,11 +45,11 @@ MORE_THAN_ENOUGH = 1e-13
 CONTROL = StepControl(tolerance=1e-9)
 """Settings of Newton's method."""
 LEAST_SLOPE = 1e-6
-"""Smallest slope F_c s of the friction law tried to find a starting motion, N s/m."""
+"""Smallest slope F_c s of the friction law at zero velocity in the search for a starting motion, N s/m."""
 
 
 def two_mass_system(preloaded: PreloadedTwoMasses) -> System:
-    """The model as a `System`: displacements of both masses relative to the base, and one normal to the interface."""
+    """The model as a `System`: two displacements relative to the base, and one normal to the contact."""
     point = Interface(
         "primary/secondary",
         sp.csr_matrix(np.array([[0.0, 0.0, 1.0], [*RELATIVE_VELOCITY, 0.0], [0.0, 0.0, 0.0]])),  # normal, hoop, axial
@@ -101,7 +101,7 @@ class _BaseDisplacementBalance(HarmonicBalance):
         self._wall = -preloaded.k2 * wall, preloaded.c2 * omega * wall
 
     def load(self) -> FloatArray:
-        """(R, m) force coefficients for y = -Y_0 cos(wt), whose acceleration is A cos(wt), N."""
+        """(R, m) force coefficients, N, for y = -Y_0 cos(wt) with the acceleration A cos(wt)."""
         out = super().load()
         out[1] += self._wall[0]
         out[2] += self._wall[1]
@@ -177,7 +177,7 @@ class PeriodicMotion:
 
     @cached_property
     def transmissibility(self) -> float:
-        """Largest abs(x_1) over Y_0: of the whole motion, not of its fundamental, as in the thesis."""
+        """Largest abs(x_1) over Y_0 of the motion with all its harmonics, as in the thesis."""
         count = max(128, 4 * self.harmonics)
         path = np.abs(_half_period(len(self.relative), count)[0] @ self.absolute[:, 0])
         k = int(path.argmax())

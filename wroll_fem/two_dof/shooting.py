@@ -1,4 +1,4 @@
-"""Periodic motions of the two masses by shooting: time integration of the variational equations, Newton's method.
+"""Periodic motions of the two masses by shooting: Newton's method on the variational equations, integrated in time.
 
 Shooting is an independent check of the harmonic balance in `periodic`: both share only the equations of motion. The
 base displacement is y = Y_0 sin(omega t). The second half of a period is the first one with the opposite sign
@@ -23,7 +23,7 @@ from wroll_fem.typing import FloatArray
 drop_stale_cache(__file__, in_time.__file__)
 
 LEAST_SMOOTHING = 1e-6
-"""Smallest scale of the regularised sign function tried to find a starting orbit, s/m."""
+"""Smallest scale of the regularised sign function in the search for a starting orbit, s/m."""
 
 
 @numba.njit(cache=True)

@@ -221,7 +221,7 @@ def _largest(
 
 
 def peak_of_path(preloaded: PreloadedTwoMasses, omega: float, times: FloatArray, path: FloatArray) -> float:
-    """Largest abs(x_1) over Y_0 of a motion, from the parabola of x, v and a at the largest sample.
+    """Largest abs(x_1) over Y_0 of a motion, from a parabola through x, v and a at the largest sample.
 
     Parameters
     ----------

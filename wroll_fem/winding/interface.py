@@ -1,4 +1,4 @@
-"""Interface pressures of a layered model that correspond to a wound roll."""
+"""Interface pressures of a layered model that match the pressure of a wound roll."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def ring_split(roll: RollSections) -> FloatArray:
 
 
 def external_pressures(roll: RollSections, preload: Preload, winding: Winding | None = None) -> list[float]:
-    """External pressure on each layer, innermost first, Pa; for `winding_tension` estimated with thin rings.
+    """External pressure on each layer, innermost first, Pa; a thin-ring estimate for `winding_tension`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Compiled kernels for the wound-roll stress: the scheme of the thesis, and refined grids for wraps and for growth.
+"""Compiled kernels for wound-roll stress: scheme of the thesis, finite wraps on refined grids, continuous growth.
 
 The radial modulus is a piecewise linear function of the pressure, given by its knots (pressures, moduli) and by its
 slope beyond the last knot. Symbols as in the thesis: s pressure increment, r radius, h web thickness, T tension stress,
@@ -100,7 +100,7 @@ def _cell_means(P, P_next, E, knots, moduli, slope):
 
 @njit(cache=True)
 def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
-    """Eliminate rows first to last - 1: ratio[i] = y[i]/y[i + 1]; carry[i + 1] is the term of cell i in row i + 1."""
+    """Eliminate rows first to last - 1: set ratio[i] = y[i]/y[i + 1] and carry[i + 1] (term of cell i in row i + 1)."""
     P = Q[first] / r[first]
     for i in range(first, last):
         P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]
@@ -144,7 +144,7 @@ def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
     Notes
     -----
     Second order in the cell size, core row included (docs/winding.md, equations 7 to 10). The load of a wrap is applied
-    in ``cells`` equal steps. The modulus of each step is that at its middle, predicted from the previous step.
+    in ``cells`` equal steps. Each step uses the modulus at its middle, predicted from the previous step.
     """
     n, nodes, levels = len(T), len(r), len(blocks)
     x = np.log(r)

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)
-"""Blocks and zones of `kernels.lay_wraps`, in wraps; the error due to them is below 4e-5."""
+"""Blocks and zones of `kernels.lay_wraps`, in wraps; they change the pressure by less than 4e-5 (relative)."""
 
 _MANY = 4000
-"""Number of wraps above which the blocks are doubled; the error due to them is then below 2e-4."""
+"""Number of wraps above which the blocks are doubled; they then change the pressure by less than 2e-4 (relative)."""
 
 
 @dataclass(frozen=True)

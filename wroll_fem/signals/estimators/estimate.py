@@ -1,4 +1,4 @@
-"""Result of a damping estimator, checks of its input, noise level of a curve, scatter under repeated noise."""
+"""Result of a damping estimator, input checks, noise level of a curve and scatter under repeated noise."""
 
 from __future__ import annotations
 

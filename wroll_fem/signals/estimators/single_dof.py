@@ -45,7 +45,7 @@ def single_dof_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: floa
 
 
 def cubic_spring_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float, lean: float) -> ComplexArray:
-    """Absolute transmissibility with a cubic spring (one-term harmonic balance, upper branch): a curve that leans over.
+    """Absolute transmissibility with a cubic spring, a skewed curve (one-term harmonic balance, upper branch).
 
     The relative stiffness is 1 + k |z|^2 with k = 4 zeta^2 lean, where z is the relative displacement over that of the
     base; |z|^2 is the largest root u of u ((1 - r^2 + k u)^2 + 4 zeta^2 r^2) = r^4.
