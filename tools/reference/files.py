@@ -1,4 +1,4 @@
-"""List of the package's files in docs/architecture.md: the first sentence of each and its public names."""
+"""List of the package's files in docs/architecture.md: the first sentence of each and its names."""
 
 from __future__ import annotations
 
@@ -41,8 +41,13 @@ def _room(folder: Path, name: str) -> str:
 
 
 def _line(path: Path) -> str:
-    names = ", ".join(f"`{name}`" for name in _names(path))
-    return f"- `{path.relative_to(ROOT)}`: {_sentence(path)}" + (f" {names}." if names else "")
+    names = list(_names(path))
+    parts = [f"- `{path.relative_to(ROOT)}`: {_sentence(path)}"]
+    for title, private in (("", False), ("Inside: ", True)):
+        found = [f"`{name}`" for name in names if name.startswith("_") == private]
+        if found:
+            parts.append(f"{title}{', '.join(found)}.")
+    return " ".join(parts)
 
 
 def _sentence(path: Path) -> str:
@@ -53,7 +58,7 @@ def _sentence(path: Path) -> str:
 
 
 def _names(path: Path) -> Iterator[str]:
-    """Public classes with their public methods, and public functions."""
+    """Classes and functions of a file."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
             yield node.name

@@ -1,4 +1,4 @@
-"""Natural frequencies and modes by semi-analytical (Fourier) finite elements (`mesh.discretisation: fourier`)."""
+"""Modal analysis by semi-analytical (Fourier) finite elements: Dataset of frequencies, masses, shapes in space."""
 
 from __future__ import annotations
 

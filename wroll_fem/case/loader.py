@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from wroll_fem.case.case import Case, Origin
-from wroll_fem.case.overrides import WITH_FILE, overridden, parse_yaml
+from wroll_fem.case.overrides import WITH_FILE, overridden
+from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 
 

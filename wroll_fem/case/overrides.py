@@ -1,48 +1,19 @@
-"""Changes of a case by dotted keys, as `--set` and `Case.replace` take them; YAML texts."""
+"""Changes of a case by dotted keys, as `--set` and `Case.replace` take them."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from wroll_fem.case.renamed import current_key
+from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 from wroll_fem.results.json_types import json_types
 
 WITH_FILE = ("mesh", "structure")
 """Sections whose `file` is a path relative to the case file (or, with --set, to the working directory)."""
-
-
-class _StrictLoader(yaml.SafeLoader):
-    """SafeLoader that refuses a key written twice instead of keeping the last one."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
-        seen: set[Any] = set()
-        for key_node, _ in node.value:
-            if isinstance(key_node, yaml.ScalarNode) and key_node.tag != "tag:yaml.org,2002:merge":
-                if key_node.value in seen:
-                    raise yaml.constructor.ConstructorError(
-                        None, None, f"key {key_node.value!r} is written twice", key_node.start_mark
-                    )
-                seen.add(key_node.value)
-        return super().construct_mapping(node, deep)
-
-
-def parse_yaml(text: str, where: str) -> Any:
-    """Content of a YAML text; `where` it is from is named in errors."""
-    try:
-        return yaml.load(text, Loader=_StrictLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        spot = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        problem = f"is not valid YAML{spot}: {error.problem}"
-    except yaml.YAMLError as error:
-        problem = f"is not valid YAML: {' '.join(str(error).split())}"
-    raise InputError(problem, remedy="mind indentation, colons and brackets", file=where)
 
 
 def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:

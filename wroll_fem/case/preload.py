@@ -1,4 +1,4 @@
-"""Section `preload`: what presses the layers onto the mandrel."""
+"""Section `preload`: what presses the layers onto the mandrel, and the external pressure of each layer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Section `winding`: how the roll was wound, for the stress that winding leaves in it."""
+"""Section `winding`: how the roll was wound, and the core that it was wound on, its own or that of the case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The typer application, and what its commands share: options, error reports, interrupts."""
+"""The typer application, and what its commands share: options, error reports, SIGTERM as an interrupt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands that compute: `wroll run` and `wroll batch`."""
+"""Commands that compute, `wroll run` and `wroll batch`, and how to continue them after an interrupt."""
 
 from __future__ import annotations
 

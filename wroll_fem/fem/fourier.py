@@ -1,4 +1,4 @@
-r"""Semi-analytical (Fourier) axisymmetric finite elements: cells in the r-z half plane, theta in closed form.
+r"""Semi-analytical (Fourier) axisymmetric finite elements: theta in closed form, fields and derivatives at any point.
 
 With displacements of circumferential wave number m
 

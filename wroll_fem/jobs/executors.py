@@ -1,4 +1,4 @@
-"""Where the cases of a batch run: processes on this machine, or the workers of a Dask cluster."""
+"""Where the cases of a batch run: local processes, or workers of a Dask cluster; waits for a folder in use."""
 
 from __future__ import annotations
 

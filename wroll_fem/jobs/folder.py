@@ -1,4 +1,4 @@
-"""The folder that a run leaves behind: whose it is, what state it is in, what it holds."""
+"""The folder of a run: its lock, its state, its files, and whether a case may be run in it."""
 
 from __future__ import annotations
 

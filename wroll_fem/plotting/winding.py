@@ -1,4 +1,4 @@
-"""Figures of the wound roll: stress over the radius, soft and hard rolls, pressure over tension."""
+"""Figures of the wound roll: stress over the radius, soft and hard rolls, pressure over tension; its web in words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Reduced models: a few displacement shapes carry the structure, friction acts at every interface point.
+r"""Reduced models: a few shapes carry the structure; relative displacement and modal force of all contact points.
 
 In reduced coordinates q (mass-orthonormal, motions relative to the preload state)
 

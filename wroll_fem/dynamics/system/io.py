@@ -1,4 +1,4 @@
-"""A `System` as a file of matrices, .npz or .mat: to run substructures of another program, and to hand ours on.
+"""A `System` and its preload state as a file of matrices, .npz or .mat; what is read is checked, equilibrium included.
 
 Field names, units, signs and orders are documented in docs/matrices.md; the short of it:
 
