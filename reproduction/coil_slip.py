@@ -60,7 +60,7 @@ def place(data: xr.Dataset, point: int) -> str:
 
 
 class RootSection:
-    """Lowest row of quadrature points: amplitudes (n_r, n_theta) of both components at the top level."""
+    """Lowest row of quadrature points: amplitudes (n_r, n_theta) of both components at the highest level."""
 
     def __init__(self, data: xr.Dataset) -> None:
         grid = grid_of(data)

@@ -27,7 +27,7 @@ OPEN = {
     "2700 to 2800 kg/m^3": "mandrel.material.rho=2800",
     "tip mass of 0.05 kg": "mandrel.tip_mass=0.05",
 }
-"""Input of the case study that the thesis does not state -> a value other than the shipped one."""
+"""Input that the thesis does not state -> override with another value than in the shipped case."""
 
 
 def bending_index(data: xr.Dataset) -> int:

@@ -61,12 +61,12 @@ def zetas(method: str) -> dict[float, float]:
 
 
 def said(estimate: DampingEstimate) -> str:
-    """Estimate as text."""
+    """Estimated damping ratio as text."""
     return f"{estimate.zeta:.4f}" if estimate.found else "none"
 
 
 def reach(estimate: DampingEstimate) -> float:
-    """Half window d of a Gaussian fit for f_n = 1."""
+    """Half width d of the window of a Gaussian fit, for f_n = 1."""
     return 0.5 * (estimate.window[1] - estimate.window[0])
 
 
@@ -117,7 +117,7 @@ def unconstrained(z: float) -> float:
 
 
 def band_table(evidence: Evidence) -> str:
-    """Table of the Gaussian fit as printed, for bands of different width."""
+    """Table of the Gaussian fit as printed in the thesis, for bands of different width."""
     rows = []
     for z in (0.01, 0.05, 0.1, 0.2, 0.3, 0.5):
         cells = []

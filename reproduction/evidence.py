@@ -168,7 +168,7 @@ class Evidence:
         return self._studies[name]
 
     def one(self, study: str, **wanted: Any) -> SeriesMember:
-        """Case of a study with given values; in the keys, __ stands for a dot.
+        """Case of a study with given values; argument names are dotted keys with __ for each dot.
 
         Raises
         ------

@@ -15,7 +15,7 @@ from wroll_fem.plotting.style import save_figure
 
 
 def unexplained(judged: Sequence[Judged]) -> list[str]:
-    """Ids of claims without explanation that are not met or reveal an error in the thesis."""
+    """Ids of claims that are not met or reveal an error in the thesis, and have no explanation yet."""
     return [
         one.claim.id
         for one in judged

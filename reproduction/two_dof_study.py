@@ -85,7 +85,7 @@ def space(evidence: Evidence) -> xr.Dataset:
 
 
 def settled(evidence: Evidence) -> xr.Dataset:
-    """Transmissibility by harmonic balance and in time over (friction_capacity, omega), and number of periods."""
+    """Transmissibility by harmonic balance and time integration over (friction_capacity, omega); number of periods."""
     omegas = [0.4, 0.6, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.5, 2.0][:: 3 if evidence.fast else 1]
     names = ("periodic", "in_time", "periods")
     return _over_motions(evidence, "two_dof_settled", _settled, capacities(evidence), omegas, names)
@@ -137,7 +137,7 @@ def _over_motions(
     omegas: Sequence[float],
     variables: Sequence[str],
 ) -> xr.Dataset:
-    """Results of ``work`` over (friction_capacity, omega), one variable each."""
+    """Stored results of ``work`` at all (friction_capacity, omega); one variable for each returned value."""
     dims = ("friction_capacity", "omega")
 
     def compute() -> xr.Dataset:

@@ -15,7 +15,7 @@ VERDICTS = (MET, NOT_MET, THESIS_ERROR, EXPERIMENT, NOT_YET, NOT_COMPUTED)
 
 @dataclass(frozen=True)
 class Verdict:
-    """Computed value of a claim, and whether its criterion holds.
+    """Computed value of a claim, and whether it meets the criterion.
 
     Attributes
     ----------

@@ -215,7 +215,7 @@ def c11(evidence: Evidence) -> Verdict:
 
 
 def mandrel_beam(evidence: Evidence) -> Cantilever:
-    """Lab mandrel in its first mode at 5 g at the tip: distributed inertia of tube and coil, 0.05 kg at the tip."""
+    """Lab mandrel under inertia loads of 5 g: distributed load of tube and coil, tip load of the tip mass."""
     case = evidence.roll("lab_sweep")
     g, coil, metal = case.geometry, case.coil, case.mandrel.material
     radius, wall, t = 0.5 * g.mandrel_outer_diameter, g.mandrel_thickness, coil.total_thickness

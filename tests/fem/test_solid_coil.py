@@ -87,7 +87,7 @@ def test_bases_are_ordered_and_the_inner_edge_is_the_mandrels():
     free, edge, clamped = (lowest(body(f"coil.base={base}"))[0] for base in ("free", "inner_edge", "clamped"))
     assert edge == free  # bonded to a clamped mandrel, the inner edge does not move
     assert clamped > 1.05 * free
-    with pytest.raises(InputError, match=r"coil\.base: the base of the coil is clamped .* that of the mandrel is free"):
+    with pytest.raises(InputError, match=r"coil\.base: the base of the coil is clamped .* base of the mandrel is free"):
         body(*FREE, "coil.base=clamped")
 
 

@@ -106,7 +106,7 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
     """
     if roll.mandrel.base == "free" and roll.coil.base != "free":
         raise InputError(
-            f"the base of the coil is clamped ({roll.coil.base}) but that of the mandrel is free",
+            f"the base of the coil is clamped ({roll.coil.base}) but the base of the mandrel is free",
             key="coil.base",
             remedy="use coil.base: free, or mandrel.base: clamped",
         )

@@ -22,7 +22,7 @@ SHIFT = -((2 * np.pi * 100.0) ** 2)
 """Spectral shift in (rad/s)^2: below the spectrum, and large enough to keep rounding errors of 0.5 mm cells small."""
 
 HIGHEST_WAVE_NUMBER = 80
-"""Largest circumferential wave number of the search for modes, which then stops with an error."""
+"""Largest circumferential wave number; a search for modes that reaches it stops with an error."""
 _BEYOND = 4
 """Number of consecutive wave numbers with all frequencies above the wanted ones, after which the search ends."""
 _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
@@ -30,7 +30,7 @@ _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with
 
 @dataclass(frozen=True)
 class FourierMode:
-    """One mode, normalised to unit modal mass; for m >= 1 it is one of a degenerate pair, rotated by pi / (2 m).
+    """Mode of unit modal mass; for m >= 1 the second mode of the degenerate pair is this one rotated by pi / (2 m).
 
     Attributes
     ----------

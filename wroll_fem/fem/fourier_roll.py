@@ -109,7 +109,7 @@ class FourierRoll:
             )  # fmt: skip
         if sections.coil.model in MESHED_COILS and sections.mandrel.base == "free" and sections.coil.base != "free":
             raise InputError(
-                f"the base of the coil is clamped ({sections.coil.base}) but that of the mandrel is free",
+                f"the base of the coil is clamped ({sections.coil.base}) but the base of the mandrel is free",
                 key="coil.base", remedy="use coil.base: free, or mandrel.base: clamped",
             )  # fmt: skip
         half_plane = refined_mesh(sections)

@@ -107,7 +107,7 @@ def correct(
     *,
     kept: _Bordered | None = None,
 ) -> tuple[FloatArray | None, list[float]]:
-    """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method; the factors are kept while they converge fast.
+    """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method; factors are kept while the residual falls fast.
 
     Parameters
     ----------

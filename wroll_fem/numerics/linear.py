@@ -11,7 +11,7 @@ import scipy.sparse.linalg as spla
 from wroll_fem.typing import FloatArray
 
 SMALL = 1000
-"""Largest number of unknowns solved by SuperLU, which is then as fast as MUMPS and does not need PETSc."""
+"""Largest number of unknowns solved by SuperLU. Up to it SuperLU is as fast as MUMPS, and it needs no PETSc."""
 
 
 class Factorisation(Protocol):

@@ -28,7 +28,7 @@ NO_RENEWAL = 0.0
 
 
 class NewtonProblem(Protocol):
-    """Equations r(x) = 0. An evaluation may store its trial state; the last evaluation is that at the result."""
+    """Equations r(x) = 0. An evaluation may store its trial state; the last evaluation is at the result."""
 
     def residual(self, x: FloatArray) -> tuple[FloatArray, float]:
         """Residual r at ``x`` and a scalar measure of its size."""

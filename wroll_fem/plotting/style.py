@@ -30,7 +30,7 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#7F7F7F",
 )
 SLIP_MAP, SLIP_ARROWS = "viridis", "viridis_r"
-"""Colour maps of slip: of areas, and of arrows on white."""
+"""Colour maps of slip, for areas and for arrows on a white background."""
 LINES = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, "#000000")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from wroll_fem.typing import FloatArray, IntArray
 
 SAME = 1e-6
-"""Largest difference of equal coordinates, relative to their range; the nodes of meshes are much farther apart."""
+"""Largest difference, relative to the range, of coordinates that count as equal; far below the size of elements."""
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:

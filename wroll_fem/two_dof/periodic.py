@@ -37,11 +37,12 @@ from wroll_fem.typing import FloatArray
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
 """Numbers of harmonics tried in turn."""
 ACCURACY = 1e-5
-"""Relative change of the amplitude with twice the number of harmonics below which it has converged."""
+"""The amplitude has converged if doubling the number of harmonics changes it by less than this (relative)."""
 NEGLIGIBLE = 1e-2
-"""Share of the last two harmonics in the relative velocity, per accuracy, below which the motion has converged."""
+"""The motion has converged if the share of its last two harmonics in the relative velocity is below this times
+`accuracy`."""
 MORE_THAN_ENOUGH = 1e-13
-"""Share of the last two harmonics (at rounding level) below which half the number of harmonics suffices."""
+"""Half the number of harmonics suffices if the share of the last two is below this (rounding level)."""
 CONTROL = StepControl(tolerance=1e-9)
 """Settings of Newton's method."""
 LEAST_SLOPE = 1e-6
