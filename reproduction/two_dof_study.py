@@ -114,7 +114,7 @@ def over_stiffness(evidence: Evidence) -> dict[float, float]:
 
 
 def largest_damping(members: Sequence[SeriesMember], *keys: str) -> dict[tuple[float, ...], float]:
-    """Values of some keys -> largest half-power damping of the cases with these values."""
+    """Values of given keys -> largest half-power damping of the cases with these values."""
     found: dict[tuple[float, ...], float] = {}
     for member in members:
         zeta, values = float(member.data.attrs["zeta"]), tuple(float(member.values[key]) for key in keys)

@@ -121,7 +121,7 @@ def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
             f"mesh lacks the {lacks} (it has: {', '.join(found) or 'none'})",
             key="mesh.file",
             file=source,
-            remedy="give the physical surfaces and the physical curves of their end rings these names",
+            remedy="add physical groups of these names: surfaces for the shells, curves for their end rings",
         )
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     cells: list[IntArray] = []

@@ -50,7 +50,7 @@ LineSearch = Callable[[Callable[[float], float], float], float]
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
 ) -> float:
-    """First d of 1, 1/2, 1/4, ... that reduces the residual by the fraction ``least_gain`` d, else the best d."""
+    """First damping factor d = 1, 1/2, 1/4, ... that reduces the residual by a share ``least_gain`` d, else the best."""
     damping, best = 1.0, (float("inf"), 0.0)
     for _ in range(most):
         found = size_at(damping)

@@ -101,8 +101,8 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
         ax.set_xlabel("Height above the base / length, z/L")
     else:
         radius, capacity = dataset["capacity_radius"].values, dataset["capacity_profile"].values
-        held = capacity > 0.0  # zero at the surface has no place on a logarithmic axis
-        ax.plot(radius[held] / scale, capacity[held] / most, color=_CAPACITY, lw=1.8, label="capacity")
+        positive = capacity > 0.0  # a logarithmic axis cannot show the zero at the surface
+        ax.plot(radius[positive] / scale, capacity[positive] / most, color=_CAPACITY, lw=1.8, label="capacity")
         ax.set_xlim(1.0, radius[-1] / scale)
         ax.set_xlabel("Radius / mandrel radius, r/r_m")
     highest = max(1.0, levels[-1] * float(largest.max()) / most)

@@ -50,8 +50,8 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     frequency = dataset["mode_frequency"].values
     named = "mode_kind" in dataset  # modes of a structure from a file are not classified
     kinds = [str(kind) for kind in dataset["mode_kind"].values] if named else ["mode"] * frequency.size
-    families = list(dict.fromkeys(kind.split("-")[0] for kind in kinds))
-    colours = {family: style.LINES[i % len(style.LINES)] for i, family in enumerate(families)}
+    main_kinds = list(dict.fromkeys(kind.split("-")[0] for kind in kinds))
+    colours = {main_kind: style.LINES[i % len(style.LINES)] for i, main_kind in enumerate(main_kinds)}
     ax = style.axes(ax, 1.4 + 0.27 * len(kinds))
     rows = np.arange(1, len(kinds) + 1)
     masses = _mass_fraction(dataset)
@@ -70,7 +70,9 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlabel(label("mode_frequency", "Hz"))
     bending = [f for f, kind in zip(frequency, kinds, strict=True) if kind.startswith("bending")]
     first = f"first bending at {bending[0]:.1f} Hz, " if bending else ""
-    counts = ", ".join(f"{sum(kind.split('-')[0] == family for kind in kinds)} {family}" for family in families)
+    counts = ", ".join(
+        f"{sum(kind.split('-')[0] == main_kind for kind in kinds)} {main_kind}" for main_kind in main_kinds
+    )
     found = f": {first}{counts}" if named else ""
     style.title(ax, f"{len(kinds)} modes from {frequency.min():.1f} to {frequency.max():.1f} Hz{found}")
     return ax

@@ -97,11 +97,11 @@ def plot_curves(
     keys = [colour] + ([panel] if panel is not None else [])
     grid = grid_members(members, figure, *keys)
     values = values_of(grid, colour)
-    rooms = values_of(grid, panel) if panel is not None else [None]
-    panels = _panels(len(rooms), 3.9 if len(rooms) == 1 else 3.1)
+    panel_values = values_of(grid, panel) if panel is not None else [None]
+    panels = _panels(len(panel_values), 3.9 if len(panel_values) == 1 else 3.1)
     references = [m for m in members if m.reference]
-    for ax, room in zip(panels, rooms, strict=True):
-        here = having(grid, panel, room) if panel is not None else grid
+    for ax, panel_value in zip(panels, panel_values, strict=True):
+        here = having(grid, panel, panel_value) if panel is not None else grid
         top = _draw_curves(ax, here, colour, values)
         ends = ax.get_xlim()
         for m in references:
@@ -111,7 +111,7 @@ def plot_curves(
         ax.set_xlim(ends)
         ax.set_ylim(0.0, 1.1 * top)
         ax.set_ylabel("Transmissibility |T| (–)")
-        ax.legend(fontsize=7.5, framealpha=0.9, title=shown(panel, room) if panel else None, title_fontsize=8)
+        ax.legend(fontsize=7.5, framealpha=0.9, title=shown(panel, panel_value) if panel else None, title_fontsize=8)
     panels[-1].set_xlabel(label("frequency"))
     said = sentence(grid) if sentence is not None else _range_of_resonance(grid, colour, panel)
     style.title(panels[0], said)
@@ -144,15 +144,15 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
 def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | None) -> str:
     """Title, one clause per panel: "Free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)"."""
     parts = []
-    for room in values_of(grid, panel) if panel is not None else [None]:
-        here = [m for m in (having(grid, panel, room) if panel else grid) if is_sweep(m)]
+    for panel_value in values_of(grid, panel) if panel is not None else [None]:
+        here = [m for m in (having(grid, panel, panel_value) if panel else grid) if is_sweep(m)]
         here = sorted(here, key=lambda m: values_of(grid, key).index(m.values[key]))
         if not here:
             continue
         f = [read(m).f_n for m in here]
         first, last = (shown(key, here[k].values[key]) for k in (0, -1))
         word = {"rises": "rises", "falls": "falls"}.get(trend(f), "changes")
-        where = f"{shown(panel, room)}: " if panel is not None else ""
+        where = f"{shown(panel, panel_value)}: " if panel is not None else ""
         parts.append(f"{where}resonance {word} from {f[0]:.1f} Hz ({first}) to {f[-1]:.1f} Hz ({last})")
     text = "; ".join([*parts, *_agreement(grid)])
     return text[:1].upper() + text[1:]

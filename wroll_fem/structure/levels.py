@@ -11,7 +11,7 @@ SAME = 1e-6
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:
-    """Group values whose differences from the next value are within a tolerance.
+    """Group values so that consecutive values of a group differ by at most a tolerance.
 
     Parameters
     ----------
