@@ -50,7 +50,7 @@ LineSearch = Callable[[Callable[[float], float], float], float]
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
 ) -> float:
-    """First damping factor d = 1, 1/2, 1/4, ... that reduces the residual by a share ``least_gain`` d, else the best."""
+    """First d of 1, 1/2, 1/4, ... that reduces the residual by a fraction ``least_gain`` d, else the best d."""
     damping, best = 1.0, (float("inf"), 0.0)
     for _ in range(most):
         found = size_at(damping)
