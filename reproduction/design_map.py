@@ -86,7 +86,7 @@ def c27(evidence: Evidence) -> Verdict:
 
 
 def variants(evidence: Evidence) -> str:
-    """Table of the disparity with other inputs, for 3 x 3 mandrels and the one that was built."""
+    """Table of the disparity with other inputs, for 3 x 3 mandrels and for the mandrel that was built."""
     rows = []
     for words, data in zip(OTHERS, evidence.results([(*NINE, *sets) for sets in OTHERS.values()]), strict=True):
         values = disparity(data)

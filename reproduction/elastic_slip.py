@@ -93,7 +93,7 @@ def c110(evidence: Evidence) -> Verdict:
 
 
 def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
-    """Shear lag length (friction transfers axial force to the layer over it), m: sqrt((E t)_series gamma* / (mu p))."""
+    """Length over which friction transfers axial force to the layer, m: sqrt((E t)_series gamma* / (mu p))."""
     case = evidence.roll("lab_sweep")
     tube, coil, material = case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil, case.coil.material
     assert isinstance(material, IsotropicMaterial)

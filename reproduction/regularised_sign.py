@@ -90,7 +90,7 @@ def c114(evidence: Evidence) -> Verdict:
 
 
 def spread_of(data: xr.Dataset) -> FloatArray:
-    """Largest difference between the scales, relative to the value at the last one."""
+    """Largest difference between the scales, relative to the value at the last scale."""
     values = data["transmissibility"].values
     return np.asarray(np.ptp(values, axis=0) / values[-1])
 

@@ -1,4 +1,4 @@
-r"""Semi-analytical (Fourier) axisymmetric finite elements: theta in closed form, fields and derivatives at any point.
+r"""Semi-analytical (Fourier) axisymmetric finite elements: closed form in theta, fields and derivatives at any point.
 
 With displacements of circumferential wave number m
 

@@ -23,7 +23,7 @@ _NEAR = 1e-9  # tolerance, relative to the length, for nodes on an edge of the h
 
 @dataclass(frozen=True)
 class SymmetryClass:
-    """Motions that are not coupled with others: one wave number m; for m = 0 either torsion or axial and breathing.
+    """Motions uncoupled from all others: one wave number m; for m = 0 either torsion, or axial and breathing motions.
 
     Attributes
     ----------

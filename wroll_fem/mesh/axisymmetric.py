@@ -23,7 +23,7 @@ BOND_CELLS = 2
 """Cells added at the inner surface of the coil by splitting the innermost one; the clamp ends at its lower edge."""
 
 BOND_RATIO = 0.3
-"""Ratio of the radial sizes of adjacent cells in that refinement."""
+"""Ratio of the radial sizes of adjacent cells in the refinement at the inner surface of the coil."""
 
 MESHED_COILS = ("solid", "bonded")
 """Coil models that are meshed; the other models add at most a mass to the wall."""

@@ -1,4 +1,4 @@
-"""Mesh of a roll: concentric shells of order-2 quads, one shell of it, numbering of contact points, mirrored nodes."""
+"""Mesh of a roll: concentric shells of order-2 quads, mesh of one shell, contact point numbers, mirrored nodes."""
 
 from __future__ import annotations
 

@@ -281,7 +281,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """Magnitude of a complex curve over frequency; ``stem`` begins the names of its real and imaginary variables."""
+    """Magnitude of a complex curve over frequency; ``stem`` is the prefix of its real and imaginary variables."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]

@@ -36,7 +36,7 @@ SMALL = 0.01
 MAP_ACCURACY = 1e-3
 """Relative accuracy of the amplitudes of a design map."""
 BAND = (0.6, 1.6)
-"""Limits of the frequency band of a design map: factors of the lowest and of the highest natural frequency."""
+"""Limits of the frequency band of a design map, relative to the lowest and to the highest natural frequency."""
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def peak_transmissibility(zeta: float) -> tuple[float, float]:
 
 
 def single_dof_half_power(zeta: float) -> float:
-    """Half-power damping of the exact curve with damping ratio zeta; nan from `HALF_POWER_LIMIT`.
+    """Half-power damping of the exact curve with damping ratio zeta; nan at and above `HALF_POWER_LIMIT`.
 
     With h = T_pk^2 / 2 and x = r^2, |T|^2 = h is h x^2 + (4 zeta^2 h - 2 h - 4 zeta^2) x + h - 1 = 0.
 
