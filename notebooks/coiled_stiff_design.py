@@ -2,6 +2,11 @@
 # jupyter:
 #   jupytext:
 #     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#       jupytext_version: 1.19.6
 #   kernelspec:
 #     display_name: Python 3 (ipykernel)
 #     language: python
@@ -138,10 +143,10 @@ def with_shear(modulus):
     return wf.run(single.changed({"coil.material.G_r_theta": modulus, "coil.material.G_r_z": modulus}))
 
 
-stiff, soft, above, below = (wf.run(single), *(with_shear(factor * softest) for factor in (1.0, 1.01, 0.9)))
+stiff, soft, below = (wf.run(single), *(with_shear(factor * softest) for factor in (1.0, 0.9)))
 print(f"stiffest {numbers['f_tightest_hz']:.2f} Hz, softest ({softest:.0f} Pa) {numbers['f_loosest_hz']:.2f} Hz")
 print(f"10 % softer: fundamental mode {below['mode_kind'].values[0]}, {float(below['mode_frequency'][0]):.1f} Hz")
 assert np.isclose(bending(stiff), numbers["f_tightest_hz"], rtol=1e-6)
 assert np.isclose(bending(soft), numbers["f_loosest_hz"], rtol=1e-6)
-assert above["mode_kind"].values[0] == "bending"
+assert soft["mode_kind"].values[0] == "bending"
 assert below["mode_kind"].values[0] != "bending"

@@ -35,3 +35,8 @@ def test_a_gap_that_never_closes_gives_the_lowest_modulus() -> None:
 def test_a_gap_that_is_still_open_at_the_top_is_an_error() -> None:
     with pytest.raises(ConvergenceError, match="not the fundamental mode at the interlayer shear modulus"):
         _crossing(lambda x: 0.5 * (x - 30.0), 7.0, 20.0)
+
+
+@pytest.mark.parametrize("start", [7.4, 6.9, 2.0, 15.0])
+def test_bending_is_the_fundamental_mode_at_the_crossing(start: float) -> None:
+    assert shear_frequency(_crossing(shear_frequency, start, 20.0)) >= 0.0

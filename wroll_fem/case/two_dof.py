@@ -1,4 +1,4 @@
-"""Section `two_dof`: the two masses of chapter 5 of the source, that rub on each other on a shaken base."""
+"""Section `two_dof`: two masses with friction between them on a shaken base (chapter 5 of the thesis)."""
 
 from __future__ import annotations
 

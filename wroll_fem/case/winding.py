@@ -32,7 +32,7 @@ class ConstantModulus(Section):
 
 
 class PfeifferModulus(Section):
-    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), equation 2.9 of the source."""
+    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), equation 2.9 of the thesis."""
 
     law: Literal["pfeiffer"] = Field(description="pfeiffer: E_r = K2 (K1 + P), P the pressure between the wraps")
     K1: Real = Field(gt=0, description="pressure that the modulus starts from, Pa")
@@ -50,7 +50,7 @@ class PfeifferModulus(Section):
             raise validation_error(
                 f"K2 is {unit}", value=value,
                 remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
-                "(the source's Table 2.3 prints 40 GPa where 40 is meant)",
+                "(the thesis's Table 2.3 prints 40 GPa where 40 is meant)",
             )  # fmt: skip
         return number
 

@@ -159,4 +159,7 @@ def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
         low = floor
         if gap(low) > 0:
             return floor
-    return float(brentq(gap, low, high, xtol=_TOLERANCE))
+    root = float(brentq(gap, low, high, xtol=0.1 * _TOLERANCE))
+    while gap(root) < 0:  # brentq may end on either side; above the crossing, bending is the fundamental mode
+        root += 0.5 * _TOLERANCE
+    return root

@@ -6,7 +6,7 @@ r"""Hilber-Hughes-Taylor integration: parameters of the named schemes.
     u_{n+1} = u_n + h v_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}], \quad
     v_{n+1} = v_n + h [(1 - \gamma) a_n + \gamma a_{n+1}]
 
-with :math:`\alpha \le 0` (classical range [-1/3, 0]; the source also uses -0.41421),
+with :math:`\alpha \le 0` (classical range [-1/3, 0]; the thesis also uses -0.41421),
 :math:`\beta = (1 - \alpha)^2 / 4`, :math:`\gamma = 1/2 - \alpha`.
 
 ===============  ==============  ====================  ====================  ===============
