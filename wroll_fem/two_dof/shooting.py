@@ -1,4 +1,4 @@
-"""Periodic motions of the two masses by shooting: Newton's method on the variational equations, integrated in time.
+"""Periodic motions of the two masses by shooting: Newton's method with time-integrated variational equations.
 
 Shooting is an independent check of the harmonic balance in `periodic`: both share only the equations of motion. The
 base displacement is y = Y_0 sin(omega t). The second half of a period is the first one with the opposite sign
