@@ -36,7 +36,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Judged:
-    """A claim with its verdict and wall time, s (the time of shared runs is that of the first claim of a group)."""
+    """Claim with its verdict and wall time, s; the first claim of a group carries the time of shared runs."""
 
     claim: Claim
     verdict: Verdict

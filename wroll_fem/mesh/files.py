@@ -98,7 +98,7 @@ def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> Cylin
 
 
 def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
-    """Cells and groups of the current gmsh model, without nodes that belong to no quad (arc centres).
+    """Cells and groups of the current gmsh model; nodes outside all quads (arc centres) are removed.
 
     Parameters
     ----------

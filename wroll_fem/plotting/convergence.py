@@ -79,7 +79,7 @@ def first_bending(member: SeriesMember) -> float:
 
 
 def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
-    """Plot the first bending frequency over the number of axial elements, one line per circumferential number.
+    """Plot the first bending frequency over the axial element count, one line per circumferential element count.
 
     The shaded band, +-1 % around the finest mesh, is the criterion of the thesis.
 
