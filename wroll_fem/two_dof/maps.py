@@ -1,4 +1,4 @@
-"""Maps of the two masses: response over frequency and friction capacity, damping over secondary mass and stiffness.
+"""Maps of the two masses: response over frequency, refined at its peaks; damping over secondary mass and stiffness.
 
 Curves are distributed over processes; each process follows one curve along the frequency.
 """
@@ -150,7 +150,7 @@ def refined_curve(
     inner = (values[1:-1] >= values[:-2]) & (values[1:-1] > values[2:])
     for k in np.flatnonzero(inner) + 1:
         if values[k] > SMALL * values.max():
-            _climb(curve, float(grid[k - 1]), float(grid[k]), float(grid[k + 1]))
+            _refine_peak(curve, float(grid[k - 1]), float(grid[k]), float(grid[k + 1]))
     for _ in range(40):
         line = curve.line
         read = half_power(*line)
@@ -165,7 +165,7 @@ def refined_curve(
     return curve.line
 
 
-def _climb(curve: _Curve, low: float, top: float, high: float) -> None:
+def _refine_peak(curve: _Curve, low: float, top: float, high: float) -> None:
     """Bisect the intervals around a local maximum until its value has converged."""
     best = 0.0
     for _ in range(30):

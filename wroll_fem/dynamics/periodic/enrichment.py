@@ -1,4 +1,4 @@
-r"""Basis of a reduced model by harmonic balance itself, with its projection error: no time history is needed.
+r"""Basis of a reduced model by harmonic balance itself: adds what the balance of the whole structure finds missing.
 
 A curve is computed in a small basis. At a few of its points the balance of the *whole* structure is evaluated (all
 modes of `condensation`), and linearised there, exactly as in Newton's method but with every point of the

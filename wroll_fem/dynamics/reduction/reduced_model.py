@@ -1,4 +1,4 @@
-r"""Reduced models: a few shapes carry the structure; relative displacement and modal force of all contact points.
+r"""Reduced models: a few shapes carry the structure; what they miss of a motion; motion and force of all points.
 
 In reduced coordinates q (mass-orthonormal, motions relative to the preload state)
 

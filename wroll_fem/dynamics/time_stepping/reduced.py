@@ -1,4 +1,4 @@
-r"""Time integration in reduced coordinates: residual checks, enrichment of the basis, error estimate of the run.
+r"""Time integration in reduced coordinates: residual checks by static response, enrichment, error estimate.
 
 The basis starts from the modes that the base excites and the static responses; it grows by itself. After every
 block of steps the residual of the *whole* structure is evaluated at some of them. Its static response outside the
