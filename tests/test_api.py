@@ -101,7 +101,7 @@ def test_a_run_into_a_folder_is_that_of_the_command_and_is_read_the_second_time(
     monkeypatch.setattr("wroll_fem.analyses.run_analysis", forbidden)
     xr.testing.assert_identical(wf.run(dwell, out=tmp_path / "run"), kept)
     xr.testing.assert_identical(wf.load_result(tmp_path / "run"), kept)
-    with pytest.raises(wf.InputError, match="holds results of another case"):
+    with pytest.raises(wf.InputError, match="contains results of another case"):
         wf.run(two_masses(), out=tmp_path / "run")
 
 
@@ -163,7 +163,7 @@ def test_doubts_are_python_warnings_that_point_to_the_callers_line(dwell: wf.Cas
 def test_an_unfinished_result_is_told(tmp_path: Path) -> None:
     result = wf.run(two_masses()).assign_attrs(complete=False)
     path = wf.save_result(result, tmp_path / "half.nc")
-    with pytest.warns(wf.CaseWarning, match=r"half\.nc: results of a run that did not finish"):
+    with pytest.warns(wf.CaseWarning, match=r"half\.nc: results of an incomplete run"):
         wf.load_result(path)
 
 
@@ -174,10 +174,10 @@ def test_wrong_input_is_one_line(tmp_path: Path, dwell: wf.Case) -> None:
         (lambda: wf.Case(analysis="modal"), "geometry: required section is missing"),
         (lambda: dwell.changed({"preload.presure": 1}), "preload.presure: unknown key, got 1; did you mean pressure?"),
         (lambda: dwell.changed(3), "cannot change a case by 3; give"),
-        (lambda: wf.load_result(tmp_path), "no such results file"),
-        (lambda: wf.case_of(bare), "result: does not hold its case"),
-        (lambda: wf.transmissibility(bare), "result: holds no transmissibility over frequency"),
-        (lambda: wf.batch_table(tmp_path), "no table of a batch"),
+        (lambda: wf.load_result(tmp_path), "results file not found"),
+        (lambda: wf.case_of(bare), "result: does not contain its case"),
+        (lambda: wf.transmissibility(bare), "result: has no transmissibility over frequency"),
+        (lambda: wf.batch_table(tmp_path), "table of a batch not found"),
         (lambda: wf.run_grid(tmp_path / "no.yaml", tmp_path), "file not found"),
         (lambda: wf.run_series(two_masses(), {"two_dof.m3": [1]}), "two_dof.m3: unknown key"),
         (lambda: wf.slip_model(two_masses()), "analysis: SlipModel needs analysis: modal_transient, got two_dof"),
@@ -240,7 +240,7 @@ def test_a_slip_model_answers_as_the_analysis_does() -> None:
     for name in expected.variables:
         np.testing.assert_array_equal(found[name], expected[name], err_msg=str(name))
     assert wf.summarise(found, other)["slip_statement"] == wf.summarise(expected)["slip_statement"]
-    with pytest.raises(wf.InputError, match="coil: has other modes than the slip model"):
+    with pytest.raises(wf.InputError, match="coil: changes the modes of the slip model"):
         model.run(case.changed({"coil.material.G_r_z": 5e8}))
     with pytest.raises(wf.InputError, match=r"excitation\.direction: has other modes"):
         model.run(case.changed("excitation.direction=y"))

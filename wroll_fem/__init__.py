@@ -1,4 +1,4 @@
-"""Dynamics of wound rolls: a linear structure with a frictional interface.
+"""Dynamics of wound rolls: linear structures with frictional interfaces.
 
     import wroll_fem as wf
 
@@ -98,10 +98,10 @@ _HOMES = {
     "signals.damping": "half_power",
     "errors": "ConvergenceError InputError WrollError",
 }
-"""Module -> public names that it has; "public=own" where the module has another name."""
+"""Module -> its public names; "public=own" if the name in the module differs."""
 
 _MODULES = {"plot": "plotting.names", "two_dof": "two_dof", "estimators": "signals.estimators"}
-"""Public name -> module that it stands for."""
+"""Public name -> module."""
 
 _WHERE = {
     public: (module, own or public)
@@ -122,7 +122,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name on first use, so that `import wroll_fem` stays instant."""
+    """Import a public name on first use, so that `import wroll_fem` is fast."""
     if name in _MODULES:
         value: Any = import_module(f"{__name__}.{_MODULES[name]}")
     elif name in _WHERE:

@@ -1,4 +1,4 @@
-"""What `import wroll_fem as wf` offers beyond cases: run them, in memory or into folders, and read what is there."""
+"""Python functions of `import wroll_fem as wf`: run cases in memory or into folders, and read results."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ ShowProgress = bool | Progress | None
 
 
 class CaseWarning(UserWarning):
-    """Warning about a case or its results, with what to change; issued where no progress is shown."""
+    """Warning about a case or its results, with a remedy; issued if progress is not shown."""
 
 
 class _Quiet(TerminalProgress):
-    """Shows nothing but Python warnings; still writes the log of a run folder."""
+    """Progress that issues warnings as Python warnings and writes the log of a run folder."""
 
     def __init__(self) -> None:
         super().__init__(io.StringIO(), bars=False)
@@ -43,7 +43,7 @@ class _Quiet(TerminalProgress):
 
 
 def _warn(text: str) -> None:
-    """Python warning that points to the line outside of this package from which the work was started."""
+    """Issue a Python warning for the calling line outside this package."""
     frame, level = sys._getframe(1), 2  # level 1 is this function
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] == "wroll_fem":
         frame, level = frame.f_back, level + 1
@@ -52,7 +52,7 @@ def _warn(text: str) -> None:
 
 @contextmanager
 def _reporting(progress: ShowProgress) -> Iterator[Progress]:
-    """Progress as the argument of that name wants it."""
+    """Context manager: progress reporter for the value of the argument `progress`."""
     if progress is not None and not isinstance(progress, bool):
         yield progress
     else:
@@ -62,35 +62,34 @@ def _reporting(progress: ShowProgress) -> Iterator[Progress]:
 
 
 def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = None) -> xr.Dataset:
-    """Run a case.
+    """Run a case and return its results.
 
     Parameters
     ----------
     case
-        What to compute (`load_case`, `example_case`, `Case`).
+        Case from `load_case`, `example_case` or `Case`.
     out
-        Run folder, the same that `wroll run --out` makes: case, results, summary, fields, figures, log. A case that is
-        done there is read and not computed again; an unfinished one goes on from its checkpoint. Without, nothing is
-        written.
+        Run folder as of `wroll run --out`: case, results, summary, fields, figures, log. If the folder contains the
+        finished case, its results are read; an unfinished run continues from its checkpoint. None writes nothing.
     progress
-        True shows bars, or lines where the output is no terminal; False is silent; None, the default, shows bars on a
-        terminal and is silent elsewhere, in notebooks for example. Also any object with the methods of
-        `wroll_fem.progress.Progress`. Where nothing is shown, warnings about the case are issued as `CaseWarning`.
+        True shows bars on a terminal and lines elsewhere; False shows nothing; None, the default, shows bars on a
+        terminal and nothing elsewhere, for example in notebooks. An object with the methods of
+        `wroll_fem.progress.Progress` receives the reports. If nothing is shown, warnings are issued as `CaseWarning`.
 
     Returns
     -------
     xr.Dataset
         Variables with `units` and `long_name`; docs/api.md lists them for each analysis. Attributes: numbers of the
-        summary, and the origin in `analysis`, `case_yaml`, `case_hash` and `provenance`.
+        summary, and the provenance in `analysis`, `case_yaml`, `case_hash` and `provenance`.
 
     Raises
     ------
     InputError
-        When the case cannot be run, or `out` holds something else.
+        If the case is invalid, or `out` contains another case or other files.
     ConvergenceError
-        When a step did not converge; what was computed until then is in `out`, and in ``partial`` of the error.
+        If a step does not converge; results up to that step are in `out`, and in ``partial`` of the error.
     KeyboardInterrupt
-        After saving a checkpoint (analyses sweep and dwell, with `out`): the same call goes on from there.
+        After an interrupt; with `out`, sweep and dwell save a checkpoint, from which the same call continues.
     """
     if not isinstance(case, Case):
         remedy = "load it first: run(load_case(path))"
@@ -109,49 +108,49 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
 
 
 def load_result(path: str | Path) -> xr.Dataset:
-    """Read the results of a run: its folder, or a file that `save_result` wrote.
+    """Read results from a run folder or from a file of `save_result`.
 
     Raises
     ------
     InputError
-        When there are none.
+        If there are no results.
     """
     from wroll_fem.results.dataset import load_dataset
 
     path = Path(path)
     dataset = load_dataset(path / "results.nc" if path.is_dir() else path)
     if not dataset.attrs.get("complete", True):
-        _warn(f"{path}: results of a run that did not finish")
+        _warn(f"{path}: results of an incomplete run")
     return dataset
 
 
 def case_of(result: xr.Dataset) -> Case:
-    """Return the case that a result was computed from.
+    """Return the case from which a result was computed.
 
     Raises
     ------
     InputError
-        When the result does not hold it.
+        If the result does not contain its case.
     """
     import yaml
 
     if "case_yaml" not in result.attrs:
-        raise InputError("does not hold its case", key="result", remedy="pass the result of run(case)")
+        raise InputError("does not contain its case", key="result", remedy="pass the result of run(case)")
     return build_case(yaml.safe_load(result.attrs["case_yaml"]))
 
 
 def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
-    """Numbers of a result, as in summary.json: flat, SI, the unit in the name.
+    """Summarise a result as in summary.json: flat, in SI, with units in the names.
 
     Parameters
     ----------
     case
-        Only for a Dataset that does not name its analysis.
+        Case of the Dataset; needed only if the Dataset does not name its analysis.
 
     Raises
     ------
     InputError
-        When neither names the analysis.
+        If the analysis is unknown.
     """
     from wroll_fem import analyses
 
@@ -159,7 +158,7 @@ def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
 
 
 def transmissibility(result: xr.Dataset) -> xr.DataArray:
-    """|T| over frequency of a sweep, a harmonic response or the two masses.
+    """Return |T| over frequency of a sweep, a harmonic response or the two masses.
 
     Returns
     -------
@@ -169,31 +168,38 @@ def transmissibility(result: xr.Dataset) -> xr.DataArray:
     Raises
     ------
     InputError
-        When the result holds no such curve.
+        If the result has no transmissibility.
     """
     from wroll_fem.signals.transmissibility import magnitude
 
     if "omega" in result.dims and "transmissibility" in result:
         return result["transmissibility"]
     if "transmissibility_real" not in result:
-        remedy = "take one of analysis sweep, harmonic or two_dof"
-        raise InputError("holds no transmissibility over frequency", key="result", remedy=remedy)
+        remedy = "use analysis sweep, harmonic or two_dof"
+        raise InputError("has no transmissibility over frequency", key="result", remedy=remedy)
     return magnitude(result)
 
 
 def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
-    """Solve a case of the analysis modal_transient once, to ask for its slip at many levels.
+    """Compute the modes of a modal_transient case once, for slip at many levels.
+
+    Parameters
+    ----------
+    case
+        Case of the analysis modal_transient.
+    progress
+        As of `run`.
 
     Returns
     -------
     SlipModel
-        `run(case)` gives the result of any case that differs in level, friction, damping, frequency or winding at the
-        cost of a few milliseconds.
+        Its method `run(case)` computes, in a few milliseconds, the result of any case that differs in level, friction,
+        damping, frequency or winding.
 
     Raises
     ------
     InputError
-        For a case of another analysis.
+        If the case has another analysis.
     """
     from wroll_fem.analyses.slip_model import SlipModel
 
@@ -204,32 +210,32 @@ def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
 def run_series(
     case: Case, keys: Mapping[str, Sequence[Any]], *, reference: Case | None = None, progress: ShowProgress = None
 ) -> list[SeriesMember]:
-    """Run every combination of dotted keys one after the other in memory, for the figures of a study.
+    """Run every combination of dotted keys in memory, one after the other, for the figures of a study.
 
     Parameters
     ----------
     case
-        What the series starts from.
+        Case that is varied.
     keys
         Dotted key -> its values.
     reference
-        A case to run once beside them, to compare with.
+        Reference case, run once.
 
     Returns
     -------
     list of SeriesMember
-        With `name`, `values` (dotted key -> value) and `data` (the result); the reference last.
+        Name, `values` (dotted key -> value) and `data` (the result) of every case; the reference is last.
 
     Raises
     ------
     InputError
-        For a key or value that does not fit, before anything is run.
+        If a key or value is invalid; no case is run.
     ConvergenceError
-        From the first case that does not converge.
+        If a case does not converge.
 
     Notes
     -----
-    `run_grid` takes longer series: in processes of their own, with what is done kept.
+    For longer studies use `run_grid`, which runs cases in parallel processes and keeps finished cases.
     """
     from wroll_fem.plotting.study import SeriesMember, shown
 
@@ -252,29 +258,29 @@ def run_grid(
     retry: bool = False,
     progress: ShowProgress = None,
 ) -> list[Outcome]:
-    """Run every case of a grid that is not yet done, as `wroll batch` does; see `wroll_fem.jobs.batch.run_grid`.
+    """Run the unfinished cases of a grid, as `wroll batch`; see `wroll_fem.jobs.batch.run_grid`.
 
     Parameters
     ----------
     grid
-        Grid file, or what `load_grid` made of it.
+        Grid file, or grid from `load_grid`.
     out
-        Folder that gets one run folder per case, and the table that `batch_table` reads.
+        Folder for the run folders of the cases, and for the table that `batch_table` reads.
     workers, scheduler
         Cases at a time on this machine, or the address of a Dask scheduler.
     retry
-        Try cases again that failed in an earlier call; without it they stay failed and are reported.
+        Run failed cases of earlier calls again; otherwise they are only reported.
 
     Returns
     -------
     list of Outcome
-        `member` (name, values, case), `status` and `error` of every case. A failed case stops no other; where no
-        progress is shown, failures are issued as a `CaseWarning`.
+        `member` (name, values, case), `status` and `error` of every case. A failed case does not stop the others;
+        if progress is not shown, failures are issued as a `CaseWarning`.
 
     Raises
     ------
     InputError
-        For a grid that is wrong, or a folder that holds another batch.
+        If the grid is invalid, or the folder contains another batch.
     """
     from wroll_fem.jobs.batch import run_grid as run_all
 
@@ -288,18 +294,18 @@ def run_grid(
 
 
 def batch_table(out: str | Path) -> xr.Dataset:
-    """Read the table of a batch: one row per case, its keys and every single number of its summary, with units.
+    """Read the table of a batch: one row per case, with keys and scalar summary values in their units.
 
     Raises
     ------
     InputError
-        When the folder holds no table.
+        If the folder has no table.
     """
     import xarray as xr
 
     source = Path(out) / "batch.nc"
     if not source.is_file():
-        raise InputError("no table of a batch", file=str(source), remedy="give the folder of run_grid or `wroll batch`")
+        raise InputError("table of a batch not found", file=str(source), remedy="give the folder of a batch")
     try:
         return xr.load_dataset(source, engine="h5netcdf")
     except (OSError, ValueError) as error:
@@ -312,12 +318,12 @@ def load_series(grid: Grid | str | Path, out: str | Path) -> list[SeriesMember]:
     Returns
     -------
     list of SeriesMember
-        In the order of the grid; cases without results, or with those of another case, are left out.
+        Cases in the order of the grid, without unfinished cases and outdated results.
 
     Raises
     ------
     InputError
-        For a grid that is wrong.
+        If the grid is invalid.
     """
     from wroll_fem.jobs.batch import load_series as load
 

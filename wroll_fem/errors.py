@@ -1,4 +1,4 @@
-"""Errors a user can meet, each with the exit code of the command line."""
+"""Errors for users, each with its exit code."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 
 
 class WrollError(Exception):
-    """Base of every error that the command line reports without a traceback."""
+    """Base class of errors that the command line reports without traceback."""
 
     exit_code = 1
 
 
 class InputError(WrollError):
-    """The input is wrong: one message that names file, key, value and remedy.
+    """Invalid input; the message names file, key, value and remedy.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class InputError(WrollError):
 
 
 class ConvergenceError(WrollError):
-    """The solver could not converge; everything computed so far is kept.
+    """The solver did not converge; results up to that point are kept.
 
     Parameters
     ----------
@@ -84,12 +84,21 @@ class ConvergenceError(WrollError):
 
 
 def require_positive(owner: object, names: Sequence[str], *, section: str = "") -> None:
-    """Refuse attributes that are not finite numbers above 0; ``section`` stands before their names in the message.
+    """Refuse attributes that are not finite and positive.
+
+    Parameters
+    ----------
+    owner
+        Object with the attributes.
+    names
+        Names of the attributes.
+    section
+        Case section of the names, for the message.
 
     Raises
     ------
     InputError
-        For the first that is not.
+        For the first invalid attribute.
     """
     for name in names:
         value = getattr(owner, name)

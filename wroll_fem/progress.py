@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, plain lines elsewhere, nothing in tests and batches."""
+"""Progress reports: bars on a terminal, plain lines elsewhere, or silent."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ BAR_SECONDS = 0.1
 
 
 class Stage(Protocol):
-    """One stretch of work with a known total."""
+    """Stage of work with a known total."""
 
     def update(self, done: float, note: str = "", left: float | None = None) -> None:
-        """Report that `done` of the stage's total is finished.
+        """Report the finished amount `done` of the total.
 
         Parameters
         ----------
@@ -38,16 +38,26 @@ class Stage(Protocol):
 
 
 class Progress(Protocol):
-    """Receiver of the progress and the messages of long work."""
+    """Receiver of progress reports and messages."""
 
     def stage(self, name: str, total: float, unit: str = "") -> AbstractContextManager[Stage]:
-        """Open a stage of `total` units of work."""
+        """Open a stage.
+
+        Parameters
+        ----------
+        name
+            Name of the stage.
+        total
+            Amount of work.
+        unit
+            Unit of the amount.
+        """
 
     def info(self, text: str) -> None:
-        """Report a fact."""
+        """Report information."""
 
     def warning(self, text: str) -> None:
-        """Report something the user should act on."""
+        """Report a warning."""
 
 
 class _SilentStage:
@@ -56,7 +66,7 @@ class _SilentStage:
 
 
 class SilentProgress:
-    """Shows nothing and keeps the messages.
+    """Progress that shows nothing and stores the messages.
 
     Attributes
     ----------
@@ -73,21 +83,21 @@ class SilentProgress:
 
     @contextmanager
     def stage(self, name: str, total: float, unit: str = "") -> Iterator[Stage]:
-        """Remember the name."""
+        """Store the name of the stage."""
         self.stages.append(name)
         yield _SilentStage()
 
     def info(self, text: str) -> None:
-        """Remember the text."""
+        """Store the message."""
         self.infos.append(text)
 
     def warning(self, text: str) -> None:
-        """Remember the text."""
+        """Store the message."""
         self.warnings.append(text)
 
 
 def draws_bars(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that can redraw a line and that this process may write to at will."""
+    """Whether a stream is a terminal that can redraw lines and whose foreground process is this one."""
     if not stream.isatty() or os.environ.get("TERM", "dumb").lower() in ("", "dumb", "unknown"):
         return False
     try:
@@ -97,7 +107,7 @@ def draws_bars(stream: TextIO) -> bool:
 
 
 class TerminalProgress:
-    """Bar where the stream can draw one; otherwise a line at the start, now and then, and at the end of a stage.
+    """Progress on a stream: bars if possible, otherwise lines at the start, at intervals and at the end.
 
     Parameters
     ----------
@@ -131,7 +141,7 @@ class TerminalProgress:
         self.close()
 
     def log_to(self, path: Path) -> None:
-        """Append all messages and progress from now on to a file, with time stamps."""
+        """Log all further messages and progress to a file, with time stamps."""
         self.close()
         self._file = _LogFile(path, encoding="utf-8")
         self._file.setFormatter(_Stamped())
@@ -145,7 +155,7 @@ class TerminalProgress:
             self._file = None
 
     def info(self, text: str) -> None:
-        """Print and log a fact."""
+        """Print and log information."""
         self._logger.info("%s", text)
 
     def warning(self, text: str) -> None:
@@ -154,7 +164,7 @@ class TerminalProgress:
 
     @contextmanager
     def stage(self, name: str, total: float, unit: str = "") -> Iterator[Stage]:
-        """Open a stage; its start, its end and its duration are logged."""
+        """Open a stage; log its start, end and duration."""
         size = f" ({total:g} {unit})" if unit else ""
         self._logger.debug("%s%s: start", name, size)
         started = time.monotonic()
@@ -172,7 +182,7 @@ class TerminalProgress:
 
     @contextmanager
     def _bar(self, name: str, total: float, unit: str) -> Iterator[Callable[[float, str, str], None]]:
-        """Bar of a stage, redrawn by calls with what is done, the time left and a note."""
+        """Progress bar of a stage; returns a function that redraws it with finished amount, remaining time and note."""
         from rich.console import Console
         from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bars
@@ -208,7 +218,7 @@ _TEXTS = ("description", "fields[left]", "fields[note]")  # of a bar
 
 
 class _Stage:
-    """Stage that draws a bar, if there is one, and passes a plain line on from time to time."""
+    """Stage that draws a bar, if there is one, and prints or logs a plain line at intervals."""
 
     def __init__(
         self,
@@ -244,7 +254,7 @@ class _Stage:
 
 
 class _Shown(logging.Handler):
-    """Messages for the user: facts as they are, warnings marked."""
+    """Formatter of messages for the user, with a prefix on warnings."""
 
     def __init__(self, show: Callable[[str], None]) -> None:
         super().__init__(logging.INFO)
@@ -255,14 +265,14 @@ class _Shown(logging.Handler):
 
 
 class _LogFile(logging.FileHandler):
-    """Log file whose errors end the run, as a full disk must; logging would print and forget them."""
+    """Log file handler that raises write errors, for example of a full disk; `logging` would only print them."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         raise  # called while the error is handled
 
 
 class _Stamped(logging.Formatter):
-    """Time stamp with the offset from UTC, then the message."""
+    """Format a record as time stamp with UTC offset, and message."""
 
     def format(self, record: logging.LogRecord) -> str:
         stamp = datetime.fromtimestamp(record.created).astimezone().isoformat(timespec="seconds")
@@ -274,7 +284,7 @@ def _marked(record: logging.LogRecord) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Time span in words, such as "1 min 30 s"."""
+    """Duration as text, such as "1 min 30 s"."""
     if seconds < 60:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)

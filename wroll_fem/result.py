@@ -1,4 +1,4 @@
-"""The result of a run in Python: its Dataset, its numbers and its figures."""
+"""Result of a run: Dataset, summary and figures."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["Result", "ShowProgress", "run_case"]
 
 
 def run_case(case: Case, *, out: str | Path | None = None, progress: ShowProgress = None) -> Result:
-    """Run a case as `wroll_fem.run` does and return its `Result`."""
+    """Run a case and return its `Result`; parameters and errors as of `wroll_fem.run`."""
     return Result(api.run(case, out=out, progress=progress))
 
 
 class Result:
-    """Result of one run: a thin layer over its Dataset.
+    """Result of a run: its Dataset, with summary and figures as attributes and methods.
 
     Parameters
     ----------
@@ -42,7 +42,13 @@ class Result:
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Read a run folder or a file that `save` wrote."""
+        """Read a result from a run folder or a file of `save`.
+
+        Raises
+        ------
+        InputError
+            If there are no results.
+        """
         return cls(api.load_result(path))
 
     def __repr__(self) -> str:
@@ -52,34 +58,40 @@ class Result:
 
     @property
     def summary(self) -> Mapping[str, Any]:
-        """Entries of summary.json: flat, SI, the unit in the name."""
+        """Entries of summary.json: flat, in SI, with units in the names."""
         if self._summary is None:
             self._summary = api.summarise(self.data)
         return self._summary
 
     @property
     def case(self) -> Case:
-        """Case that the result was computed from."""
+        """Case from which the result was computed."""
         return api.case_of(self.data)
 
     @property
     def f_n_hz(self) -> float | None:
-        """Resonance frequency in Hz; None when the analysis does not estimate it."""
+        """Resonance frequency in Hz; None if the analysis does not estimate it."""
         return self.summary.get("f_n_hz")
 
     @property
     def zeta(self) -> float | None:
-        """Damping ratio, dimensionless; None when the analysis does not estimate it."""
+        """Damping ratio, dimensionless; None if the analysis does not estimate it."""
         return self.summary.get("zeta")
 
     @property
     def peak_transmissibility(self) -> float | None:
-        """Largest transmissibility, dimensionless; None when the analysis does not compute it."""
+        """Largest transmissibility, dimensionless; None if the analysis does not compute it."""
         return self.summary.get("peak_transmissibility")
 
     @property
     def transmissibility(self) -> xr.DataArray:
-        """|T| over frequency in Hz; raises `InputError` when the analysis has none."""
+        """Transmissibility |T| over frequency in Hz.
+
+        Raises
+        ------
+        InputError
+            If the analysis does not compute it.
+        """
         return api.transmissibility(self.data)
 
     def save(self, path: str | Path) -> Path:
@@ -125,7 +137,7 @@ class Result:
         return self._plot("winding", ax)
 
     def plot_steady_response(self, ax: Axes | None = None) -> Axes:
-        """Draw the start of the motion of a solid coil and its steady response."""
+        """Draw the tip motion of a roll with solid coil from rest to steady state."""
         return self._plot("steady_response", ax)
 
     def plot_design_map(self, ax: Axes | None = None) -> Axes:
@@ -138,7 +150,7 @@ class Result:
         Raises
         ------
         InputError
-            When the result lacks what the figure needs.
+            If the result lacks data for the figure.
         """
         from wroll_fem.plotting import names
 

@@ -1,4 +1,4 @@
-"""A wound roll in Python: the sections that all its analyses share, and one method per analysis."""
+"""Wound roll in Python: case sections shared by all analyses, and a method per analysis."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from wroll_fem.result import Result, ShowProgress, run_case
 
 @dataclass(frozen=True, kw_only=True)
 class Roll:
-    """A web wound on a mandrel.
+    """Web wound on a mandrel, with a method per analysis.
 
-    Each attribute is a section of the case file, with the same keys, units and checks; `case` shows the YAML.
+    Each attribute is a case section with the keys, units and checks of the case file.
 
     Attributes
     ----------
     geometry, mandrel, coil
-        The mandrel's tube, its material and end conditions, and the model of the wound web.
+        Tube of the mandrel, its material and end conditions, and the model of the wound web.
     contact, preload
-        Friction and normal contact between the layers, and what presses them together. Needed with layers.
+        Friction and normal contact between the layers, and their pressure; required with layers.
     winding
-        How the roll was wound: needed for `run_winding`, for slip of a solid coil, and for a preload by tension.
+        Winding of the roll; required for `run_winding`, slip of a solid coil, and preload by winding tension.
     probes
-        Points whose motion the results hold, by name; the tip is always one.
+        Named points whose motion the results contain; the tip is always included.
     mesh
         Element counts, or a mesh file.
 
@@ -78,7 +78,7 @@ class Roll:
         Raises
         ------
         InputError
-            When the case describes no roll (matrices, two masses, wound-roll stress alone).
+            If the case does not describe a roll (matrices from a file, two_dof, some winding cases).
         """
         from wroll_fem.errors import InputError
 
@@ -86,11 +86,11 @@ class Roll:
         missing = [name for name in ("geometry", "mandrel", "coil") if name not in given]
         if missing:
             remedy = "use a case with geometry, mandrel and coil"
-            raise InputError("the case describes no roll", key=missing[0], remedy=remedy)
+            raise InputError("the case does not describe a roll", key=missing[0], remedy=remedy)
         return cls(**given)
 
     def replace(self, **sections: Any) -> Self:
-        """Return a copy with other sections, for example ``roll.replace(preload=wf.Preload(pressure=1e5))``."""
+        """Return a copy with changed case sections, for example ``roll.replace(preload=wf.Preload(pressure=1e5))``."""
         return replace(self, **sections)
 
     def case(self, analysis: str, **sections: Any) -> Case:
@@ -99,14 +99,14 @@ class Roll:
         Parameters
         ----------
         analysis
-            Name as in the case file.
+            Value of `analysis` in the case file.
         sections
-            Further sections, as models or dicts; None leaves a section at its default.
+            Further case sections, as models or dicts; None gives the default.
 
         Raises
         ------
         InputError
-            One line that names key, value and remedy.
+            If the case is invalid; the message names key, value and remedy.
         """
         own = {f.name: getattr(self, f.name) for f in fields(self)}
         given = {name: section for name, section in (own | sections).items() if section is not None}
@@ -115,7 +115,15 @@ class Roll:
     def run(
         self, analysis: str, *, out: str | Path | None = None, progress: ShowProgress = None, **sections: Any
     ) -> Result:
-        """Run any analysis of this roll by name; see `case` and `wroll_fem.run`."""
+        """Run an analysis of this roll by name.
+
+        Parameters
+        ----------
+        analysis, sections
+            As of `case`.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return run_case(self.case(analysis, **sections), out=out, progress=progress)
 
     def run_sweep(
@@ -128,7 +136,15 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Sweep through resonance in time: transmissibility, f_n, zeta, slip map, energy ledger."""
+        """Compute the time history of a sine sweep: transmissibility, f_n, zeta, slip map, energy ledger.
+
+        Parameters
+        ----------
+        excitation, integrator, solver, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run(
             "sweep", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
             progress=progress,
@@ -144,7 +160,15 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Vibrate at one frequency in time: history, slip map, energy ledger."""
+        """Compute the time history of a dwell at one frequency: response, slip map, energy ledger.
+
+        Parameters
+        ----------
+        excitation, integrator, solver, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run(
             "dwell", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
             progress=progress,
@@ -159,7 +183,15 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Steady response over a band of frequencies by harmonic balance; the sweep rate is not used."""
+        """Compute the steady response over frequency by harmonic balance; the sweep rate is not used.
+
+        Parameters
+        ----------
+        excitation, harmonic, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run("harmonic", excitation=excitation, harmonic=harmonic, output=output, out=out, progress=progress)
 
     def run_backbone(
@@ -171,7 +203,15 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Frequency and damping of the resonance over its amplitude."""
+        """Compute frequency and damping of the resonance over its amplitude.
+
+        Parameters
+        ----------
+        backbone, harmonic, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run("backbone", backbone=backbone, harmonic=harmonic, output=output, out=out, progress=progress)
 
     def run_modal(
@@ -182,11 +222,19 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Natural frequencies and mode shapes."""
+        """Compute natural frequencies and mode shapes.
+
+        Parameters
+        ----------
+        modal, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run("modal", modal=modal, output=output, out=out, progress=progress)
 
     def run_preload(self, *, out: str | Path | None = None, progress: ShowProgress = None) -> Result:
-        """Static contact state of the preloaded layers: interface pressure and friction traction."""
+        """Compute the static preload of the layers: interface pressure and friction traction."""
         return self.run("preload", out=out, progress=progress)
 
     def run_modal_transient(
@@ -199,7 +247,17 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Response of a solid coil to a sine at several levels, its shear stress, and where it would slip."""
+        """Compute the steady response of a solid coil at several levels, its shear stress and slip zone.
+
+        Parameters
+        ----------
+        excitation, modal, output
+            Case sections; None gives the default.
+        damping_ratio
+            Damping ratio of every mode.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run(
             "modal_transient", excitation=excitation, damping_ratio=damping_ratio, modal=modal, output=output, out=out,
             progress=progress,
@@ -208,5 +266,13 @@ class Roll:
     def run_design_map(
         self, design_map: DesignMap, *, out: str | Path | None = None, progress: ShowProgress = None
     ) -> Result:
-        """Frequency bounds of a solid coil over radius and wall of the mandrel."""
+        """Compute the frequency bounds of a solid coil over radius and wall of the mandrel.
+
+        Parameters
+        ----------
+        design_map
+            Case section with mandrels and softest coil.
+        out, progress
+            As of `wroll_fem.run`.
+        """
         return self.run("design_map", design_map=design_map, out=out, progress=progress)

@@ -34,7 +34,7 @@ def test_the_registry_has_every_analysis_of_the_case_file() -> None:
         assert analysis.name == name
         assert analysis.sentence.endswith(".")
         assert {variable for names in analysis.variables.values() for variable in names} <= set(FIELDS)
-    with pytest.raises(InputError, match="no analysis 'decay'; use one of: sweep, "):
+    with pytest.raises(InputError, match="unknown analysis 'decay'; use one of: sweep, "):
         find_analysis("decay")
 
 

@@ -84,7 +84,7 @@ def test_backbone_and_modes_at_the_probes() -> None:
     ("probes", "told"),
     [
         ({"tip": {"z": 0.1}}, r"probes\.tip: is the name of the default probe"),
-        ({"mid height": {"z": 0.1}}, r"probes\.mid height: is not a name"),
+        ({"mid height": {"z": 0.1}}, r"probes\.mid height: is not a valid name"),
         ({"a": {"z": 0.31}}, r"probes\.a\.z: is above the roll, got 0\.31; give at most geometry\.length = 0\.3 m"),
         ({"a": {"z": 0.1, "body": "layer_02"}}, r"probes\.a\.body: .*use one of: mandrel, layer_01"),
         ({"a": {"z": 0.1, "direktion": "x"}}, r"probes\.a\.direktion: unknown key, got 'x'; did you mean direction"),

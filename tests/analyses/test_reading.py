@@ -134,9 +134,9 @@ def test_two_masses_are_read_by_the_same_estimators() -> None:
 @pytest.mark.parametrize(
     ("file", "said"),
     [
-        ("tiny.yaml", "analysis dwell has no curve over frequency to read"),
-        ("lab_modal.yaml", "analysis modal has no curve"),
-        ("two_dof_design_space.yaml", "the map of the design space is read by half power"),
+        ("tiny.yaml", "analysis dwell has no response curve from which damping is estimated"),
+        ("lab_modal.yaml", "analysis modal has no response curve"),
+        ("two_dof_design_space.yaml", "the map of the design space uses half power"),
     ],
 )
 def test_an_estimator_without_a_curve_is_refused(file: str, said: str) -> None:

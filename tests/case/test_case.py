@@ -80,31 +80,31 @@ def test_committed_schema_equals_the_generated_one(root: Path) -> None:
     [
         ("geometry.lenght=1", "geometry.lenght: unknown key, got 1; did you mean length?"),
         ("contact.mu=0.3", "contact.mu: unknown key, got 0.3; did you mean contact.friction.mu?"),
-        ("excitation.frequency=3", "excitation.frequency: unknown key, got 3; known here: amplitude, direction, kind"),
+        ("excitation.frequency=3", "excitation.frequency: unknown key, got 3; known keys: amplitude, direction, kind"),
         ("geometry.mandrel_thickness=-1e-3", "mandrel_thickness: must be greater than 0, got -0.001; give the wall"),
         ("geometry.mandrel_thickness=0.05", "the wall is thicker than the radius, got 0.05; use less than"),
         ("coil.total_thickness=0", "coil.total_thickness: must be greater than 0, got 0"),
         ("mandrel.material.nu=0.5", "mandrel.material.nu: must be less than 0.5, got 0.5; give the Poisson's ratio"),
         ("coil.material.nu=-1", "coil.material.nu: must be greater than -1, got -1; give the Poisson's ratio"),
-        ("excitation.f_end=125", "excitation.f_end: must be above excitation.f_start = 125 Hz, got 125.0; chirps run"),
-        ("excitation.f_end=100", "excitation.f_end: must be above excitation.f_start = 125 Hz, got 100.0; chirps run"),
+        ("excitation.f_end=125", "excitation.f_end: must be above excitation.f_start = 125 Hz, got 125.0; give f_end"),
+        ("excitation.f_end=100", "excitation.f_end: must be above excitation.f_start = 125 Hz, got 100.0; give f_end"),
         ("integrator.steps_per_cycle=19", "highest frequency, 175 Hz, got 19; use 20 or more (dt <= 0.000286 s"),
-        ("integrator.scheme=no_damping", "scheme no_damping has its own alpha, got -0.05; leave alpha out"),
+        ("integrator.scheme=no_damping", "scheme no_damping has a fixed alpha, got -0.05; leave alpha out"),
         ("integrator.alpha=-0.5", "integrator.alpha: must be -0.41422 or more, got -0.5"),
         ("integrator.alpha=0.1", "integrator.alpha: must be 0 or less, got 0.1"),
         ("preload.pressure=[1, 2]", "preload.pressure: 2 pressures for 1 layer, got [1.0, 2.0]; give 1 (inner first)"),
-        ("preload.pressure=-5", "preload.pressure: must be a pressure that presses inwards, got -5; write a pressure"),
+        ("preload.pressure=-5", "preload.pressure: must be 0 or positive (inward pressure), got -5; write a pressure"),
         ("preload.pressure=[]", "preload.pressure: the list of pressures is empty, got []"),
         ("analysis=dwell", "excitation.kind: analysis dwell needs a dwell, got 'chirp'; use excitation.kind: dwell"),
         ("analysis=flutter", "analysis: this analysis is not available, got 'flutter'; use one of: sweep, dwell"),
-        ("coil.model=solid", "coil.layers: belongs to layers, the solid coil has none, got 1; leave it out"),
+        ("coil.model=solid", "coil.layers: does not apply to a solid coil, got 1; leave it out"),
         (
             "solver.method=explicit",
             "solver.method: is not one of the choices, got 'explicit'; use reduced, condensed, full",
         ),
         ("excitation.kind=noise", "excitation.kind: is not one of the choices, got 'noise'; use chirp, dwell"),
         ("excitation={}", "excitation.kind: required key is missing; add it"),
-        ("mandrel.base=free", "mandrel.base: analysis sweep needs a held mandrel, got 'free'; use mandrel.base:"),
+        ("mandrel.base=free", "mandrel.base: analysis sweep needs a supported mandrel, got 'free'; use mandrel.base:"),
         ("geometry.length=true", "geometry.length: must be a number, got true"),
         ("geometry.length=[1]", "geometry.length: must be a number, got [1]; give the length"),
         ("geometry.length=300 mm", "geometry.length: must be a number, got '300 mm'; write a plain number in SI"),
@@ -115,11 +115,12 @@ def test_committed_schema_equals_the_generated_one(root: Path) -> None:
         ("coil.bending=1", "coil.bending: must be true or false, got 1"),
         ("contact.friction.law=rough", "friction.law: is not one of the choices, got 'rough'; use penalty_coulomb, ra"),
         ("contact.friction.law=rate_coulomb", "contact.friction.rate_table: required section is missing; add it (coef"),
-        ("contact.friction.law=smoothed_coulomb", "contact.friction.elastic_slip: unknown key, got 1e-06; known here:"),
-        ("contact.friction.reference_speed=1", "contact.friction.reference_speed: unknown key, got 1; known here: law"),
+        ("contact.friction.law=smoothed_coulomb", "contact.friction.elastic_slip: unknown key, got 1e-06; known keys:"),
+        ("contact.friction.reference_speed=1", "contact.friction.reference_speed: unknown key, got 1; known keys: law"),
         ("contact.normal.penalty=stiff", "contact.normal.penalty: must be auto or a positive number, got 'stiff'"),
         ("contact.normal.penalty=0", "contact.normal.penalty: must be auto or a positive number, got 0"),
-        ("mesh.circumferential=25", "mesh.circumferential: must be even (symmetry plane), got 25; use 24 or 26"),
+        ("mesh.circumferential=25", "mesh.circumferential: must be even, because of the symmetry plane, got 25; "
+        "use 24 or 26"),
         ("mesh.circumferential=6", "mesh.circumferential: must be 8 or more, got 6"),
         ("mesh.grading=0.5", "mesh.grading: must be 1 or more, got 0.5"),
         ("mesh.file=/no/such.msh", "mesh.file: mesh file not found, got '/no/such.msh'; give the path of a .msh"),
@@ -160,7 +161,7 @@ def test_the_coefficient_at_rest_is_the_first_of_the_rate_table(tmp_path: Path) 
     assert again.hash() == case.hash() != load_case(SWEEP).hash()
     assert case.changed("contact.friction.rate_table.mu=[0.3, 0.3, 0.4]").contact.friction.mu == 0.3
     text = error_of(f"contact.friction={friction}", "contact.friction.mu=0.5")
-    assert "contact.friction.mu: must be the first coefficient of rate_table, 0.2, got 0.5; leave mu out, or" in text
+    assert "contact.friction.mu: must equal the first coefficient of rate_table, 0.2, got 0.5; leave mu out, or" in text
 
 
 def test_friction_without_a_law_is_penalty_coulomb(tmp_path: Path) -> None:
@@ -210,9 +211,9 @@ def test_further_errors_are_counted() -> None:
         ("analysis: [sweep", "is not valid YAML at line"),
         ("a: b: c", "is not valid YAML at line 1"),
         ("", "is empty; write sections"),
-        ("- sweep\n", "is not a case: it holds a list"),
-        ("analysis: sweep\nanalysis: dwell\n", "key 'analysis' is written twice"),
-        ("analysis: sweep\ngeometry: {length: 1, length: 2}\n", "key 'length' is written twice"),
+        ("- sweep\n", "is not a case: it contains a list"),
+        ("analysis: sweep\nanalysis: dwell\n", "key 'analysis' occurs twice"),
+        ("analysis: sweep\ngeometry: {length: 1, length: 2}\n", "key 'length' occurs twice"),
         ("!!python/object:os.system {}\n", "is not valid YAML"),
         ("\t- a", "is not valid YAML"),
     ],
@@ -231,7 +232,7 @@ def test_missing_folder_and_binary_files_are_refused(tmp_path: Path) -> None:
     assert "cannot be read (is a directory)" in error_of(file=tmp_path)
     binary = tmp_path / "binary.yaml"
     binary.write_bytes(b"\xff\xfe\x00\x81")
-    assert "is not a text file" in error_of(file=binary)
+    assert "is not a UTF-8 text file" in error_of(file=binary)
     strange = written(tmp_path, "3: 4\n")
     assert error_of(file=strange).startswith(f"{strange}: ")
 
@@ -293,12 +294,12 @@ def test_stuck_modes_need_contact_and_preload_but_bonded_ones_do_not() -> None:
     for section in ("contact", "preload", "excitation"):
         del data[section]
     assert Case.model_validate(data).modal.interface == "bonded"
-    with pytest.raises(InputError, match=r"^contact: required section is missing; .*interface stuck"):
+    with pytest.raises(InputError, match=r"^contact: required section is missing; .*interface: stuck"):
         Case.model_validate({**data, "modal": {"interface": "stuck"}})
 
 
 def test_preload_analysis_needs_layers() -> None:
-    with pytest.raises(InputError, match=r"coil.model: analysis preload presses layers, got 'bonded'; use layers"):
+    with pytest.raises(InputError, match=r"coil.model: analysis preload needs layers, got 'bonded'; use layers"):
         example_case().changed("analysis=preload", "coil.model=bonded")
 
 

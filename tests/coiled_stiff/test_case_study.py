@@ -81,7 +81,7 @@ def test_summary_files_and_figures_of_a_run(runs):
 @pytest.mark.parametrize(
     ("override", "expected"),
     [
-        ("damping_ratio=null", "damping_ratio: required key is missing; add it (share of critical damping"),
+        ("damping_ratio=null", "damping_ratio: required key is missing; add it (damping ratio of every mode"),
         ("damping_ratio=0", "damping_ratio: must be 0.001 or more, got 0"),
         ("damping_ratio=1", "damping_ratio: must be less than 1, got 1"),
         ("analysis=modal", "damping_ratio: analysis modal has no modal damping, got 0.02; leave it out"),
@@ -95,7 +95,8 @@ def test_summary_files_and_figures_of_a_run(runs):
         ("coil={model: none}", "coil.model: analysis modal_transient recovers the stress of a solid coil, got 'none'"),
         ("winding.wraps=200", "winding.wraps: 200 wraps of 5e-05 m are 0.01 m thick, the coil is 0.015 m"),
         ("winding=null", "winding: required section is missing"),
-        ("winding.mu=0", "winding.mu: nothing holds the wraps, got 0.0; use a value above 0: without friction every"),
+        ("winding.mu=0", "winding.mu: the coefficient of friction is zero, got 0.0; use a value above 0: "
+        "without friction every"),
     ],
 )  # fmt: skip
 def test_a_wrong_case_study_gets_one_line(root, override, expected):

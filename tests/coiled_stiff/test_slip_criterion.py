@@ -160,7 +160,7 @@ def test_capacity_above_every_load_is_stated_with_the_onset_beyond(dataset):
     assert slip_statement(strong).startswith(f"no slip up to 15 g; slip would start above {onset:.3g} g, 1.50 mm from")
     assert slip_statement(dataset).startswith(f"slip starts above {dataset['slip_onset'].min():.3g} g")
     still = computed(modes=replace(beam(), srz=np.zeros((3, 1440)), srt=np.zeros((3, 1440))))
-    assert slip_statement(still) == "no slip at any level: nothing shears the coil"
+    assert slip_statement(still) == "no slip at any level: the coil has no shear stress"
     assert "slip_onset_g" not in slip_summary(still)
 
 
@@ -172,7 +172,7 @@ def test_few_modes_and_a_base_above_them_are_told(dataset):
 
 def test_modes_that_the_base_does_not_move_are_refused():
     rounding = replace(beam(), participation=1e-9 * beam().participation)
-    with pytest.raises(InputError, match="none of 3 modes moves along the excitation"):
+    with pytest.raises(InputError, match="none of 3 modes has effective mass along the excitation"):
         computed(modes=rounding)
 
 

@@ -162,7 +162,7 @@ def test_shear_modes_lie_along_the_excitation():
     assert along_x.frequencies_hz[0] == pytest.approx(first.frequency_hz)
     assert along_x.mass_total == pytest.approx(roll.mass_total)
     assert set(along_x.kinds) == {"bending"}
-    with pytest.raises(InputError, match="none of the lowest 1 modes moves along the excitation"):
+    with pytest.raises(InputError, match="none of the lowest 1 modes has effective mass along the excitation"):
         shear_modes(case("modal.count=1", coil=kapton(G_r_theta=300, G_r_z=300)))  # the coil's own shear
 
 

@@ -127,18 +127,18 @@ def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
         ("base: {tiny}\ngrid: {preload.pressure: [1, -2]}", "grid.preload.pressure", "got -2"),
         ("base: {tiny}\ngrid: {preload.pressure: 5}", "grid", "preload.pressure is not a list"),
         ("base: {tiny}\ngrid: {preload.pressure: []}", "grid", "preload.pressure is an empty list"),
-        ("base: {tiny}\ngrid: {preload.pressure: [1, 1]}", "grid", "holds a value twice"),
-        ("base: {tiny}\ngrid: {preload.pressure: [3e4, 3.0e+4]}", "grid.yaml", "two cases would share the folder"),
+        ("base: {tiny}\ngrid: {preload.pressure: [1, 1]}", "grid", "has a duplicate value"),
+        ("base: {tiny}\ngrid: {preload.pressure: [3e4, 3.0e+4]}", "grid.yaml", "two cases have the same folder"),
         ("base: {tiny}\ngrid: {}", "grid", "there is nothing to vary"),
         ("base: {tiny}", "grid", "there is nothing to vary"),
         ("grid: {preload.pressure: [1, 2]}", "base", "is missing"),
         ("base: nowhere.yaml\ngrid: {preload.pressure: [1, 2]}", "base", "case file not found"),
         ("base: {tiny}\nreference: nowhere.yaml\ngrid: {mesh.axial: [4]}", "reference", "case file not found"),
-        ("base: {tiny}\ncases: [{tiny}]\ngrid: {mesh.axial: [4]}", "base", "is given beside cases"),
+        ("base: {tiny}\ncases: [{tiny}]\ngrid: {mesh.axial: [4]}", "base", "cannot be combined with cases"),
         ("base: {tiny}\ngrids: {mesh.axial: [4]}", "grids", "did you mean grid?"),
-        ("base: {tiny}\ngrid: {mesh.axial: [4]}\nfigure: slip_extend", "figure", "no such figure"),
+        ("base: {tiny}\ngrid: {mesh.axial: [4]}\nfigure: slip_extend", "figure", "unknown figure"),
         ("base: {tiny}\nsamples: {count: 3}", "samples.ranges", "missing"),
-        ("base: {tiny}\nsamples: {count: 3, ranges: {}}", "samples.ranges", "there is nothing to sample"),
+        ("base: {tiny}\nsamples: {count: 3, ranges: {}}", "samples.ranges", "ranges is empty"),
         ("base: {tiny}\nsamples: {count: 3, ranges: {preload.pressure: [5, 1]}}", "samples.ranges", "low, high"),
         (
             "base: {tiny}\nsamples: {count: 3, ranges: {preload.pressure: {low: 0, high: 1, scale: log}}}",
@@ -149,9 +149,9 @@ def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
         (
             "base: {tiny}\ngrid: {preload.pressure: [1, 2]}\nsamples: {count: 3, ranges: {preload.pressure: [1, 2]}}",
             "samples.ranges",
-            "is in grid too",
+            "is also in grid",
         ),
-        ("- base", "grid.yaml", "is not a grid: it holds a list"),
+        ("- base", "grid.yaml", "is not a grid: it contains a list"),
         ("", "grid.yaml", "is empty"),
     ],
 )
@@ -265,7 +265,7 @@ def test_a_folder_of_another_case_is_left_alone_and_reported(
     renamed = batch.Member(first, member.file, member.values, member.overrides, member.case)
     outcome = run_grid(batch.Grid(changed.source, [renamed], []), out)[0]
     assert (outcome.status, outcome.exit_code) == ("failed", 2)
-    assert "holds results of another case" in outcome.error
+    assert "contains results of another case" in outcome.error
     assert (out / first / "summary.json").read_text() == before
 
 
@@ -275,7 +275,7 @@ def test_a_folder_of_another_batch_is_refused(finished: tuple[Path, Path, Result
     path = grid_file(tmp_path, f"base: {TINY}\ngrid: {{mesh.axial: [4, 6]}}")
     done = wroll("batch", path, "--out", out)
     assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
-    assert "holds another batch" in done.stderr
+    assert "contains another batch" in done.stderr
     assert (out / "batch.csv").read_text() == before
 
 

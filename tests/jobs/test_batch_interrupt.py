@@ -99,7 +99,7 @@ def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_p
     if kill == signal.SIGKILL:  # its case follows: it saves itself, then it releases its folder
         FileLock(first.lock_file).acquire(timeout=HANGS).lock.release()
     else:
-        assert (job.returncode, errors) == (130, "interrupted; the same command continues from here\n")
+        assert (job.returncode, errors) == (130, "interrupted; run the same command again to continue\n")
         assert rows(out) == []
     assert first.status() == "interrupted"
     assert first.checkpoint_file.is_file()

@@ -106,7 +106,7 @@ def test_a_done_case_is_not_computed_again(
     before = tree(tmp_path / "here")
     again = wroll("run", TINY, "--out", "here")
     assert again.exit_code == 0
-    assert "here: this case is already done; delete the folder to run it again" in again.stdout
+    assert "here: this case is already complete; delete the folder to run it again" in again.stdout
     assert "150.25 Hz" in again.stdout
     assert "figure      here/figures/tip.png" in again.stdout
     assert len(analyses.calls) == 1
@@ -124,7 +124,8 @@ def test_results_of_another_case_are_never_written_over(
     other = wroll("run", TINY, "--out", "here", "--set", "contact.friction.mu=0.5", "--resume")
     assert other.exit_code == 2
     assert re.fullmatch(
-        r"here: holds results of another case \(hash \w{12}, this case has \w{12}\); choose another --out, or delete "
+        r"here: contains results of another case \(hash \w{12}, this case has \w{12}\); choose another --out, "
+        "or delete "
         r"the folder\n",
         other.stderr,
     )
@@ -184,7 +185,7 @@ def test_a_step_that_does_not_converge_exits_3_and_keeps_what_was_computed(
     assert done.stderr.count("\n") == 1
     assert "step did not converge at t = 0.01 s after 30 iterations" in done.stderr
     assert "use smaller steps" in done.stderr
-    assert "what was computed until then is in here/results.nc" in done.stdout
+    assert "results up to this point are in here/results.nc" in done.stdout
     assert load_dataset(tmp_path / "here" / "results.nc").attrs["complete"] is False
     assert RunFolder(tmp_path / "here").status() == "not_converged"
     assert not (tmp_path / "here" / "summary.json").exists()
@@ -214,13 +215,13 @@ def test_an_interrupted_run_exits_130_and_resumes(
     analyses.fails, analyses.leaves_checkpoint = KeyboardInterrupt(), True
     stopped = wroll("run", TINY, "--out", "here")
     assert stopped.exit_code == 130
-    assert stopped.stderr == f"interrupted; go on with: wroll run {TINY} --out here --resume\n"
+    assert stopped.stderr == f"interrupted; continue with: wroll run {TINY} --out here --resume\n"
     assert RunFolder(tmp_path / "here").status() == "interrupted"
     analyses.fails, analyses.leaves_checkpoint = None, False
     before = tree(tmp_path / "here")
     careless = wroll("run", TINY, "--out", "here")
     assert (careless.exit_code, tree(tmp_path / "here")) == (2, before)
-    assert "holds an unfinished run of this case; add --resume to go on, or delete the folder" in careless.stderr
+    assert "contains an unfinished run of this case; add --resume, or delete the folder" in careless.stderr
     assert wroll("run", TINY, "--out", "here", "--resume").exit_code == 0
     assert [call["resume"] for call in analyses.calls] == [False, True]
     assert analyses.calls[1]["checkpoint"] == Path("here/checkpoint.npz")

@@ -62,7 +62,7 @@ def test_every_key_is_described_and_every_number_has_a_unit() -> None:
             assert f"| `{name}` |" in page or f"[`{name}`]" in page, where
             kind = type_name(field.annotation)
             if "number" in kind:
-                assert unit_of(field.description) or "as the key around it" in field.description, (
+                assert unit_of(field.description) or "as the enclosing key" in field.description, (
                     f"{where}: name the unit in its description, as tools/reference/case.py spells units"
                 )
 

@@ -33,13 +33,13 @@ def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> Non
     headings = [h.text for h in root.iter("h2")]
     assert headings == [
         "What was solved", "Warnings", "Metrics", "Figures", "Damping by several methods", "Energy ledger",
-        "Versions and origin", "Files",
+        "Versions and provenance", "Files",
     ]  # fmt: skip
     solved = words(section(root, "What was solved"))
     assert "outer diameter of the mandrel80 mmgeometry.mandrel_outer_diameter" in solved
     assert run.case_file.read_text().splitlines()[-1] in solved
     assert "just a remark" in words(section(root, "Warnings"))
-    origin = words(section(root, "Versions and origin"))
+    origin = words(section(root, "Versions and provenance"))
     assert "wroll run lab_sweep.yaml" in origin
     assert f"numpy {run.provenance()['versions']['numpy']}" in origin
     assert {p.name for p in run.path.iterdir() if p.is_file()} - {".lock"} <= set(rows(section(root, "Files")))
@@ -76,7 +76,7 @@ def test_energy_ledger_adds_up(run: RunFolder, tmp_path: Path) -> None:
     data = synthetic_roll.history()
     lost = data.assign(friction_energy=0.5 * data["friction_energy"])  # half of it is nowhere
     found = rows(ElementTree.fromstring(f"<div>{energy_ledger(with_modulation(lost))}</div>"))
-    assert found["Not accounted for"] == found["Energy dissipated by friction"]
+    assert found["Balance error"] == found["Energy dissipated by friction"]
 
 
 def test_damping_is_read_by_every_method() -> None:
@@ -174,7 +174,7 @@ def test_lists_of_one_length_share_a_table() -> None:
 def test_other_analyses_are_reported(file: str, overrides: list[str], parts: set[str], tmp_path: Path) -> None:
     run_case(load_case(ROOT / "configs" / file, overrides), tmp_path / "run")
     root = parsed(write_report(tmp_path / "run"))
-    always = {"What was solved", "Warnings", "Metrics", "Versions and origin", "Files"}
+    always = {"What was solved", "Warnings", "Metrics", "Versions and provenance", "Files"}
     assert {h.text for h in root.iter("h2")} == always | parts
     for name, cells in rows(section(root, "Metrics")).items():
         assert name
@@ -194,7 +194,7 @@ def test_report_of_a_batch_tells_what_varies_and_what_failed(batch: Path, tmp_pa
     assert "mesh.axial = 12" in solved
     warned = words(section(root, "Warnings"))
     assert "pressure_100000 failed: no convergence <script>" in warned
-    assert "2 cases, at worst pressure_30000: the energy balance is open by 3.00%" in warned
+    assert "2 cases, at worst pressure_30000: the energy balance error is 3.00%" in warned
     assert "2 cases, first pressure_10000: the root element is 10 mm high" in warned
     cases = rows(section(root, "Cases"))
     assert cases["pressure_10000"][:3] == ["complete", "10000", "148.25 Hz"]

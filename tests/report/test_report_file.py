@@ -80,7 +80,7 @@ def test_every_text_is_escaped(run: RunFolder, tmp_path: Path) -> None:
     root = parsed(write_report(folder.path))
     assert not {"script", "b", "i"} & {element.tag for element in root.iter()}
     assert root.findtext("body/main/h1") == "Run <b>bold & brave<"
-    for heading in ("What was solved", "Warnings", "Metrics", "Versions and origin"):
+    for heading in ("What was solved", "Warnings", "Metrics", "Versions and provenance"):
         assert "<script>alert('1')</script> & \"quoted\"" in words(section(root, heading))
     assert "none" in words(section(root, "Metrics"))
 
@@ -92,7 +92,7 @@ def test_broken_folders_are_refused_in_one_line(run: RunFolder, tmp_path: Path) 
     for arguments, told in (
         ([empty], "neither the folder of a run"),
         ([tmp_path / "missing"], "is not a folder"),
-        ([tmp_path], "no table of a batch"),
+        ([tmp_path], "is not the table of a batch"),
         ([run.path, "--out", empty], "cannot be written"),
     ):
         result = CliRunner().invoke(cli.app, ["report", *map(str, arguments)])

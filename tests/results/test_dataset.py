@@ -103,7 +103,7 @@ def test_long_histories_are_compressed(tmp_path):
 
 
 def test_unreadable_results_are_one_clear_message(tmp_path):
-    with pytest.raises(InputError, match=r"results\.nc: no such results file"):
+    with pytest.raises(InputError, match=r"results\.nc: results file not found"):
         load_dataset(tmp_path / "results.nc")
     (tmp_path / "results.nc").write_text("not a file of this kind")
     with pytest.raises(InputError, match="not a readable NetCDF file"):

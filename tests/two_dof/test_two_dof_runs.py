@@ -95,10 +95,10 @@ def test_figures_show_every_capacity_and_arrangement() -> None:
         ("two_dof.smooting=1", "two_dof.smooting: unknown key, got 1; did you mean smoothing?"),
         (
             "two_dof=null",
-            "two_dof: required section is missing; add it (two masses that rub, in place of a roll), for",
+            "two_dof: required section is missing; add it (two masses coupled by friction, in place of a roll), for",
         ),
         ("mesh.axial=8", "mesh: analysis two_dof does not use it; leave mesh out"),
-        ("analysis=modal", "required section is missing; add it (the mandrel's tube"),
+        ("analysis=modal", "required section is missing; add it (tube of the mandrel"),
     ],
 )
 def test_wrong_input_is_one_line(override: str, expected: str) -> None:

@@ -52,7 +52,8 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
     [
         (STUDY, "winding.tension_stress=-40e6", "winding.tension_stress: must be greater than 0, got '-40e6'; give"),
         (LAB, "winding.tension_newton=-20", "winding.tension_newton: must be greater than 0, got -20; give the tensio"),
-        (STUDY, "winding.tension_newton=20", "winding.tension_newton: stands beside tension_stress, got 20.0; give"),
+        (STUDY, "winding.tension_newton=20", "winding.tension_newton: cannot be combined with tension_stress, "
+        "got 20.0; give"),
         (STUDY, "winding.tension_stress=null", "winding.tension_stress: the tension is missing; give tension_stress i"),
         (LAB, "winding.web_width=null", "winding.web_width: tension_newton needs the width; add it (width of the web"),
         (STUDY, "winding.web.radial_modulus.K2=40e9", "K2: K2 is not a modulus in Pa: it has no unit, got '40e9'; giv"),
@@ -82,11 +83,12 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
         ),
         (STUDY, "winding.wrap_thickness=0.02", "wrap_thickness: the web is thicker than the roll it is wound on, got"),
         (STUDY, "winding.mandrel.wall=0.02", "winding.mandrel.wall: the wall is thicker than the radius, got 0.02; us"),
-        (STUDY, "winding.mandrel.stiffness=1e9", "winding.mandrel.wall: stands beside stiffness, which replaces it"),
+        (STUDY, "winding.mandrel.stiffness=1e9", "winding.mandrel.wall: cannot be combined with stiffness, "
+        "which replaces it"),
         (STUDY, "winding.mandrel={outer_radius: 0.01}", "winding.mandrel.wall: required key is missing; add it (wall"),
         (STUDY, "winding.mandrel=null", "winding.mandrel: required section is missing; add it (outer_radius with wall"),
         (STUDY, "winding.mu=null", "winding.mu: required key is missing; add it (coefficient of friction between wrap"),
-        (STUDY, "winding=null", "winding: required section is missing; add it (how the roll was wound"),
+        (STUDY, "winding=null", "winding: required section is missing; add it (winding of the roll"),
         (STUDY, "winding.tension_profile={kind: taper, taper: 1.0}", "tension_profile.taper: must be less than 1, got"),
         (SWEEP, "winding=null", "preload.kind: winding_tension needs it"),
         (SWEEP, "winding.wrap_thickness=2e-3", "wrap_thickness: the web is thicker than the roll, got 0.002; use coil"),
@@ -97,7 +99,8 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
             "winding.mandrel={outer_radius: 0.05, wall: 1.5e-3, E: 2.7e9}",
             "winding.mandrel.outer_radius: differs from geometry.mandrel_outer_diameter / 2 = 0.04 m, got 0.05; use 0.",
         ),
-        (SWEEP, "preload.pressure=1e5", "preload.pressure: the tension of section winding sets the pressure, got 1000"),
+        (SWEEP, "preload.pressure=1e5", "preload.pressure: must be left out with kind: winding_tension, which "
+        "computes the pressure, got 1000"),
         (SWEEP, "preload.kind=external_pressure", "preload.pressure: required key is missing; add it (external pressu"),
     ],
 )  # fmt: skip
@@ -140,7 +143,7 @@ def test_warnings_of_a_doubtful_roll(tmp_path: Path) -> None:
     table = "winding.web.radial_modulus={law: table, pressure: [0, 1.0e4], modulus: [1.0e6, 2.0e11]}"
     said = runner.invoke(cli.app, ["run", str(STUDY), "--set", table, "--out", str(tmp_path / "a")])
     assert said.exit_code == 0
-    for part in ("lies beyond the last row", "stiffer through its thickness"):
+    for part in ("exceeds the last row", "exceeds the modulus along the web"):
         assert part in said.output
     coarse = load_case(STUDY, ["winding.cells=50", "winding.growth=continuous"]).winding
     assert coarse is not None
@@ -149,7 +152,7 @@ def test_warnings_of_a_doubtful_roll(tmp_path: Path) -> None:
     short = load_case(STUDY, ["winding.tension_profile={kind: table, radius: [10, 25], factor: [1, 2]}"]).winding
     assert short is not None
     (text,) = doubts(short, wound_roll(short))
-    assert "covers 10 to 25 m, the roll 0.01 to 0.025 m; beyond its rows the end values are kept" in text
+    assert "covers 10 to 25 m, the roll 0.01 to 0.025 m; beyond the table its end values apply" in text
     for command in ("mesh", "export"):
         said = runner.invoke(cli.app, [command, str(STUDY), "--out", str(tmp_path / "b.npz")])
         assert said.exit_code == 2

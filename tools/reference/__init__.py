@@ -1,4 +1,4 @@
-"""Reference pages made from the code: case file from its models, commands from typer, results from the field table."""
+"""Reference pages generated from the code: case models, typer commands, and the table of result fields."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PAGES = {"case.md": case_page, "commands.md": commands_page, "results.md": resul
 
 
 def write_pages(folder: Path) -> list[Path]:
-    """Write all reference pages to a folder; what they held is replaced."""
+    """Write all reference pages to a folder; existing pages are overwritten."""
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, page in PAGES.items():

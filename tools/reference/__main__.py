@@ -1,4 +1,4 @@
-"""`python -m tools.reference [FOLDER]` writes the reference pages, and two generated parts of the pages beside them."""
+"""`python -m tools.reference [FOLDER]`: write the reference pages, and the generated parts of the pages beside them."""
 
 from __future__ import annotations
 

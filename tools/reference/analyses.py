@@ -25,7 +25,7 @@ def analyses_table() -> str:
 
 
 def with_table(page: str) -> str:
-    """Page with the table between its two marks written anew."""
+    """Page with the table between its two markers replaced."""
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
     return f"{before}{BEGIN}{analyses_table()}{END}{after}"

@@ -1,4 +1,4 @@
-"""Reference of the case file, from the pydantic models: every section and key."""
+"""Reference of the case file from the pydantic models: every case section and key."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wroll_fem.case.descriptions import sections, unit_of
 _SHOWN = {"dimensionless": "1", "multiples of 9.80665 m/s^2": "g", "octaves per minute": "oct/min"}
 
 _CONDITIONAL = {("Coil", "total_thickness"), ("Coil", "material")}
-"""Keys with a placeholder in place of a default: checks of the whole section ask for them."""
+"""Required keys whose model has a placeholder as default; validators of the case section require them."""
 
 _INTRO = """# Case file
 
@@ -43,7 +43,7 @@ other sections may be in the file without use."""
 
 
 def case_page() -> str:
-    """Markdown of the whole reference."""
+    """Markdown of the reference of the case file."""
     parts = [GENERATED, _INTRO, "## Analyses", _analyses(), _ANALYSES, "## Sections", _overview()]
     told: dict[type[BaseModel], str] = {}
     for name, field in case_sections().items():
@@ -73,7 +73,7 @@ def _analyses() -> str:
 def _section(
     path: str, model: type[BaseModel], told: dict[type[BaseModel], str], *, tagged: bool, level: int
 ) -> list[str]:
-    """Heading, words and table of a section, then those inside it; what was told before is referred to."""
+    """Heading, description and table of a case section and its nested sections; repeated sections are linked."""
     name = path
     if tagged:
         (value,) = get_args(model.model_fields[_tag(model)].annotation)
@@ -92,7 +92,7 @@ def _section(
 
 
 def _tag(model: type[BaseModel]) -> str:
-    """Key that picks one of several kinds of a section; "" where there is none."""
+    """Discriminating key of a case section with several kinds; "" if there is only one kind."""
     return next((key for key in ("kind", "law") if key in model.model_fields), "")
 
 
@@ -101,7 +101,7 @@ def _rows(model: type[BaseModel]) -> Iterator[tuple[str, ...]]:
     for name in sorted(fields, key=lambda key: key != _tag(model)):
         field = fields[name]
         words = field.description or ""
-        unit = "as the key around it" if "as the key around it" in words else unit_of(words)
+        unit = "as the enclosing key" if "as the enclosing key" in words else unit_of(words)
         yield (
             code(name), type_name(field.annotation), _SHOWN.get(unit, unit), default_of(model, name, field),
             bounds(field), prose(words),
@@ -112,7 +112,7 @@ _NAMES: dict[Any, str] = {float: "number", int: "whole number", bool: "true, fal
 
 
 def type_name(annotation: Any) -> str:
-    """Type of a key in words."""
+    """Type of a key, for the reader."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return type_name(arguments[0])
@@ -131,7 +131,7 @@ def type_name(annotation: Any) -> str:
 
 
 def default_of(model: type[BaseModel], name: str, field: FieldInfo) -> str:
-    """Default of a key in words."""
+    """Default of a key, for the reader."""
     if (model.__name__, name) in _CONDITIONAL:
         return "required but for `model: none`"
     if field.is_required() or (issubclass(model, TaggedSection) and name in TaggedSection.TAGS):
@@ -149,7 +149,7 @@ def default_of(model: type[BaseModel], name: str, field: FieldInfo) -> str:
 
 
 def bounds(field: FieldInfo) -> str:
-    """Bounds of a number or of a list's length."""
+    """Bounds of a number or of the length of a list."""
     found = []
     for item in field.metadata:
         if isinstance(item, Gt):

@@ -1,4 +1,4 @@
-"""Reference of the `wroll` command, from its typer application."""
+"""Reference of the command `wroll` from its typer application."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _CODES = """## Exit codes
 | code | meaning |
 |---|---|
 | 0 | done |
-| 1 | `wroll info`: something that is needed does not work |
-| 2 | the input is wrong: one line with file, key, what is wrong and what would be right; nothing was computed |
-| 3 | the solver did not converge: time, iterations, residuals, what to try; what was computed until then is saved |
-| 130 | interrupted; a sweep or dwell goes on with `--resume`, a batch with the same command |
+| 1 | `wroll info`: a required library does not work |
+| 2 | the input is wrong: one line with file, key, problem and remedy; nothing was computed |
+| 3 | the solver did not converge: time, iterations, residuals and remedy; results up to that point are saved |
+| 130 | interrupted; a sweep or dwell continues with `--resume`, a batch with the same command |
 """
 
 
@@ -67,7 +67,7 @@ def _metavar(parameter: Any) -> str:
 
 
 def _option(parameter: Any, hint: Any) -> str:
-    """Option with the kind of value that it takes."""
+    """Option with the type of its value."""
     if parameter.is_flag:
         return str(parameter.opts[0])
     kinds = {hint, *get_args(hint)}

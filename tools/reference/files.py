@@ -20,7 +20,7 @@ def files_list() -> str:
 
 
 def with_list(page: str) -> str:
-    """Page with the list between its two marks written anew."""
+    """Page with the list between its two markers replaced."""
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
     return f"{before}{BEGIN}{files_list()}{END}{after}"

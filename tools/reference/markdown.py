@@ -23,7 +23,7 @@ def _cell(text: str) -> str:
 
 
 def prose(text: str) -> str:
-    """Plain words of a description, safe in Markdown; what is set as code stays as it is."""
+    """Description with Markdown characters escaped, except in code spans."""
     parts = text.split("`")
     parts[::2] = [part.replace("*", "\\*").replace("_", "\\_").replace("<", "\\<") for part in parts[::2]]
     return "`".join(parts)

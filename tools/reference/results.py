@@ -1,4 +1,4 @@
-"""Reference of what a run leaves behind: names of summary.json, variables of results.nc."""
+"""Reference of the results of a run: entries of summary.json and variables of results.nc."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _GROUPS = (
     ("Map of mandrels", ("mandrel_radius", "limit_kind")),
     ("Two masses", ("omega", "capacity_at_zeta_max")),
 )
-"""Heading, first and last name in `FIELDS`; what stands behind them all is told last."""
+"""Heading, first and last name of each group in `FIELDS`; the remaining names form the last group."""
 
 
 def results_page() -> str:

@@ -1,4 +1,4 @@
-"""Analyses by name, and what every run does with their results. Importing this is cheap."""
+"""Run analyses by name, and summarise, draw and write their results."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ __all__ = [
 
 
 def case_warnings(case: Case) -> list[str]:
-    """Checks before the run: what is doubtful, each with what to change; reads the file of `structure`.
+    """Warnings about a case before its run, each with a remedy; reads the file of `structure`.
 
     Raises
     ------
     InputError
-        When that file is wrong.
+        If that file is invalid.
     """
     return case.renamed + [text for check in find_analysis(case.analysis).preflight for text in check(case)]
 
 
 def estimate(case: Case) -> dict[str, Any]:
-    """Size of the job and an approximate time, for ``--dry-run``.
+    """Problem size and approximate computing time, for ``--dry-run``.
 
     Returns
     -------
@@ -46,24 +46,24 @@ def estimate(case: Case) -> dict[str, Any]:
 
 
 def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
-    """Run the analysis that the case asks for.
+    """Run the analysis of a case.
 
     Parameters
     ----------
     checkpoint
         File for checkpoints of resumable analyses; None writes none.
     resume
-        Go on from it.
+        Continue from the checkpoint.
 
     Returns
     -------
     xr.Dataset
-        Self-contained: `summarise`, `write_fields` and `write_figures` need nothing else.
+        Self-contained results, sufficient for `summarise`, `write_fields` and `write_figures`.
 
     Raises
     ------
     ConvergenceError
-        With the results until then in ``partial`` (or no such attribute when there are none).
+        If a step does not converge; attribute ``partial`` has the results up to that step, if there are any.
     """
     from wroll_fem.analyses.shared.self_contained import described
 
@@ -78,17 +78,17 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
 
 
 def summarise(dataset: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
-    """Flat summary in SI, the unit in the name; lists run over interfaces (inner first) or modes.
+    """Flat summary in SI with units in the names; lists have an entry per interface (inner first) or mode.
 
     Parameters
     ----------
     case
-        Only for a Dataset that does not name its analysis.
+        Case of the Dataset; needed only if the Dataset does not name its analysis.
 
     Raises
     ------
     InputError
-        When neither names the analysis.
+        If the analysis is unknown.
     """
     from wroll_fem.analyses.shared.summary import attributes
 
@@ -100,13 +100,13 @@ def summarise(dataset: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
 
 
 def write_fields(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Write the .vtu files of the analysis: slip maps, kept fields, mode shapes."""
+    """Write the .vtu files of the analysis: slip maps, stored fields, mode shapes."""
     dataset, analysis = _own(dataset)
     return _written(analysis.fields, dataset, folder)
 
 
 def write_figures(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the figures of the analysis (.png) as far as the results go: those of an unconverged run hold less.
+    """Draw the figures of the analysis (.png); figures without data in incomplete results are left out.
 
     Figures in space need pyvista and are left out without it; slip maps need points that span a cylinder.
     """
@@ -115,7 +115,7 @@ def write_figures(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def _own(dataset: xr.Dataset, case: Case | None = None) -> tuple[xr.Dataset, Analysis]:
-    """Self-contained Dataset and its analysis."""
+    """Return the self-contained Dataset and its analysis."""
     from wroll_fem.analyses.shared.self_contained import completed, described
 
     dataset = completed(dataset) if case is None else described(dataset, case)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
-    """Frequency, damping and work per cycle over `tip_amplitude`; fields per point are of the most damped motion."""
+    """Dataset over `tip_amplitude`: frequency, damping and work per cycle; interface fields at the largest damping."""
     motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
     dim, tip, base = "tip_amplitude", curve.tip, curve.base_acceleration
     data = {
@@ -67,12 +67,12 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
 
 
 def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
-    """Frequency and damping of the resonance that the base excites most, from sticking to gross slip.
+    """Compute frequency and damping of the most excited resonance over amplitude, from sticking to gross slip.
 
     Raises
     ------
     ConvergenceError
-        With the curve until then in ``partial``.
+        If a motion is not found; ``partial`` has the curve up to there.
     """
     system, state = prepare(case, progress)
     condensation = condensed_structure(case, system, state, progress)
@@ -112,7 +112,7 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
 
 ANALYSIS = Analysis(
     name="backbone",
-    sentence="Periodic motion at resonance over its amplitude: frequency and damping against level.",
+    sentence="Periodic motion at resonance: frequency and damping over amplitude.",
     sections=("geometry", "mandrel", "coil", "contact", "preload"),
     run=run_backbone,
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip),

@@ -1,4 +1,4 @@
-"""Map of mandrels: how far loosest and tightest coil lie apart in their bending frequency (thesis, Fig. 2.16)."""
+"""Design map: difference of bending frequency between stiffest and softest coil over mandrels (thesis, Fig. 2.16)."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ _NUMBERS = ("frequency_tightest", "frequency_loosest", "frequency_mandrel", "loo
 
 @dataclass(frozen=True)
 class Design:
-    """What becomes of one mandrel; frequencies in Hz, nan where bending is not the fundamental mode.
+    """Frequencies of the softest and stiffest coil on one mandrel, Hz; nan if bending is not the fundamental mode.
 
     Attributes
     ----------
     frequency_tightest, frequency_loosest, frequency_mandrel
-        Bending frequency with the case's coil, with the loosest one, and of the mandrel without coil.
+        Bending frequency with the stiffest coil (that of the case), with the softest coil, and without coil.
     loosest_shear_modulus
-        Shear modulus between wraps of the loosest coil, Pa.
+        Shear modulus between wraps of the softest coil, Pa.
     limit_kind
-        The mode that is lower than bending in a softer coil; where a frequency is nan, the fundamental
-        mode in place of bending; "" for a loosest coil that the case gives, and where bending is always lowest.
+        Mode that is lower than bending in a softer coil; if a frequency is nan, the fundamental mode in place of
+        bending; "" if the case sets the softest coil, or if bending is always the lowest mode.
     """
 
     frequency_tightest: float
@@ -47,14 +47,14 @@ class Design:
 
 
 class _Models:
-    """Sections with and without coil, moved from design to design so that their forms are built once."""
+    """Finite-element models with and without coil, reused from design to design so that forms compile once."""
 
     def __init__(self) -> None:
         self._with: FourierModel | None = None
         self._without: FourierModel | None = None
 
     def design(self, case: DesignMapCase, geometry: Geometry) -> Design:
-        """Frequencies of a mandrel with the coil of the case."""
+        """Frequencies of the coil of the case on a mandrel."""
         from wroll_fem.coiled_stiff.frequency_bounds import fundamental, softest_coil, with_shear_modulus
         from wroll_fem.fem.fourier_modes import symmetry_class_modes
         from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
@@ -83,13 +83,13 @@ class _Models:
 
 
 def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
-    """Disparity of every mandrel of `design_map`, and of the case's own.
+    """Compute the frequency disparity of every mandrel of `design_map` and of the mandrel of the case.
 
     Returns
     -------
     xr.Dataset
         `frequency_tightest`, `frequency_loosest`, `frequency_disparity`, `frequency_mandrel`, `loosest_shear_modulus`,
-        `limit_kind` over (mandrel_radius, mandrel_thickness); the case's own mandrel in the attributes `own_*`.
+        `limit_kind` over (mandrel_radius, mandrel_thickness); the mandrel of the case in the attributes `own_*`.
     """
     radii, walls = case.design_map.mandrel_radius, case.design_map.mandrel_thickness
     models = _Models()
@@ -120,7 +120,7 @@ def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
 
 
 def summarise_design_map(dataset: xr.Dataset) -> dict[str, Any]:
-    """Flat summary: the case's own mandrel, and where on the map the disparity is largest and smallest."""
+    """Flat summary: mandrel of the case, and the mandrels with the largest and smallest disparity."""
     own = {name: dataset.attrs[f"own_{name}"] for name in _NUMBERS}
     disparity = dataset["frequency_disparity"]
     summary: dict[str, Any] = {

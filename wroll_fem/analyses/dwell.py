@@ -1,4 +1,4 @@
-"""Dwell: time history under a sine of the base at one frequency, and its steady end."""
+"""Dwell: time history under a sine of the base at one frequency, and the steady response."""
 
 from __future__ import annotations
 
@@ -19,18 +19,25 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 STEADY_CYCLES = 5
-"""Whole cycles at the end from which the steady response is taken, if there are as many after the ramp."""
+"""Number of last cycles from which the steady response is computed, if there are as many after the ramp."""
 
 
 def run_dwell(
     case: DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
-    """Time history with energy ledger and slip fields; the steady response in the attributes ``steady_*``.
+    """Compute the time history with energy ledger and slip fields; attributes ``steady_*`` are the steady response.
+
+    Parameters
+    ----------
+    checkpoint
+        Checkpoint file; None writes none.
+    resume
+        Continue from the checkpoint.
 
     Raises
     ------
     ConvergenceError
-        With the history until then in ``partial``.
+        If a step does not converge; ``partial`` has the history up to that step.
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
     motion = base_motion(case.excitation)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the whole roll; the same Dataset as the three-dimensional model's.
+    """Compute the lowest modes of the whole roll; the Dataset has the variables of the three-dimensional model.
 
     Modes of wave numbers m >= 1 come in degenerate pairs, the one along x first. Shapes are given on the outer surface
     of the revolved half plane, with `mesh.circumferential` cells around.
@@ -65,7 +65,7 @@ def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
 def _shapes(
     model: FourierModel, modes: list[tuple[FourierMode, bool]], around: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
-    """Nodes (n, 3), cells (c, 9) and shapes (modes, n, 3), largest 1, on the skin of the revolved section."""
+    """Nodes (n, 3), cells (c, 9) and mode shapes (modes, n, 3), largest 1, on the revolved outer surface."""
     outline = model.half_plane.outline
     nodes, cells = revolve(outline, around)
     values = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), outline)[0]

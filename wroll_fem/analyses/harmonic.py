@@ -32,38 +32,48 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
-"""A mode within this relative distance of an odd multiple of the resonance, up to this order, gives a warning if its
-share in the tip's response to the base is at least that of the main mode times the last."""
+"""Criteria of the warning about a mode near a neglected harmonic: highest odd order, relative distance of the mode from
+that multiple of the resonance, least participation at the tip over the participation of the main mode."""
 
 MEMORY_WARNING = 0.02
-"""Elastic slip that still changes by more than this share of gamma* per period gives a warning."""
+"""Change of the elastic slip per period, over gamma*, above which the run warns."""
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
-    """All modes of the structure with its interface stuck."""
+    """Condense the structure to all modes with sticking interfaces."""
     with progress.stage("modes", 1) as stage:
         condensation = condense(system, stick_springs(system, state), Scheme.hht(0.0), case.time_step)
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "
-            "displacement"
+            "the mesh has no rotational symmetry: the interior is projected, with an error of about 1e-4 of the "
+            "largest displacement"
         )
     return condensation
 
 
 def pass_line(number: int, size: int, error: float, target: float) -> str:
-    """Progress of the adaptive basis after a pass along the curve."""
+    """Message about the adaptive basis after a pass along the curve.
+
+    Parameters
+    ----------
+    number
+        Number of the pass.
+    size
+        Number of basis vectors.
+    error, target
+        Residual error and its tolerance, relative.
+    """
     return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
 
 
 def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
-    """Response curve with work per cycle and slip, and its damping estimate.
+    """Compute the response curve with work per cycle and slip, and estimate its damping.
 
     Raises
     ------
     ConvergenceError
-        With the curve until then in ``partial``.
+        If a point does not converge; ``partial`` has the curve up to there.
     """
     system, state = prepare(case, progress)
     condensation = condensed_structure(case, system, state, progress)
@@ -107,9 +117,20 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
 
 
 def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int) -> str:
-    """Warning about a mode near a multiple of the resonance ``frequency`` (rad/s) beyond the harmonics kept, or empty.
+    """Warning if a mode lies near a neglected harmonic of the resonance; else empty.
 
-    Friction's force is odd in the motion: its odd harmonics are the strong ones, and fall off with the order.
+    Parameters
+    ----------
+    condensation
+        Modes of the structure.
+    frequency
+        Resonance, rad/s.
+    harmonics
+        Highest harmonic in the analysis.
+
+    Notes
+    -----
+    The friction force is odd in the motion, so its odd harmonics dominate; they decrease with the order.
     """
     c = condensation
     share = np.abs(c.base * c.tip)
@@ -120,13 +141,13 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
         if near.any():
             return (
                 f"a mode at {natural[near][0] / (2.0 * np.pi):.0f} Hz lies near {order} times the resonance, whose "
-                f"harmonic is not kept; set harmonic.harmonics to {order}"
+                f"harmonic is neglected; set harmonic.harmonics to {order}"
             )
     return ""
 
 
 def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
-    """Damping estimate of the curve by a method of `ESTIMATORS`; of a folded curve, of its highest branch.
+    """Estimate damping from the curve, by a method of `ESTIMATORS`; of a folded curve, the highest branch is used.
 
     On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
     every frequency, the largest of them: the envelope, which has no phase.
@@ -161,12 +182,13 @@ def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:
 
 
 def memory_remark(dataset: xr.Dataset) -> str:
-    """Warning about a friction hysteresis that is not periodic yet; empty when it is."""
+    """Warning if the friction hysteresis is not yet periodic; else empty."""
     change = float(dataset.attrs["memory_change"])
     if change <= MEMORY_WARNING:
         return ""
     return (
-        f"the memory of friction still changes by {100 * change:.2g} % of elastic_slip per period at some point; "
+        f"the friction hysteresis is not periodic: the elastic slip at some point still changes by "
+        f"{100 * change:.2g} % of elastic_slip per period; "
         "raise harmonic.max_periods"
     )
 

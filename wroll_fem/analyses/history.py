@@ -1,4 +1,4 @@
-"""Time history of a case, shared by sweep and dwell: preload, condensation, time integration."""
+"""Time history of a case, for sweep and dwell: preload, condensation, time integration."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 LARGE_REDUCTION_ERROR = 0.01
-"""Error estimate of the reduced model above which the run warns; at 10 to 300 kPa the lab roll stays below 0.004."""
+"""Error estimate of the reduced model above which the run warns; below 0.004 for the lab roll at 10 to 300 kPa."""
 
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
@@ -50,12 +50,19 @@ PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure
 def time_history(
     case: SweepCase | DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
-    """Time history with energy ledger and slip fields.
+    """Compute the time history with energy ledger and slip fields.
+
+    Parameters
+    ----------
+    checkpoint
+        Checkpoint file; None writes none.
+    resume
+        Continue from the checkpoint.
 
     Raises
     ------
     ConvergenceError
-        With the history until then in ``partial``.
+        If a step does not converge; ``partial`` has the history up to that step.
     """
     motion = base_motion(case.excitation)
     system, state = prepare(case, progress)
@@ -90,8 +97,8 @@ def time_history(
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
     if estimate > LARGE_REDUCTION_ERROR:
         progress.warning(
-            f"the reduced model missed {100 * estimate:.1f} % of what the contact can hold: layers open and slide so "
-            "widely that peak and damping can be off by several per cent; compare with solver.method: condensed, or "
+            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide so widely that "
+            "the errors of peak and damping can be several per cent; compare with solver.method: condensed, or "
             "lower solver.reduction_tolerance"
         )
     return _described(history, case)
@@ -108,8 +115,8 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
         progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is projected, good to about 1e-4 of the largest "
-            "displacement; use solver.method: full for the exact answer"
+            "the mesh has no rotational symmetry: the interior is projected, with an error of about 1e-4 of the "
+            "largest displacement; use solver.method: full for the exact solution"
         )
 
 

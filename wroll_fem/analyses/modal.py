@@ -30,20 +30,27 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 TIE_FACTOR = 100.0
-"""Bonded: springs of this many times the normal penalty in all directions; tied to 1e-4 in frequency."""
+"""Factor on the normal penalty for bonded interfaces, in all directions; frequencies agree with tied ones to 1e-4."""
 
 
 DENSE_MODES = 500
-"""Up to this many DOFs the modes of a structure from a file are found by a dense solver: all of them may be wanted."""
+"""Largest number of DOFs for which modes of matrices from a file are computed by a dense eigensolver."""
 
 
 def interface_springs(
     case: RollModalCase | StructureModalCase, system: System, state: ContactState | None = None
 ) -> FloatArray:
-    """(3 n_points,) spring per contact degree of freedom that represents the interface in a linear analysis, Pa/m.
+    """Springs (3 n_points,) of the contact degrees of freedom in a linear analysis, Pa/m.
 
-    frictionless: normal contact (bilateral) alone; bonded: no relative motion; stuck: the preloaded interface,
-    normal penalty and elastic-slip stiffness mu p / gamma*.
+    Parameters
+    ----------
+    case
+        Its `modal.interface` selects the springs. frictionless: bilateral normal contact only; bonded: no relative
+        motion; stuck: normal penalty and stick stiffness mu p / gamma* of the preloaded interface.
+    system
+        System of the case.
+    state
+        Preload state for stuck; None computes it.
     """
     kn, n = system.laws.kn, system.n_points
     bonded = isinstance(case, OnRoll) and case.coil.model == "bonded"
@@ -56,7 +63,7 @@ def interface_springs(
 
 
 def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the whole roll by the discretisation of the case, or of matrices from a file."""
+    """Compute the lowest modes of the whole roll, or of matrices from a file."""
     if isinstance(case, StructureModalCase):
         return run_structure(case, progress=progress)
     roll = case.expect(RollModalCase)
@@ -64,7 +71,7 @@ def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
 
 
 def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
-    """Lowest modes of the three-dimensional model, with kinds and effective masses.
+    """Compute the lowest modes of the three-dimensional model, with kinds and effective masses.
 
     Returns
     -------
@@ -118,7 +125,7 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
 
 
 def with_probes(dataset: xr.Dataset, system: System, vectors: FloatArray) -> xr.Dataset:
-    """Dataset with the displacement of M-normalised modes at the probes, where there are more than the tip."""
+    """Dataset with the displacement of M-normalised modes at the probes, if the case defines probes."""
     names = list(system.probe_names)
     if len(names) == 1:
         return dataset
@@ -127,7 +134,7 @@ def with_probes(dataset: xr.Dataset, system: System, vectors: FloatArray) -> xr.
 
 
 def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
-    """(n_modes,) share p of each M-normalised mode in the tip's motion under motion of the base.
+    """Participation p (n_modes,) of each M-normalised mode in the tip motion under base motion.
 
     The undamped transmissibility is |1 + sum over modes of p f^2 / (f_n^2 - f^2)|.
     """
@@ -135,7 +142,7 @@ def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
 
 
 def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset:
-    """Undamped modes of matrices from a file: frequency and effective mass along the excitation, no names or shapes."""
+    """Compute frequency and effective mass of the undamped modes of matrices from a file."""
     stuck = case.modal.interface == "stuck"
     system, state = prepare(case, progress) if stuck else read_structure(case)
     springs = interface_springs(case, system, state) if system.interfaces else np.zeros(0)
@@ -170,7 +177,7 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
 
 
 def _shapes(bodies: list[Body], vectors: FloatArray) -> FloatArray:
-    """(n_modes, n_nodes, 3) displacement of every node, largest 1."""
+    """Mode shapes (n_modes, n_nodes, 3): nodal displacements, largest 1."""
     ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
     parts = []
     for body, part in zip(bodies, np.split(vectors, ends), strict=True):
@@ -183,17 +190,17 @@ def _shapes(bodies: list[Body], vectors: FloatArray) -> FloatArray:
 
 
 def _parts(body: Body) -> list[FloatArray]:
-    """Nodes of a body, then those of its solid coil."""
+    """Nodes of a body, followed by the nodes of its solid coil."""
     return [body.nodes] if body.solid is None else [body.nodes, body.solid.nodes]
 
 
 def _starts(bodies: list[Body]) -> list[int]:
-    """Number of the first node of each body among all nodes."""
+    """Index of the first node of each body in the list of all nodes."""
     return np.concatenate([[0], np.cumsum([sum(map(len, _parts(body))) for body in bodies])]).tolist()
 
 
 def _cells(bodies: list[Body]) -> np.ndarray:
-    """(n, 9) quads of the shells and of the outer surface of the solid coil."""
+    """Quads (n, 9) of the shells and of the outer surface of the solid coil."""
     quads = []
     for body, start in zip(bodies, _starts(bodies), strict=False):
         quads.append(body.cells + start)
@@ -203,7 +210,7 @@ def _cells(bodies: list[Body]) -> np.ndarray:
 
 
 def _solid_cells(bodies: list[Body]) -> dict[str, tuple[tuple[str, str], np.ndarray]]:
-    """Hexahedra of the solid coil, or nothing."""
+    """Variable with the hexahedra of the solid coil; empty without a solid coil."""
     cells = [
         body.solid.cells + start + len(body.nodes)
         for body, start in zip(bodies, _starts(bodies), strict=False)

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 def run_modal_transient(case: ModalTransientCase, *, progress: Progress) -> xr.Dataset:
-    """Modes with their stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
+    """Compute modes with stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
     return SlipModel.of(case, progress=progress).run(progress=progress)
 
 
 def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Onset and slip zone for summary.json; lists run over the levels `amplitude_g`."""
+    """Onset and slip zone for summary.json; lists have an entry per level of `amplitude_g`."""
     onset, levels = dataset["slip_onset"].values, dataset["amplitude_g"].values
     first = int(np.argmin(onset))
     found: dict[str, Any] = {
@@ -46,11 +46,11 @@ def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def slip_statement(dataset: xr.Dataset) -> str:
-    """Say in one sentence whether, where and how much the coil slips."""
+    """Sentence on onset, location and extent of slip in the coil."""
     onset, top = dataset["slip_onset"].values, float(dataset["amplitude_g"].values[-1])
     first = int(np.argmin(onset))
     if not np.isfinite(onset[first]):
-        return "no slip at any level: nothing shears the coil"
+        return "no slip at any level: the coil has no shear stress"
     depth = 1e3 * (float(dataset["r_m"][first]) - float(dataset.attrs["mandrel_radius_m"]))
     place = (
         f"{depth:.2f} mm from the mandrel, {1e3 * float(dataset['z_m'][first]):.1f} mm above the base, at "

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def run_preload(case: PreloadCase, *, progress: Progress) -> xr.Dataset:
-    """Contact pressure and friction traction of every interface under the preload alone."""
+    """Compute contact pressure and friction traction of every interface under the preload."""
     system, state = prepare(case, progress)
     dataset = interface_fields(system, state)
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points}

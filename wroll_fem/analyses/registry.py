@@ -1,4 +1,4 @@
-"""Registry of analyses: the record that describes one, and a line for each, from which every other table derives.
+"""Registry of analyses; all other tables of analyses are derived from it.
 
 An analysis is a module that holds `ANALYSIS`, an `Analysis` object. It is imported when it is asked for, so that this
 module stays cheap to import.
@@ -35,12 +35,12 @@ MODULES: dict[str, str] = {
     "design_map": "wroll_fem.analyses.design_map",
     "two_dof": "wroll_fem.analyses.two_dof",
 }
-"""Name in the case file -> module that holds its `ANALYSIS`."""
+"""Name in the case file -> module that defines its `ANALYSIS`."""
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """An analysis: what it needs, what it computes, and what a run folder gets from its results.
+    """Description of an analysis: its case sections, computation, summary, figures and fields.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Analysis:
     estimate
         Size and approximate time of the run, from the case.
     resumable
-        Whether it writes checkpoints, from which `--resume` goes on.
+        Whether it writes checkpoints, from which `--resume` continues.
     """
 
     name: str
@@ -85,7 +85,7 @@ class Analysis:
 
 
 def find_analysis(name: str) -> Analysis:
-    """Analysis of a name.
+    """Return the analysis with a name.
 
     Raises
     ------
@@ -94,11 +94,11 @@ def find_analysis(name: str) -> Analysis:
     """
     if name not in MODULES:
         remedy = f"use one of: {', '.join(MODULES)}"
-        raise InputError(f"no analysis {name!r}", key="analysis", remedy=remedy)
+        raise InputError(f"unknown analysis {name!r}", key="analysis", remedy=remedy)
     found: Analysis = import_module(MODULES[name]).ANALYSIS
     return found
 
 
 def all_analyses() -> list[Analysis]:
-    """Return every analysis, in the order of the registry; imports all of them."""
+    """Return all analyses in the order of the registry; imports their modules."""
     return [find_analysis(name) for name in MODULES]

@@ -1,4 +1,4 @@
-"""Slip of a solid coil under a sine of the base, from its modes: response, shear against capacity, slip zone."""
+"""Slip of a solid coil under a sine of the base, by modal superposition: response, shear stress, slip zone."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 FEWEST_MASS = 0.9
-"""Modes that carry less than this share of the mass along the excitation get a warning."""
+"""Share of the mass along the excitation below which the modes get a warning."""
 
 
 LEAST_MASS = 1e-6
-"""Share of the mass that the driven mode must move; less is rounding."""
+"""Least effective mass of the driven mode over the total mass; smaller values are round-off."""
 
 
 class CoilShape(NamedTuple):
-    """Where the coil is: `mandrel_radius`, `outer_radius`, `length` in m."""
+    """Dimensions of the coil: `mandrel_radius`, `outer_radius`, `length` in m."""
 
     mandrel_radius: float
     outer_radius: float
@@ -49,7 +49,7 @@ def transient_dataset(
     frequency_hz: float | None,
     levels_g: list[float],
 ) -> xr.Dataset:
-    """Response from rest at the top level, steady shear and slip at every level.
+    """Compute the response from rest at the highest level, and steady shear and slip at every level.
 
     Parameters
     ----------
@@ -76,13 +76,13 @@ def transient_dataset(
     Raises
     ------
     InputError
-        When no mode moves along the excitation.
+        If no mode has effective mass along the excitation.
     """
     driven = driven_mode(modes)
     if modes.participation[driven] ** 2 < LEAST_MASS * modes.mass_total:
         raise InputError(
-            f"none of {len(modes.frequencies_hz)} modes moves along the excitation", key="modal.count",
-            remedy="take more modes",
+            f"none of {len(modes.frequencies_hz)} modes has effective mass along the excitation", key="modal.count",
+            remedy="raise it",
         )  # fmt: skip
     frequency = float(modes.frequencies_hz[driven]) if frequency_hz is None else frequency_hz
     oscillators = Oscillators(modes.frequencies_hz, modes.participation, damping_ratio)
@@ -133,7 +133,7 @@ def transient_dataset(
 
 
 def _mode_fields(modes: ShearModes) -> dict[str, Any]:
-    """Frequency and effective mass of every mode, and its name where the model has one."""
+    """Frequency, effective mass and, if available, kind of every mode."""
     mass = np.asarray(modes.participation) ** 2
     fields: dict[str, Any] = {
         "mode_frequency": ("mode", modes.frequencies_hz), "effective_mass_fraction": ("mode", mass / modes.mass_total),
@@ -151,7 +151,7 @@ def _capacity_fields(capacity_at: Callable[[FloatArray], FloatArray], shape: Coi
 
 
 def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, onset: FloatArray) -> dict[str, Any]:
-    """Place, shear at 1 g, capacity and onset of every quadrature point."""
+    """Position, shear at 1 g, capacity and onset of slip of every quadrature point."""
     return {
         "theta_rad": ("point", modes.points[:, 0]),
         "z_m": ("point", modes.points[:, 1]),
@@ -175,13 +175,13 @@ def _zone_fields(zones: list[SlipZone]) -> dict[str, Any]:
 
 
 def remarks(dataset: xr.Dataset) -> list[str]:
-    """Warnings about the result, each with what to change."""
+    """Warnings about the result, each with a remedy."""
     found = []
     share = float(dataset.attrs["participating_mass_fraction"])
     if share < FEWEST_MASS:
         found.append(
-            f"{dataset.sizes['mode']} modes carry {100 * share:.0f} % of the mass along the excitation; what the "
-            "others would add is missing from the stresses: raise modal.count until "
+            f"{dataset.sizes['mode']} modes carry {100 * share:.0f} % of the mass along the excitation; "
+            "the stresses lack the contribution of the others: raise modal.count until "
             f"{100 * FEWEST_MASS:.0f} % are reached"
         )
     f, top = float(dataset.attrs["excitation_frequency_hz"]), float(dataset["mode_frequency"].max())

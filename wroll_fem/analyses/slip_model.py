@@ -1,4 +1,4 @@
-"""Slip of a solid coil for many levels, frictions, dampings, frequencies and windings from one set of modes."""
+"""Slip of a solid coil from one set of modes, for many levels, dampings, frequencies and windings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 _MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
-"""Sections that the modes depend on, besides the direction of the excitation."""
+"""Case sections on which the modes depend, besides the direction of the excitation."""
 
 
 def shear_modes(case: ModalTransientCase) -> ShearModes:
@@ -30,7 +30,7 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
     Raises
     ------
     InputError
-        If the coil is not solid, or none of the modes moves along the excitation.
+        If the coil is not solid, or no mode has effective mass along the excitation.
     WrollError
         If the eigensolver misses modes or does not converge.
     """
@@ -57,14 +57,14 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
 class SlipModel:
     """Modes of a coil with their shear stress, and the friction capacity from winding.
 
-    The coil is linear, so that one set of modes answers for every level, friction, damping, frequency and winding.
+    The coil is linear, so one set of modes serves every level, friction, damping, frequency and winding.
 
     Attributes
     ----------
     case
         The case that was solved.
     modes
-        Its modes and the shear stress that each makes in the coil.
+        Modes and their shear stress in the coil.
     roll
         Stress in its wound roll: `radius`, `pressure`, `capacity` (n,).
     """
@@ -80,7 +80,7 @@ class SlipModel:
         Raises
         ------
         InputError
-            For a case of another analysis.
+            If the case has another analysis.
         """
         from wroll_fem.progress import SilentProgress
 
@@ -98,19 +98,19 @@ class SlipModel:
         return cls(case, modes, roll)
 
     def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:
-        """Result of a case with the same modes, as the analysis itself computes it; of its own case when None.
+        """Compute the result of a case with the same modes; None for the case that was solved.
 
         Parameters
         ----------
         case
             For example ``model.case.changed({"excitation.amplitude_g": [1, 5], "winding.mu": 0.3})``.
         progress
-            Gets a stage, and what is doubtful in the result.
+            Receives a stage, and warnings about the result.
 
         Raises
         ------
         InputError
-            For a case whose modes are others.
+            If the case has different modes.
         """
         from wroll_fem.progress import SilentProgress
 
@@ -142,13 +142,13 @@ class SlipModel:
         else:
             return case
         remedy = "solve that case: SlipModel.of(case), or run it"
-        raise InputError("has other modes than the slip model", key=", ".join(changed), remedy=remedy)
+        raise InputError("changes the modes of the slip model", key=", ".join(changed), remedy=remedy)
 
 
 def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
-    """Radii of the wound roll at the same share of the thickness: coil and wound roll may differ a little in size.
+    """Map radii of the coil to radii of the wound roll, whose size may differ slightly.
 
-    Without it a coil that is thicker by less than is refused would have an outer skin without capacity.
+    Without the map, the outer surface of a slightly thicker coil would have no capacity.
     """
     share = (radius - shape.mandrel_radius) / (shape.outer_radius - shape.mandrel_radius)
     return np.asarray(wound[0] + share * (wound[-1] - wound[0]))

@@ -1,4 +1,4 @@
-"""Sweep: time history under a chirp of the base, its transmissibility and damping."""
+"""Sweep: time history under a chirp of the base, with transmissibility and damping."""
 
 from __future__ import annotations
 
@@ -25,12 +25,19 @@ if TYPE_CHECKING:
 def run_sweep(
     case: SweepCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
-    """Time history with energy ledger, slip fields and transmissibility; damping in the attributes.
+    """Compute the time history with energy ledger, slip fields and transmissibility; attributes contain the damping.
+
+    Parameters
+    ----------
+    checkpoint
+        Checkpoint file; None writes none.
+    resume
+        Continue from the checkpoint.
 
     Raises
     ------
     ConvergenceError
-        With the history until then in ``partial``.
+        If a step does not converge; ``partial`` has the history up to that step.
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
     motion = base_motion(case.excitation)

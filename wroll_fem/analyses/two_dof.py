@@ -1,4 +1,4 @@
-"""Response of the two masses of a case: curves over frequency, their readings, and the map of the design space."""
+"""Two masses coupled by friction: response curves, their damping estimates, and the map of the design space."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 SECONDS_PER_MOTION = {"periodic": 1.5e-3, "time": 1.0}
-"""Time of a motion by either method, and below of a curve of the design space; one 2.5 GHz core."""
+"""Seconds per periodic motion for each method, on a 2.5 GHz core."""
 SECONDS_PER_DESIGN = 0.2
 
 _WORK = ("input", "primary", "secondary", "friction")
 
 
 def two_masses(section: TwoDof) -> TwoMasses:
-    """The model that a case describes."""
+    """Model of the two masses from the case section."""
     return TwoMasses(
         m1=section.m1, k1=section.k1, c1=section.c1, m2=section.m2, k2=section.k2, c2=section.c2,
         base_amplitude=section.Y0, smoothing=section.smoothing, arrangement=section.arrangement,
@@ -36,7 +36,7 @@ def two_masses(section: TwoDof) -> TwoMasses:
 
 
 def run_two_dof(case: TwoDofCase, *, progress: Progress) -> xr.Dataset:
-    """Curves of a case.
+    """Compute the response curves of a case, and the map of its design space.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def run_two_dof(case: TwoDofCase, *, progress: Progress) -> xr.Dataset:
     Raises
     ------
     ConvergenceError
-        When a motion is not found.
+        If a periodic motion is not found.
     """
     section = case.two_dof
     model, omegas = two_masses(section), np.array(section.omega.values)
@@ -118,7 +118,7 @@ def _curves(
 
 
 def design_dataset(space: DesignSpace) -> xr.Dataset:
-    """Map of a design space, its largest damping over the capacities and the capacity where it is."""
+    """Map of the design space: damping, its maximum over the friction capacities, and the capacity of the maximum."""
     dims, flat = ("m2", "k2", "friction_capacity"), ("m2", "k2")
     known = np.where(np.isfinite(space.zeta), space.zeta, -np.inf)
     best = known.argmax(axis=2)
@@ -137,7 +137,7 @@ def design_dataset(space: DesignSpace) -> xr.Dataset:
 
 
 def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
-    """Flat summary; lists run over the friction capacities, null where a curve cannot be read."""
+    """Flat summary; lists have an entry per friction capacity, null if damping cannot be estimated."""
 
     def listed(name: str) -> list[float | None]:
         return [float(v) if np.isfinite(v) else None for v in dataset[name].values]
@@ -168,7 +168,7 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
-    """Number of motions and curves, and an approximate time on this machine."""
+    """Number of motions and curves, and approximate computing time."""
     import os
 
     section = case.two_dof
@@ -184,7 +184,7 @@ def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
 
 ANALYSIS = Analysis(
     name="two_dof",
-    sentence="Two masses with friction between them on a shaken base.",
+    sentence="Two masses coupled by friction, under a sine of the base.",
     sections=("two_dof",),
     run=run_two_dof,
     summary=(summarise_two_dof,),

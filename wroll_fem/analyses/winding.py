@@ -23,7 +23,7 @@ COARSE = 0.01
 
 
 def run_winding(case: WindingCase, *, progress: Progress) -> xr.Dataset:
-    """Pressure, capacity and hoop stress over the radius, on the refined grid and on the wrap grid of the thesis.
+    """Compute pressure, capacity and hoop stress over the radius, on the refined grid and the wrap grid of the thesis.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def run_winding(case: WindingCase, *, progress: Progress) -> xr.Dataset:
 
 
 def main_numbers(section: Winding, roll: WoundRoll) -> dict[str, Any]:
-    """Return what summary.json gets, flat and in SI."""
+    """Return the entries of summary.json, flat and in SI."""
     first = {
         "pressure_mandrel_pa": float(roll.pressure[0]),
         "capacity_mandrel_pa": float(roll.capacity[0]),
@@ -77,7 +77,7 @@ def main_numbers(section: Winding, roll: WoundRoll) -> dict[str, Any]:
 
 
 def doubts(section: Winding, roll: WoundRoll) -> list[str]:
-    """Warnings about the result, each with what to change."""
+    """Warnings about the result, each with a remedy."""
     found = []
     if roll.error_estimate > COARSE:
         found.append(
@@ -87,8 +87,8 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
     stiffest = float(roll.modulus(roll.pressure[0]))
     if stiffest > section.web.E_theta:
         found.append(
-            f"under the pressure at the mandrel the stack is stiffer through its thickness ({stiffest:.3g} Pa) than "
-            "the web along itself; check winding.web.radial_modulus"
+            f"under the pressure at the mandrel the radial modulus of the stack ({stiffest:.3g} Pa) exceeds the "
+            "modulus along the web; check winding.web.radial_modulus"
         )
     profile = section.tension_profile
     if profile.kind == "table" and not (
@@ -96,19 +96,19 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
     ):
         found.append(
             f"winding.tension_profile covers {profile.radius[0]:.4g} to {profile.radius[-1]:.4g} m, the roll "
-            f"{roll.radius[0]:.4g} to {roll.radius[-1]:.4g} m; beyond its rows the end values are kept"
+            f"{roll.radius[0]:.4g} to {roll.radius[-1]:.4g} m; beyond the table its end values apply"
         )
     law = section.web.radial_modulus
     if law.law == "table" and roll.pressure[0] > law.pressure[-1]:
         found.append(
-            f"the pressure at the mandrel, {roll.pressure[0]:.3g} Pa, lies beyond the last row of "
-            "winding.web.radial_modulus, whose modulus is kept"
+            f"the pressure at the mandrel, {roll.pressure[0]:.3g} Pa, exceeds the last row of "
+            "winding.web.radial_modulus, whose modulus is used"
         )
     return found
 
 
 def estimate_winding(case: WindingCase) -> dict[str, Any]:
-    """Wraps, cells and approximate time."""
+    """Numbers of wraps and cells, and approximate computing time."""
     cells, wraps = case.winding.cells, case.winding.wraps
     return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
 

@@ -1,4 +1,4 @@
-"""The case file: one module per section, one class per analysis, a loader and a generated JSON schema."""
+"""The case file: a module per case section, a class per analysis, a loader and a generated JSON schema."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every section of the case file shares: strict frozen models and number types."""
+"""Base classes and number types of the case sections: strict frozen models."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pydantic_core import CoreSchema, PydanticCustomError
 
 
 class Section(BaseModel):
-    """A section of the case file: frozen, unknown keys refused, SI units throughout."""
+    """Case section: frozen, in SI units; unknown keys are refused."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False,
@@ -26,17 +26,17 @@ class Section(BaseModel):
 
 
 class TaggedSection(Section):
-    """A section of one of several kinds: its tag, `kind` or `law`, is always written; Python code may leave it out."""
+    """Case section of several kinds; its tag, `kind` or `law`, is required in case files and optional in Python."""
 
     TAGS: ClassVar[tuple[str, ...]] = ("kind", "law")
 
     def model_post_init(self, context: Any) -> None:
-        """Count the tag among the keys that were given."""
+        """Mark the tag as set, so that it is serialised."""
         self.model_fields_set.update(tag for tag in self.TAGS if tag in type(self).model_fields)
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        """Ask for the tag in case files."""
+        """JSON schema in which the tag is required."""
         schema = handler.resolve_ref_schema(handler(core))
         tags = [tag for tag in cls.TAGS if tag in cls.model_fields]
         schema["required"] = [*tags, *(key for key in schema.get("required", []) if key not in tags)]
@@ -44,7 +44,7 @@ class TaggedSection(Section):
 
 
 class SparseSection(Section):
-    """A section whose empty keys are not written out."""
+    """Case section whose empty keys are left out when it is serialised."""
 
     @model_serializer(mode="wrap")
     def _without_empty_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The case: everything a run needs, typed, frozen, in SI units."""
+"""The case: the complete, frozen input of a run in SI units."""
 
 from __future__ import annotations
 
@@ -35,23 +35,23 @@ SECTIONS = (
     "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "probes",
     "output",
 )  # fmt: skip
-"""Keys at the top of a case file, in the order in which they are written."""
+"""Top-level keys of a case file, in the order of serialisation."""
 
 C = TypeVar("C", bound="Case")
 K = TypeVar("K")
 
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
-"""Solver keys that change when something is saved or accepted, never a number."""
+"""Solver keys that do not change any number of the results."""
 
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
     "damping_ratio": ("modal damping", "modal_transient"),
 }  # fmt: skip
-"""Key of a single analysis -> what the other analyses lack, and that analysis."""
+"""Key that only one analysis uses -> (its content, name of that analysis)."""
 
 
 class Origin(NamedTuple):
-    """Where the content of a case comes from, for messages: file, keys given with `--set`, former names of keys."""
+    """Origin of a case, for messages: its file, the keys set with `--set`, the former names of keys in it."""
 
     file: Path | None = None
     overrides: Sequence[str] = ()
@@ -59,7 +59,7 @@ class Origin(NamedTuple):
 
 
 class Case(Section):
-    """One analysis: the whole content of a case file.
+    """Content of a case file: one analysis with its case sections.
 
     `Case(...)`, `Case.model_validate` and `load_case` return an object of the class that belongs to `analysis`
     (`SweepCase`, `ModalCase`, ...), which has the sections of that analysis and no others.
@@ -74,18 +74,18 @@ class Case(Section):
     output: Output = Field(default_factory=Output, description="what a run writes")
 
     ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = ("analysis", "output")
-    """Sections that the resolved case holds with their defaults; others stay out when they are not written."""
+    """Case sections that the resolved case always contains; other sections appear only if the file has them."""
 
     _source: Path | None = PrivateAttr(default=None)
     _former: tuple[str, ...] = PrivateAttr(default=())
 
     def __new__(cls, **sections: Any) -> Self:
-        """Make an object of the class that belongs to the analysis."""
+        """Create an object of the class for the analysis."""
         return super().__new__(cls._kind(sections) or cls)
 
     @classmethod
     def _kind(cls, sections: Mapping[Any, Any]) -> type[Self] | None:
-        """Class of a case with these sections: this class or one derived from it; None when there is none."""
+        """Class (this one or a subclass) for a case with these case sections, or None if no class fits."""
         if cls in _KINDS.values():
             return cls
         analysis = sections.get("analysis", cls._own_analysis())
@@ -97,14 +97,14 @@ class Case(Section):
 
     @classmethod
     def _own_analysis(cls) -> str | None:
-        """The one analysis of this class and those derived from it; None when there are several."""
+        """Analysis of this class and its subclasses, or None if they serve several."""
         found = {analysis for (analysis, _), kind in _KINDS.items() if issubclass(kind, cls)}
         return found.pop() if len(found) == 1 else None
 
     @model_validator(mode="wrap")
     @classmethod
     def _of_its_analysis(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
-        """Hand the content on to the class of its analysis; errors become one line."""
+        """Build the object of the class that fits the analysis; report validation errors in one line."""
         if isinstance(data, cls):
             return data
         origin = info.context if isinstance(info.context, Origin) else Origin()
@@ -133,7 +133,7 @@ class Case(Section):
 
     @classmethod
     def _without_kind(cls, given: Mapping[Any, Any]) -> ValidationError:
-        """Error of a case whose analysis is missing or unknown."""
+        """Validation error for a missing or unknown analysis."""
         problems: list[InitErrorDetails] = [
             {"type": "extra_forbidden", "loc": (str(key),), "input": value}
             for key, value in given.items() if key not in SECTIONS
@@ -153,7 +153,7 @@ class Case(Section):
 
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
-        """Problem and remedy of a section that other analyses have and this one has not; None for an unknown key."""
+        """Problem and remedy for a case section of other analyses; None for an unknown key."""
         if key not in SECTIONS:
             return None
         analysis = cls._own_analysis()
@@ -166,11 +166,11 @@ class Case(Section):
         return self
 
     def _check(self) -> None:
-        """Compare sections with each other; classes add their own checks."""
+        """Check case sections against each other; subclasses add their own checks."""
         check_damping_method(self.output, self.analysis)
 
     def __eq__(self, other: object) -> bool:
-        """Cases are equal when their content is, wherever it was read from."""
+        """Compare the contents of two cases; their origin is ignored."""
         return isinstance(other, Case) and type(self) is type(other) and self.__dict__ == other.__dict__
 
     def __hash__(self) -> int:
@@ -178,22 +178,22 @@ class Case(Section):
 
     @property
     def source(self) -> Path | None:
-        """File that the case was read from."""
+        """File from which the case was read."""
         return self._source
 
     @property
     def renamed(self) -> list[str]:
-        """Warnings about keys that were given by their former names."""
+        """Warnings about keys that have their former names."""
         return [f"{key} is now called {current_key(key)}; both names are accepted" for key in self._former]
 
     def resolved(self) -> dict[str, Any]:
-        """All values, defaults included, as plain types; sections that are neither used nor written stay out."""
+        """All values with defaults as plain types, without case sections that are neither used nor in the file."""
         left_out = set(type(self).model_fields) - self.model_fields_set - set(self.ALWAYS_WRITTEN)
         data = self.model_dump(mode="json", exclude=left_out)
         return {key: data[key] for key in SECTIONS if key in data}
 
     def resolved_yaml(self) -> str:
-        """All values as YAML text that loads to an equal case."""
+        """All values as YAML text; loading it gives an equal case."""
         return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
 
     def hash(self) -> str:
@@ -214,7 +214,7 @@ class Case(Section):
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def expect(self, kind: type[K]) -> K:
-        """Return the case itself, typed as a class that has the sections wanted: `case.expect(SweepCase).excitation`.
+        """Return this case with a narrower type, for example `case.expect(SweepCase).excitation`.
 
         Raises
         ------
@@ -222,11 +222,13 @@ class Case(Section):
             When the case is of another class.
         """
         if not isinstance(self, kind):
-            raise InputError(f"analysis {self.analysis}: a {type(self).__name__} is no {kind.__name__}", key="analysis")
+            raise InputError(
+                f"analysis {self.analysis}: a {type(self).__name__} is not a {kind.__name__}", key="analysis"
+            )
         return self
 
     def replace(self, *overrides: str | Mapping[str, Any]) -> Case:
-        """Copy with dotted keys changed and checked again.
+        """Copy with changed dotted keys, validated again.
 
         Parameters
         ----------
@@ -242,7 +244,7 @@ class Case(Section):
         Raises
         ------
         InputError
-            One line that names key, value and remedy.
+            If the case is invalid; the message names key, value and remedy.
         """
         given = self.model_dump(mode="json", exclude_unset=True)
         file = None if self._source is None else str(self._source)
@@ -255,7 +257,7 @@ class Case(Section):
             raise
 
     def changed(self, *overrides: str | Mapping[str, Any]) -> Case:
-        """Copy with dotted keys changed: `replace` under its former name."""
+        """Copy with changed dotted keys: former name of `replace`."""
         return self.replace(*overrides)
 
 
@@ -264,7 +266,7 @@ _KINDS: dict[tuple[str, bool], type[Case]] = {}
 
 
 def case_kind(kind: type[C]) -> type[C]:
-    """Class decorator: cases of its analysis, on a roll or on matrices from a file, become objects of this class."""
+    """Class decorator that registers the class for its analysis, on a roll or on matrices from a file."""
     (analysis,) = get_args(kind.model_fields["analysis"].annotation)
     _KINDS[analysis, "structure" in kind.model_fields] = kind
     return kind
@@ -276,7 +278,7 @@ def case_kinds() -> dict[tuple[str, bool], type[Case]]:
 
 
 def case_sections() -> dict[str, FieldInfo]:
-    """Key at the top of a case file -> its field, in the order of `SECTIONS`, as the analyses together accept it."""
+    """Top-level key of a case file -> its field, for all analyses together."""
     kinds = list(_KINDS.values())
     names = tuple(dict.fromkeys(analysis for analysis, _ in _KINDS))
     found = {"analysis": FieldInfo(annotation=Literal[names], description=Case.model_fields["analysis"].description)}  # type: ignore[arg-type]
@@ -292,6 +294,6 @@ def _hash_of_version(path: Path, changed_ns: int, size: int) -> str:
 
 
 def _content_hash(path: Path) -> str:
-    """SHA-256 of a file, read again only after it has changed."""
+    """SHA-256 of a file, cached until the file changes."""
     found = path.stat()
     return _hash_of_version(path, found.st_mtime_ns, found.st_size)

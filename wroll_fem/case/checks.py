@@ -1,4 +1,4 @@
-"""Checks between sections of a case. Each takes the sections that it compares and raises when they do not fit."""
+"""Checks of case sections against each other; each function raises an error if they are inconsistent."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wroll_fem.case.solver import Solver
 from wroll_fem.case.two_dof import TwoDof
 
 FEWEST_STEPS_PER_CYCLE = 20
-"""Fewer steps per cycle than this are refused: period error above 0.8 % and slip reversals missed."""
+"""Lowest accepted number of steps per cycle; fewer give a period error above 0.8 % and miss slip reversals."""
 
 WITH_CURVE = ("sweep", "harmonic", "two_dof")
 """Analyses with a curve over frequency, from which damping can be estimated."""
@@ -29,20 +29,25 @@ FOURIER = ("modal", "modal_transient", "design_map")
 """Analyses that can use `mesh.discretisation: fourier`."""
 
 FOURIER_COILS = ("solid", "bonded", "nonstructural_mass", "none")
-"""Coil models without friction, which does not couple the circumferential harmonics."""
+"""Coil models without friction: their circumferential harmonics are uncoupled."""
 
 _ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}
 
 
 def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
-    """Refuse a base motion of another kind than the analysis needs, before its keys are read.
+    """Refuse a kind of base motion that does not fit the analysis, before its keys are read.
 
     Parameters
     ----------
     excitation
-        Section as it is written, or a model of it.
+        Case section as a mapping or model.
     wanted
-        The kinds that the analysis can use.
+        Kinds that the analysis can use.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
     """
     names = " or ".join(wanted)
     usual = wanted[0]
@@ -62,7 +67,13 @@ def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
 
 
 def check_direction_of_file(excitation: Excitation | None) -> None:
-    """Refuse a direction beside matrices from a file, whose influence vector decides it."""
+    """Refuse a direction for matrices from a file: their influence vector sets it.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if excitation is not None and "direction" in excitation.model_fields_set:
         raise validation_error(
             "the influence vector of structure.file sets the direction", key="excitation.direction",
@@ -71,27 +82,38 @@ def check_direction_of_file(excitation: Excitation | None) -> None:
 
 
 def check_base(mandrel: Mandrel, analysis: str) -> None:
-    """Refuse a free mandrel where the base moves or loads it: only modes can be free."""
+    """Refuse a free mandrel except in the analysis modal.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if mandrel.base == "free" and analysis != "modal":
         raise validation_error(
-            f"analysis {analysis} needs a held mandrel", key="mandrel.base", value="free",
+            f"analysis {analysis} needs a supported mandrel", key="mandrel.base", value="free",
             remedy="use mandrel.base: clamped, or analysis: modal",
         )  # fmt: skip
 
 
 def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
-    """Ask for contact and preload where the coil has interfaces that the analysis needs.
+    """Require contact and preload if the analysis uses interfaces of the coil.
 
     Parameters
     ----------
     written
-        Names of the sections that the case gives.
+        Names of the case sections in the file.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
     """
     stuck = analysis == "modal" and modal.interface == "stuck"
     if coil.model != "layers" or (analysis == "modal" and not stuck):
         return
-    reason = "modal.interface stuck follows the preloaded contact" if stuck else "coil.model layers has interfaces"
-    sections = {"contact": "between matched interfaces", "preload": "what presses the layers onto the mandrel"}
+    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else "coil.model layers has interfaces"
+    sections = {"contact": "between matched interfaces", "preload": "pressure on the layers"}
     for section, what in sections.items():
         if section not in written:
             remedy = f"add it ({what}): {reason}"
@@ -99,7 +121,13 @@ def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str])
 
 
 def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
-    """Refuse probes that are not on a shell of the roll, and names that results cannot have."""
+    """Refuse probes outside the shells of the roll and invalid probe names.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     layers = coil.layers if coil.model in ("layers", "bonded") else 0
     shells = ["mandrel", *(f"layer_{k:02d}" for k in range(1, layers + 1))]
     for name, probe in probes.items():
@@ -109,7 +137,7 @@ def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
             raise validation_error("is the name of the default probe", key=key, show_value=False, remedy=remedy)
         if not name.isidentifier():
             remedy = "use letters, digits and underscores, for example mid_height"
-            raise validation_error("is not a name", key=key, show_value=False, remedy=remedy)
+            raise validation_error("is not a valid name", key=key, show_value=False, remedy=remedy)
         if probe.z > geometry.length:
             remedy = f"give at most geometry.length = {geometry.length:g} m"
             raise validation_error("is above the roll", key=f"{key}.z", value=probe.z, remedy=remedy)
@@ -119,14 +147,26 @@ def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
 
 
 def check_layers(coil: Coil) -> None:
-    """Refuse the analysis preload without layers to press."""
+    """Refuse the analysis preload for a coil without layers.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if coil.model != "layers":
-        problem = "analysis preload presses layers"
+        problem = "analysis preload needs layers"
         raise validation_error(problem, key="coil.model", value=coil.model, remedy="use layers")
 
 
 def check_pressures(preload: Preload, layers: int) -> None:
-    """Ask for one pressure per layer, or one number."""
+    """Require one pressure, or a list with one per layer.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     pressure = preload.pressure
     if isinstance(pressure, list) and len(pressure) != layers:
         raise validation_error(
@@ -136,7 +176,13 @@ def check_pressures(preload: Preload, layers: int) -> None:
 
 
 def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integrator, solver: Solver) -> None:
-    """Refuse too few time steps per cycle, unless `solver.allow_coarse` accepts them."""
+    """Refuse too few time steps per cycle, unless `solver.allow_coarse` accepts them.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     steps = integrator.steps_per_cycle
     if solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
         return
@@ -150,24 +196,37 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
 
 
 def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None = None) -> None:
-    """Refuse to estimate damping where there is no curve over frequency."""
+    """Refuse a damping estimator for an analysis without a response curve over frequency.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     method = output.damping
     if method == "half_power":
         return
     if analysis not in WITH_CURVE:
         raise validation_error(
-            f"analysis {analysis} has no curve over frequency to read", key="output.damping", value=method,
+            f"analysis {analysis} has no response curve from which damping is "
+            "estimated", key="output.damping", value=method,
             remedy=f"leave it out, or use one of the analyses {', '.join(WITH_CURVE)}",
         )  # fmt: skip
     if two_dof is not None and two_dof.design_space is not None:
         raise validation_error(
-            "the map of the design space is read by half power", key="output.damping", value=method,
+            "the map of the design space uses half power", key="output.damping", value=method,
             remedy="leave it out, or leave two_dof.design_space out",
         )  # fmt: skip
 
 
 def check_solid_coil(coil: Coil) -> None:
-    """Refuse shear stress of anything but a solid coil."""
+    """Require a solid coil for the shear stresses of modal_transient.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if coil.model != "solid":
         raise validation_error(
             "analysis modal_transient recovers the stress of a solid coil", key="coil.model", value=coil.model,
@@ -176,7 +235,13 @@ def check_solid_coil(coil: Coil) -> None:
 
 
 def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
-    """Refuse `mesh.discretisation: fourier` for what couples the circumferential harmonics."""
+    """Refuse `mesh.discretisation: fourier` if the circumferential harmonics are coupled.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if mesh.discretisation != "fourier":
         return
     three = "or leave out mesh.discretisation"
@@ -192,13 +257,19 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
         )  # fmt: skip
     if mesh.file is not None:
         raise validation_error(
-            "semi-analytical (Fourier) elements use a mesh of the r-z half plane, made here", key="mesh.file",
+            "semi-analytical (Fourier) elements need the generated axisymmetric mesh", key="mesh.file",
             value=str(mesh.file), remedy=f"leave it out, {three}",
         )  # fmt: skip
 
 
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
-    """Check that the coil can be softened, and that every mandrel of the map is a tube."""
+    """Check that the softest coil is softer than the coil of the case and that all mandrels of the map are tubes.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if coil.model != "solid":
         raise validation_error(
             "analysis design_map softens a solid coil", key="coil.model", value=coil.model, remedy="use solid"
@@ -216,7 +287,8 @@ def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
     stiffest = min(coil.material.G_r_theta, coil.material.G_r_z)
     if not isinstance(design_map.softest, str) and design_map.softest >= stiffest:
         raise validation_error(
-            "the softest coil is not softer than the case's", key="design_map.softest", value=design_map.softest,
+            "the softest coil is not softer than the coil "
+            "of the case", key="design_map.softest", value=design_map.softest,
             remedy=f"use less than its shear moduli between wraps, {stiffest:g} Pa",
         )  # fmt: skip
     wall, radius = max(design_map.mandrel_thickness), min(design_map.mandrel_radius)

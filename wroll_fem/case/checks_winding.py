@@ -1,4 +1,4 @@
-"""Checks of section `winding` against the sections that describe the roll."""
+"""Checks of case section `winding` against the case sections that describe the roll."""
 
 from __future__ import annotations
 
@@ -11,38 +11,62 @@ from wroll_fem.case.preload import Preload
 from wroll_fem.case.winding import Winding
 
 FIT = 0.01
-"""Share by which the wound roll may differ in size from geometry and coil."""
+"""Largest relative difference in size between the wound roll and geometry and coil."""
 
 
 def check_winding_given(winding: Winding | None, preload: Preload | None) -> None:
-    """Ask for the section where the preload is computed from it."""
+    """Require the case section if the preload is computed from winding.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if winding is None and preload is not None and preload.kind == "winding_tension":
         raise validation_error(
             "required section is missing", key="winding", show_value=False,
-            remedy="add it (how the roll was wound: tension, wraps, mandrel, web): preload.kind: winding_tension "
+            remedy="add it (winding of the roll: tension, wraps, mandrel, web): preload.kind: winding_tension "
             "needs it",
         )  # fmt: skip
 
 
 def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
-    """Ask for the friction between wraps; ``positive`` where nothing would hold the wraps without it."""
+    """Require the friction coefficient between wraps, above zero if ``positive``.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if winding.mu is None:
         remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
         raise validation_error("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
     if winding.mu == 0.0 and positive:
         remedy = "use a value above 0: without friction every point slips at any level"
-        raise validation_error("nothing holds the wraps", key="winding.mu", value=0.0, remedy=remedy)
+        raise validation_error("the coefficient of friction is zero", key="winding.mu", value=0.0, remedy=remedy)
 
 
 def check_winding_mandrel(winding: Winding | None, *, described: bool) -> None:
-    """Ask for the mandrel where geometry and mandrel do not describe it."""
+    """Require the mandrel if geometry and mandrel do not describe it.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     if winding is not None and winding.mandrel is None and not described:
         remedy = "add it (outer_radius with wall and E, or with stiffness)"
         raise validation_error("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)
 
 
 def check_winding_size(winding: Winding, geometry: Geometry, coil: Coil | None) -> None:
-    """Check that the wound roll has the size of the roll that is simulated."""
+    """Check that the wound roll and the simulated roll have the same size.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
     radius, wall = 0.5 * geometry.mandrel_outer_diameter, geometry.mandrel_thickness
     if winding.mandrel is not None:
         _check_same(winding.mandrel.outer_radius, radius, "mandrel.outer_radius", "geometry.mandrel_outer_diameter / 2")

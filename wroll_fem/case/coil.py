@@ -1,4 +1,4 @@
-"""Section `coil`: how the wound web is modelled."""
+"""Case section `coil`: model of the wound web."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def _lab_layer() -> IsotropicMaterial:
 
 
 def _written_thickness(given: dict[str, Any]) -> float:
-    """Thickness under its other name; that of the lab layer for a mandrel alone."""
+    """Default of the total thickness: the alias `thickness`, or the thickness of the lab layer for `model: none`."""
     written: float | None = given.get("thickness")
     return 1.25e-3 if written is None else written
 
 
 class Coil(Section):
-    """The wound web as concentric layers, as a homogenised solid, or as something simpler to compare with."""
+    """Model of the wound web: concentric layers, a homogenised solid, or a simpler reference."""
 
     model: Literal["layers", "solid", "bonded", "nonstructural_mass", "none"] = Field(
         description="layers: concentric shells with friction between them; solid: homogenised solid bonded to the "
@@ -36,7 +36,7 @@ class Coil(Section):
     )
     layers: Whole = Field(default=1, ge=1, description="number of concentric layers (count)")
     thickness: Real | None = Field(
-        default=None, gt=0, description="thickness of the coil, m: another name of total_thickness, used with solid"
+        default=None, gt=0, description="thickness of the coil, m: alias of total_thickness, used with solid"
     )
     total_thickness: Real = Field(
         default_factory=_written_thickness,
@@ -59,14 +59,14 @@ class Coil(Section):
         given = self.model_fields_set
         if self.thickness is not None and self.total_thickness != self.thickness:
             raise validation_error(
-                f"differs from total_thickness = {self.total_thickness:g} m, which means the same",
+                f"differs from total_thickness = {self.total_thickness:g} m, of which it is an alias",
                 key="thickness", value=self.thickness, remedy="give one of them",
             )  # fmt: skip
         for key in _NEEDED:
             if self.model != "none" and key not in given and not (key == "total_thickness" and self.thickness):
                 name = "thickness" if self.model == "solid" and key == "total_thickness" else key
                 what = type(self).model_fields[name].description
-                remedy = f"add it ({what}); only model: none goes without"
+                remedy = f"add it ({what}); only model: none works without it"
                 raise validation_error("required key is missing", key=name, remedy=remedy, show_value=False)
         return self
 
@@ -75,7 +75,7 @@ class Coil(Section):
         for key in _OF_SHELLS:
             if self.model == "solid" and key in self.model_fields_set:
                 raise validation_error(
-                    "belongs to layers, the solid coil has none", key=key, value=getattr(self, key),
+                    "does not apply to a solid coil", key=key, value=getattr(self, key),
                     remedy="leave it out (mesh.radial sets the elements through the coil), or use model: layers",
                 )  # fmt: skip
         if self.model in ("layers", "bonded") and not isinstance(self.material, IsotropicMaterial):
@@ -87,7 +87,7 @@ class Coil(Section):
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """One name of the thickness, and no keys that this model does not have."""
+        """Serialise without the alias of the thickness and without keys that the model does not use."""
         data = dict(plain(self))
         unused = {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
@@ -95,7 +95,13 @@ class Coil(Section):
 
     @property
     def layer_material(self) -> IsotropicMaterial:
-        """Material of the layers; only the solid coil and a mass without stiffness have another."""
+        """Isotropic material of the layers.
+
+        Raises
+        ------
+        TypeError
+            If the material is orthotropic.
+        """
         if not isinstance(self.material, IsotropicMaterial):
             raise TypeError(f"the {self.model} coil has no isotropic material")
         return self.material

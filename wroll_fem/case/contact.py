@@ -1,4 +1,4 @@
-"""Section `contact`: what acts between facing surfaces."""
+"""Case section `contact`: friction and normal contact between matched interfaces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class PenaltyFriction(Section):
 
 
 class RateTable(Section):
-    """Coefficient of friction over slip rate: linear between the rows, constant beyond the last."""
+    """Table of the coefficient of friction over slip rate: linear between rows, constant beyond the last row."""
 
     slip_rate: list[Real] = Field(description="slip rates, m/s, rising from 0")
     mu: list[Real] = Field(description="coefficient of friction at each slip rate, dimensionless")
@@ -42,7 +42,7 @@ class RateTable(Section):
 
 
 def _at_rest(given: dict[str, Any]) -> float:
-    """Coefficient of friction at rest: the first of the table."""
+    """Coefficient of friction at rest: the first value of the table."""
     table = given.get("rate_table")
     return math.nan if table is None else table.mu[0]
 
@@ -52,13 +52,13 @@ class RateFriction(TaggedSection):
 
     law: Literal["rate_coulomb"] = Field(
         default="rate_coulomb",
-        description="rate_coulomb: as penalty_coulomb with a coefficient that follows the slip rate",
+        description="rate_coulomb: as penalty_coulomb with a coefficient that depends on the slip rate",
     )
     elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
     rate_table: RateTable = Field(description="coefficient of friction over slip rate")
     mu: Real = Field(
         default_factory=_at_rest,
-        description="coefficient of friction at rest, dimensionless; may be left out: the first of rate_table",
+        description="coefficient of friction at rest, dimensionless; default: the first value of rate_table",
     )
 
     @model_validator(mode="after")
@@ -66,14 +66,14 @@ class RateFriction(TaggedSection):
         first = self.rate_table.mu[0]
         if self.mu != first:
             raise validation_error(
-                f"must be the first coefficient of rate_table, {first:g}", key="mu", value=self.mu,
+                f"must equal the first coefficient of rate_table, {first:g}", key="mu", value=self.mu,
                 remedy="leave mu out, or change rate_table.mu too",
             )  # fmt: skip
         return self
 
 
 class SmoothedFriction(TaggedSection):
-    """Coulomb friction smoothed over the slip rate; it holds nothing at rest."""
+    """Regularised Coulomb friction: smooth in the slip rate, zero at rest."""
 
     law: Literal["smoothed_coulomb"] = Field(
         default="smoothed_coulomb",
@@ -87,14 +87,14 @@ class SmoothedFriction(TaggedSection):
 
 
 def _law_of(value: Any) -> Any:
-    """A friction section without `law` means penalty_coulomb."""
+    """Tag of the friction law; penalty_coulomb if `law` is missing."""
     if isinstance(value, dict) and "law" not in value:
         return {"law": "penalty_coulomb", **value}
     return value
 
 
 def derived_section(law: type[FrictionLaw]) -> type[Section]:
-    """Section of a law whose parameters are numbers: its keys, bounds and descriptions are those of the law."""
+    """Case section with the parameters of a law: keys, bounds and descriptions are taken from the law."""
     keys: dict[str, Any] = {"law": (Literal[law.name], Field(description=f"{law.name}: {law.sentence}"))}
     for name, parameter in parameters(law).items():
         keys[name] = (Real, Field(gt=parameter.above, ge=parameter.least, description=parameter.meaning))
@@ -107,7 +107,7 @@ WRITTEN: dict[str, type[Section]] = {
     "rate_coulomb": RateFriction,
     "smoothed_coulomb": SmoothedFriction,
 }
-"""Law -> section written by hand. Any other law of `contact.registry` has the section that follows from it."""
+"""Law -> its hand-written case section; the case sections of other laws are generated from `contact.registry`."""
 
 if TYPE_CHECKING:
     Friction = PenaltyFriction | RateFriction | SmoothedFriction

@@ -1,4 +1,4 @@
-"""Unit, words and meaning of choices in the descriptions of case fields, for the reference and the report."""
+"""Units, labels and meanings of choices, parsed from the descriptions of case fields for reference and report."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ UNITS = (
     "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m",
     "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "rad", "Pa", "Hz", "kg", "m", "s", "N",
 )  # fmt: skip
-"""Units as descriptions spell them."""
+"""Units in the spelling of the descriptions."""
 
 _UNIT = re.compile(rf"(?:, |\()({'|'.join(re.escape(unit) for unit in UNITS)})(?=[,;:)]|$| \(|, )")
 
 
 def unit_of(description: str) -> str:
-    """Unit that a description names, as written there; "" when it names none."""
+    """Unit in a description, as it is spelled there; "" if there is no unit."""
     found = _UNIT.search(description)
     return found[1] if found else ""
 
 
 def name_of(description: str) -> str:
-    """Words of a description before its unit, with "(0-peak)" where the rest says so."""
+    """Label from a description: the text before the unit, with "(0-peak)" if the description contains it."""
     found = _UNIT.search(description)
     if not found:
         return re.split(r"[;:(]", description)[0].strip()
@@ -32,7 +32,7 @@ def name_of(description: str) -> str:
 
 
 def meaning_of(description: str, choice: str) -> str:
-    """Meaning of one of the choices that a description lists as "choice: meaning; ...", or "choice (meaning)"."""
+    """Meaning of a choice that the description lists as "choice: meaning; ...", or "choice (meaning)"."""
     for part in re.split(r"; (?![^()]*\))", description):
         if part.startswith(f"{choice}: "):
             return part.removeprefix(f"{choice}: ")
@@ -41,7 +41,7 @@ def meaning_of(description: str, choice: str) -> str:
 
 
 def sections(annotation: Any) -> list[type[BaseModel]]:
-    """Models that an annotation allows, in order."""
+    """Pydantic models in a type annotation, in order."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for argument in get_args(annotation) for model in sections(argument)]

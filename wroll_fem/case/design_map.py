@@ -1,4 +1,4 @@
-"""Section `design_map`: mandrels over which the disparity between softest and stiffest coil is mapped."""
+"""Case section `design_map`: mandrels for the map of the frequency disparity between softest and stiffest coil."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wroll_fem.case.base import Section, _number, validation_error
 
 
 class DesignMap(Section):
-    """Every mandrel of a grid, with the coil of the case as the stiffest one and with the softest one."""
+    """Grid of mandrel radii and walls, and the softest coil; the coil of the case is the stiffest."""
 
     mandrel_radius: list[float] = Field(description="outer radii of the mandrel, m, ascending")
     mandrel_thickness: list[float] = Field(description="walls of the mandrel, m, ascending")
@@ -40,7 +40,7 @@ class DesignMap(Section):
             return value
         remedy = "write a shear modulus in Pa, or fundamental_bending"
         if isinstance(value, str | bool) and not str(value)[:1].isdigit():
-            raise validation_error("is neither a number nor fundamental_bending", remedy=remedy, value=value)
+            raise validation_error("must be a number or fundamental_bending", remedy=remedy, value=value)
         number = _number(value)
         if not isinstance(number, int | float) or number <= 0:
             raise validation_error("must be positive", remedy=remedy, value=value)

@@ -6,7 +6,7 @@ from wroll_fem.case.kinds import RollDwellCase
 
 
 def example_case() -> RollDwellCase:
-    """Dwell of the lab roll with one layer on a very coarse mesh: runs in seconds, not accurate."""
+    """Dwell of the lab roll with one layer on a very coarse mesh; it runs in seconds and is not accurate."""
     return RollDwellCase.model_validate(
         {
             "analysis": "dwell",

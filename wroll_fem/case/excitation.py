@@ -1,4 +1,4 @@
-"""Section `excitation`: the motion of the base."""
+"""Case section `excitation`: base motion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from wroll_fem.case.base import Real, TaggedSection, _number, validation_error
 
 Direction = Annotated[
     Literal["x", "y"],
-    Field(description="direction of the base motion; y cannot use the symmetry plane and solves the whole roll"),
+    Field(
+        description="direction of the base motion; with y the whole roll is solved, because the symmetry plane "
+        "does not apply"
+    ),
 ]
 
 
@@ -35,7 +38,7 @@ class ChirpExcitation(_BaseMotion):
         if self.f_end <= self.f_start:
             raise validation_error(
                 f"must be above excitation.f_start = {self.f_start:g} Hz", key="f_end", value=self.f_end,
-                remedy="chirps run upwards: give f_end > f_start, in Hz",
+                remedy="give f_end > f_start, in Hz",
             )  # fmt: skip
         return self
 
@@ -69,7 +72,7 @@ class DwellExcitation(_BaseMotion):
 
 
 class SineExcitation(TaggedSection):
-    """Steady sine at several levels: what a linear model in its modes answers."""
+    """Steady sine of the base at several levels, for modal_transient."""
 
     kind: Literal["sine"] = Field(
         default="sine", description="sine: steady, at one frequency and several levels (modal_transient)"
@@ -106,7 +109,7 @@ class SineExcitation(TaggedSection):
 
     @property
     def highest_frequency_hz(self) -> float:
-        """Frequency of the base motion, Hz; NaN for a resonance still to be found."""
+        """Frequency of the base motion, Hz; NaN for `resonance`, which is computed in the run."""
         return math.nan if isinstance(self.frequency, str) else self.frequency
 
 

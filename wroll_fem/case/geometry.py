@@ -1,4 +1,4 @@
-"""Section `geometry`: the mandrel's tube."""
+"""Case section `geometry`: tube of the mandrel."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wroll_fem.case.base import Real, Section, validation_error
 
 
 class Geometry(Section):
-    """Length, diameter and wall of the mandrel; the axis is z, upwards from the base."""
+    """Length, diameter and wall thickness of the mandrel; the z-axis points upwards from the base."""
 
     length: Real = Field(gt=0, description="length of mandrel and coil from base to tip, m")
     mandrel_outer_diameter: Real = Field(gt=0, description="outer diameter of the mandrel, m")

@@ -1,4 +1,4 @@
-"""Sections `harmonic` and `backbone`: periodic motions by harmonic balance."""
+"""Case sections `harmonic` and `backbone`: periodic motions by harmonic balance."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Harmonic(Section):
-    """Fourier series of the motion and the evaluation of friction along a period."""
+    """Settings of harmonic balance: number of harmonics and evaluation of friction over a period."""
 
-    harmonics: Whole = Field(default=3, ge=1, le=50, description="harmonics of the motion besides its mean (count)")
+    harmonics: Whole = Field(default=3, ge=1, le=50, description="harmonics of the motion besides the mean (count)")
     samples: Whole = Field(default=64, ge=8, le=8192, description="evaluations of friction per period (count)")
     max_periods: Whole = Field(
-        default=8, ge=1, le=1000, description="periods that the memory of friction may take to settle (count)"
+        default=8,
+        ge=1,
+        le=1000,
+        description="largest number of periods until the friction hysteresis is periodic (count)",
     )
     reduction_tolerance: Real = Field(
         default=1e-3,
         gt=0,
         le=0.1,
-        description="energy norm of what the whole structure may still add to the reduced motion, dimensionless",
+        description="tolerance of the reduced model: energy norm of the residual error over that of the motion, "
+        "dimensionless",
     )
 
     @model_validator(mode="after")
@@ -35,7 +39,7 @@ class Harmonic(Section):
 
 
 class Backbone(Section):
-    """Range of the resonance's amplitude."""
+    """Range of tip amplitudes of the backbone."""
 
     tip_smallest: Real = Field(default=1e-7, gt=0, description="smallest amplitude of the tip, m, 0-peak")
     tip_largest: Real = Field(default=5e-4, gt=0, description="largest amplitude of the tip, m, 0-peak")
@@ -45,6 +49,6 @@ class Backbone(Section):
         if self.tip_largest <= self.tip_smallest:
             raise validation_error(
                 f"must be above backbone.tip_smallest = {self.tip_smallest:g} m", key="tip_largest",
-                value=self.tip_largest, remedy="give two rising amplitudes in m",
+                value=self.tip_largest, remedy="give tip_smallest < tip_largest, in m",
             )  # fmt: skip
         return self

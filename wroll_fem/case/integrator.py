@@ -1,4 +1,4 @@
-"""Section `integrator`: time integration."""
+"""Case section `integrator`: time integration."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pydantic import Field, model_validator
 from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}
-"""alpha of the named schemes (Table B.1 of the thesis); quasi_static is backward Euler and has none."""
+"""Alpha of the named schemes (thesis, Table B.1); quasi_static is backward Euler, without alpha."""
 
 
 def _own_alpha(given: dict[str, Any]) -> float:
-    """Alpha of the scheme among the keys before it; that of transient_fidelity where the scheme has none of its own."""
+    """Default of alpha: the value of the named scheme, else the value of transient_fidelity."""
     return SCHEME_ALPHA.get(given.get("scheme", ""), SCHEME_ALPHA["transient_fidelity"])
 
 
@@ -22,8 +22,8 @@ class Integrator(Section):
 
     scheme: Literal["hht", "transient_fidelity", "moderate_dissipation", "no_damping", "quasi_static"] = Field(
         default="hht",
-        description="hht takes alpha; transient_fidelity (-0.05), moderate_dissipation (-0.41421) and no_damping (0) "
-        "are named values of it; quasi_static is backward Euler",
+        description="hht uses alpha; transient_fidelity (-0.05), moderate_dissipation (-0.41421) and no_damping (0) "
+        "are hht with that alpha; quasi_static is backward Euler",
     )
     alpha: Real = Field(
         default_factory=_own_alpha,
@@ -37,11 +37,11 @@ class Integrator(Section):
 
     @model_validator(mode="after")
     def _alpha_of_scheme(self) -> Self:
-        """Refuse an alpha that the scheme would not use."""
+        """Refuse an alpha that differs from the alpha of the scheme."""
         own = _own_alpha({"scheme": self.scheme})
         if self.scheme in SCHEME_ALPHA and abs(self.alpha - own) > 1e-5:
             remedy = f"leave alpha out (it is {own:g} here) or use scheme: hht"
             raise validation_error(
-                f"scheme {self.scheme} has its own alpha", key="alpha", value=self.alpha, remedy=remedy
+                f"scheme {self.scheme} has a fixed alpha", key="alpha", value=self.alpha, remedy=remedy
             )
         return self

@@ -1,4 +1,4 @@
-"""One class of case per analysis; analyses of a structure have two, for a roll and for matrices from a file."""
+"""Case classes, one per analysis; structural analyses have two: for a roll and for matrices from a file."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ class ModalTransientCase(OnRoll):
     damping_ratio: Real = Field(
         ge=1e-3,
         lt=1,
-        description="share of critical damping of every mode, dimensionless (modal_transient; the thesis takes 0.02)",
+        description="damping ratio of every mode, dimensionless (modal_transient; 0.02 in the thesis)",
     )
 
     def _check(self) -> None:
@@ -172,12 +172,15 @@ class ModalTransientCase(OnRoll):
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
         if key == "structure":
-            return "holds matrices alone, without stresses", "describe the roll by geometry, mandrel and coil"
+            return (
+                "contains only matrices, from which no stress is recovered",
+                "describe the roll by geometry, mandrel and coil",
+            )
         return super()._refusal(key)
 
     @property
     def wound(self) -> Winding:
-        """How the roll was wound, onto the mandrel of the case where the section leaves it out."""
+        """Case section `winding`; a missing mandrel is filled in from the case."""
         return self.winding.on_mandrel(self.geometry, self.mandrel)
 
 
@@ -211,9 +214,9 @@ class WindingCase(Case):
 
     analysis: Literal["winding"] = Field(description=ANALYSIS)
     winding: Winding = Field(description=WINDING)
-    geometry: Geometry | None = Field(default=None, description="the mandrel's tube")
+    geometry: Geometry | None = Field(default=None, description="tube of the mandrel")
     mandrel: Mandrel | None = Field(default=None, description="material and end conditions of the mandrel")
-    coil: Coil | None = Field(default=None, description="how the wound web is modelled")
+    coil: Coil | None = Field(default=None, description="model of the wound web")
     contact: Contact | None = Field(default=None, description=CONTACT)
     preload: Preload | None = Field(default=None, description=PRELOAD)
     excitation: Excitation | None = Field(default=None, description=EXCITATION)
@@ -233,7 +236,7 @@ class WindingCase(Case):
 
     @property
     def wound(self) -> Winding:
-        """Section `winding`, on the mandrel of the case where the section leaves it out."""
+        """Case section `winding`; a missing mandrel is filled in from the case."""
         if self.geometry is None or self.mandrel is None:
             return self.winding
         return self.winding.on_mandrel(self.geometry, self.mandrel)
@@ -251,7 +254,7 @@ class DesignMapCase(OnRoll):
 
     analysis: Literal["design_map"] = Field(description=ANALYSIS)
     design_map: DesignMap = Field(
-        description="mandrels of the map between softest and stiffest coil",
+        description="mandrels for the map of the disparity between softest and stiffest coil",
         examples=[{"mandrel_radius": [0.03, 0.04], "mandrel_thickness": [1.5e-3, 2.0e-3]}],
     )
 
@@ -262,11 +265,11 @@ class DesignMapCase(OnRoll):
 
 @case_kind
 class TwoDofCase(Case):
-    """Two masses with friction between them on a shaken base."""
+    """Two masses coupled by friction, under a sine of the base."""
 
     analysis: Literal["two_dof"] = Field(description=ANALYSIS)
     two_dof: TwoDof = Field(
-        description="two masses that rub, in place of a roll",
+        description="two masses coupled by friction, in place of a roll",
         examples=[{"friction_capacity": [1.0, 10.0], "omega": {"start": 0.4, "stop": 2.0, "points": 400}}],
     )
 

@@ -1,4 +1,4 @@
-"""Read a case file: YAML in, a checked `Case` out."""
+"""Read a case file: YAML to a validated `Case`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wroll_fem.errors import InputError
 
 
 def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
-    """Load a case file and check everything in it.
+    """Load and validate a case file.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     Raises
     ------
     InputError
-        One line that names file, key, value and remedy.
+        If the case is invalid; the message names file, key, value and remedy.
     """
     path = Path(path)
     data = read_yaml(path)
@@ -38,25 +38,46 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 
 
 def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source: Path | None = None) -> Case:
-    """Check a mapping with overrides applied; see `load_case`."""
+    """Build a case from a mapping with overrides.
+
+    Parameters
+    ----------
+    data
+        Content of a case file.
+    overrides
+        As of `load_case`.
+    source
+        File of the data, for messages.
+
+    Raises
+    ------
+    InputError
+        If the case is invalid; the message names file, key, value and remedy.
+    """
     merged, keys = overridden(data, overrides, str(source) if source is not None else None)
     return Case.model_validate(merged, context=Origin(source, *keys))
 
 
 def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
-    """Content of a YAML file of sections; `what` it should be is named in errors."""
+    """Read a YAML file with a mapping; errors name the expected kind of file, ``what``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not a mapping.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError("file not found", remedy=f"give the path of a {what} (see configs/)", file=str(path)) from None
     except UnicodeDecodeError:
-        raise InputError("is not a text file", remedy=f"give a YAML {what}", file=str(path)) from None
+        raise InputError("is not a UTF-8 text file", remedy=f"give a YAML {what}", file=str(path)) from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError(f"cannot be read ({reason})", remedy=f"give a readable YAML {what}", file=str(path)) from None
     data = parse_yaml(text, str(path))
     if not isinstance(data, dict):
         noun = what.removesuffix(" file")
-        kind = "is empty" if data is None else f"is not a {noun}: it holds a {type(data).__name__}"
+        kind = "is empty" if data is None else f"is not a {noun}: it contains a {type(data).__name__}"
         raise InputError(kind, remedy="write sections as key: value pairs (see configs/)", file=str(path))
     return data

@@ -1,4 +1,4 @@
-"""Section `mandrel`: material and end conditions."""
+"""Case section `mandrel`: material and end conditions."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from wroll_fem.case.material import IsotropicMaterial
 
 
 class Mandrel(Section):
-    """The elastic tube that carries the roll."""
+    """Elastic tube of the mandrel with its end conditions."""
 
     material: IsotropicMaterial = Field(description="material of the mandrel")
     tip_mass: Real = Field(default=0.0, ge=0, description="point mass on the axis at the tip, kg")
     tip: Literal["rigid", "free"] = Field(
-        default="rigid", description="rigid: the tip ring moves as one rigid body (spool cap); free: nothing holds it"
+        default="rigid",
+        description="rigid: the tip ring moves as a rigid body (spool cap); free: the tip ring is unconstrained",
     )
     base: Literal["clamped", "free"] = Field(
         default="clamped",

@@ -23,32 +23,32 @@ class IsotropicMaterial(Section):
     rho: Real = Field(gt=0, description="density, kg/m^3")
 
     def solid(self) -> CylindricalOrthotropic:
-        """Elasticity in three dimensions."""
+        """Constitutive law in three dimensions."""
         return CylindricalOrthotropic.isotropic(self.E, self.nu, self.rho)
 
 
 def _like(key: str) -> Callable[[dict[str, Any]], float]:
-    """Default of a constant: the value of another key that comes before it."""
+    """Default of an elastic constant: the value of an earlier key."""
     return lambda given: given.get(key, math.nan)
 
 
 def _isotropic_shear(given: dict[str, Any]) -> float:
-    """In-plane shear modulus of a web that is isotropic in its plane, Pa."""
+    """In-plane shear modulus of a web with in-plane isotropy, Pa."""
     E, nu = given.get("E_theta", math.nan), given.get("nu_theta_z", math.nan)
     return 0.0 if nu <= -1 else E / (2 * (1 + nu))
 
 
 class OrthotropicMaterial(Section):
-    """Linear elastic material with axes along r, theta, z of the roll: a homogenised coil."""
+    """Linear elastic, cylindrically orthotropic material of a homogenised coil (axes r, theta, z)."""
 
     kind: Literal["cylindrical_orthotropic"] = Field(
-        description="cylindrical_orthotropic: nine constants in the roll's axes (coil.model: solid)"
+        description="cylindrical_orthotropic: nine elastic constants in the axes r, theta, z (coil.model: solid)"
     )
     E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
     E_z: Real = Field(
         default_factory=_like("E_theta"),
         gt=0,
-        description="Young's modulus along the roll's axis, Pa; left out: E_theta",
+        description="Young's modulus along the roll's axis, Pa; default: E_theta",
     )
     E_r: Real = Field(gt=0, description="Young's modulus through the stack of wraps, Pa")
     nu_theta_z: Real = Field(
@@ -60,20 +60,20 @@ class OrthotropicMaterial(Section):
     nu_z_r: Real = Field(description="Poisson's ratio, dimensionless: -strain_r / strain_z under stress along z")
     G_z_theta: Real = Field(
         default_factory=_isotropic_shear, gt=0,
-        description="in-plane shear modulus of the web, Pa; left out: E_theta / (2 (1 + nu_theta_z)), a web isotropic "
-        "in its plane",
+        description="in-plane shear modulus of the web, Pa; default: E_theta / (2 (1 + nu_theta_z)), for "
+        "in-plane isotropy",
     )  # fmt: skip
     G_r_theta: Real = Field(gt=0, description="shear modulus between wraps around the roll, Pa")
     G_r_z: Real = Field(
         default_factory=_like("G_r_theta"),
         gt=0,
-        description="shear modulus between wraps along the axis, Pa; left out: G_r_theta",
+        description="shear modulus between wraps along the axis, Pa; default: G_r_theta",
     )
     rho: Real = Field(gt=0, description="density, kg/m^3")
 
     @model_validator(mode="after")
     def _isotropic_in_plane(self) -> Self:
-        """Ask for the in-plane shear modulus where the other constants do not decide it."""
+        """Require the in-plane shear modulus unless the web is isotropic in its plane."""
         if "G_z_theta" not in self.model_fields_set and self.E_z != self.E_theta:
             raise validation_error(
                 f"required key is missing: the web is not isotropic in its plane (E_z = {self.E_z:g} Pa, "
@@ -90,12 +90,12 @@ class OrthotropicMaterial(Section):
         return self
 
     def solid(self) -> CylindricalOrthotropic:
-        """Elasticity in three dimensions."""
+        """Constitutive law in three dimensions."""
         return CylindricalOrthotropic(**{name: getattr(self, name) for name in CONSTANTS})
 
 
 def _kind_of(value: Any) -> Any:
-    """A material without `kind` is isotropic."""
+    """Kind of a material; isotropic if `kind` is missing."""
     if isinstance(value, dict) and "kind" not in value:
         return {"kind": "isotropic", **value}
     return value

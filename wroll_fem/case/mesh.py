@@ -1,4 +1,4 @@
-"""Section `mesh`: element counts, or a mesh of your own."""
+"""Case section `mesh`: element counts or a mesh file."""
 
 from __future__ import annotations
 
@@ -11,33 +11,36 @@ from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Mesh(Section):
-    """Structured quadrilaterals on every cylinder, hexahedra in a solid coil; all share the same divisions."""
+    """Structured mesh: quadrilaterals on cylinders, hexahedra in a solid coil, with the same divisions everywhere."""
 
     circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
     axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
     grading: Real = Field(
-        default=1.0, ge=1, description="element height at the tip over height at the root, dimensionless; 1 is uniform"
+        default=1.0, ge=1, description="ratio of element heights, tip to root, dimensionless; 1 is uniform"
     )
     radial: Whole = Field(default=3, ge=1, description="elements through a solid coil (count)")
     radial_grading: Real = Field(
-        default=1.0, ge=1, description="element thickness outside over that at the mandrel, dimensionless; 1 is uniform"
+        default=1.0,
+        ge=1,
+        description="ratio of element thicknesses, outer surface to mandrel, dimensionless; 1 is uniform",
     )
     discretisation: Literal["three_dimensional", "fourier"] = Field(
         default="three_dimensional",
-        description="three_dimensional: shells and hexahedra; fourier: harmonics around the axis on a mesh of the r-z "
+        description="three_dimensional: shells and hexahedra; fourier: semi-analytical (Fourier) elements on a "
+        "mesh of the r-z "
         "half plane, mandrel and solid coil as solids (fast; modes only)",
     )
     file: Path | None = Field(
         default=None,
-        description="Gmsh .msh file with the named groups (path, relative to the case file); null: made here",
+        description="Gmsh .msh file with the named groups (path, relative to the case file); null: generated mesh",
     )
 
     OF_SOLID: ClassVar[tuple[str, ...]] = ("radial", "radial_grading")
-    """Keys that only a solid coil uses; they stay out of other resolved cases unless written."""
+    """Keys that only a solid coil uses; other resolved cases contain them only if the file does."""
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the discretisation unless it was written: cases from before it keep their hash."""
+        """Serialise without a default discretisation, so that the hash of older cases does not change."""
         data = dict(plain(self))
         if "discretisation" not in self.model_fields_set:
             data.pop("discretisation", None)
@@ -48,7 +51,7 @@ class Mesh(Section):
     def _even(cls, value: int) -> int:
         if value % 2:
             raise validation_error(
-                "must be even (symmetry plane)", remedy=f"use {value - 1} or {value + 1}", value=value
+                "must be even, because of the symmetry plane", remedy=f"use {value - 1} or {value + 1}", value=value
             )
         return value
 
@@ -63,6 +66,6 @@ class Mesh(Section):
     @classmethod
     def _exists(cls, value: Path | None) -> Path | None:
         if value is not None and not value.is_file():
-            remedy = "give the path of a .msh file, relative to the case file, or null to mesh here"
+            remedy = "give the path of a .msh file, relative to the case file, or null for a generated mesh"
             raise validation_error("mesh file not found", remedy=remedy, value=str(value))
         return value

@@ -1,4 +1,4 @@
-"""From pydantic's list of errors to the one line that a user reads."""
+"""One-line messages from the validation errors of pydantic."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wroll_fem.case.descriptions import sections
 from wroll_fem.errors import InputError
 
 Refusal = Callable[[str], tuple[str, str] | None]
-"""Key at the top of a file -> problem and remedy, or None for a key that is unknown everywhere."""
+"""Top-level key -> problem and remedy; None for a key that no analysis uses."""
 
 _TAGS = ("kind", "law")
 _BOUNDS = {
@@ -74,7 +74,7 @@ def input_error(
 
 
 def _refused(detail: ErrorDetails, problem: str, remedy: str) -> tuple[str, str, str, str]:
-    """As `_explain`, for a section that this model does not have."""
+    """As `_explain`, for a case section that the model does not have."""
     value = detail["input"]
     got = "" if isinstance(value, Mapping | BaseModel) else f", got {_show(value)}"
     return str(detail["loc"][0]), f"{problem}{got}", remedy, ""
@@ -122,7 +122,7 @@ def _explain(detail: ErrorDetails, model: type[BaseModel], known: Sequence[str])
 
 
 def _example(field: FieldInfo | None, key: str) -> str:
-    """Example of a section as it would be written, where the field has one."""
+    """YAML example of a case section; empty if the field has none."""
     if field is None or not field.examples:
         return ""
     text = yaml.safe_dump(field.examples[0], default_flow_style=True, width=200).strip()
@@ -153,7 +153,7 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
 
 
 def _entries_of(annotation: Any) -> Any:
-    """Type of the entries of a section whose keys are names; None for any other annotation."""
+    """Type of the entries of a case section whose keys are user-chosen names; None for other annotations."""
     if get_origin(annotation) is dict:
         return get_args(annotation)[1]
     if isinstance(annotation, type):
@@ -162,7 +162,7 @@ def _entries_of(annotation: Any) -> Any:
 
 
 def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
-    """Field at a dotted path, None when there is none; of sections of several kinds the first that has it."""
+    """Field at a dotted path, or None; among several kinds of a case section, the first with this field."""
     models, field = [model], None
     for key in keys:
         field = next((m.model_fields[key] for m in models if key in m.model_fields), None)
@@ -173,7 +173,7 @@ def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    """Names by which a section of several kinds is picked: the choices of its first key of that sort."""
+    """Choices of the discriminating key of a case section with several kinds."""
     return next((get_args(model.model_fields[key].annotation) for key in _TAGS if key in model.model_fields), ())
 
 
@@ -202,14 +202,14 @@ def _unknown_key(
     elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
     elsewhere = [k for k in elsewhere if k.startswith(f"{keys[0]}.")] or elsewhere  # the same section first
     elsewhere = [k for k in elsewhere if k.count(".") == min(other.count(".") for other in elsewhere)]
-    here = f"known here: {', '.join(siblings)}"
+    here = f"known keys: {', '.join(siblings)}"
     if elsewhere and ".".join(keys) not in elsewhere:
         return "unknown key", f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]
     return "unknown key", here, ""
 
 
 def _show(value: Any) -> str:
-    """Spell a value as YAML does, shortened."""
+    """Value as shortened YAML."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     text = repr(value)

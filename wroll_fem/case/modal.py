@@ -1,4 +1,4 @@
-"""Section `modal`: the eigenvalue analysis."""
+"""Case section `modal`: the eigenvalue analysis."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from wroll_fem.case.base import Section, Whole
 
 
 class Modal(Section):
-    """Which modes, and what the interface does in them."""
+    """Number of modes and condition of the interfaces."""
 
     count: Whole = Field(default=12, ge=1, le=500, description="number of modes (count)")
     interface: Literal["stuck", "bonded", "frictionless"] = Field(
         default="bonded",
-        description="stuck: normal and elastic-slip stiffness of the preloaded interface; bonded: no relative motion; "
+        description="stuck: normal and stick stiffness of the preloaded interface; bonded: no relative motion; "
         "frictionless: normal contact only",
     )

@@ -1,4 +1,4 @@
-"""Section `output`: what a run writes. Only `damping` changes numbers, the readings of a finished curve."""
+"""Case section `output`: files of a run and the estimator of damping."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from wroll_fem.case.base import Section, Switch, Whole
 
 
 class Output(Section):
-    """Fields and figures of a run folder."""
+    """Fields and figures of a run folder, and estimator of damping."""
 
     fields: Literal["none", "slip_map", "all"] = Field(
         default="slip_map",
         description="fields written as .vtu: none, slip_map, or all (also mode shapes and displacements)",
     )
-    every: Whole = Field(default=0, ge=0, description="write fields every this many steps (count); 0: only at the end")
+    every: Whole = Field(
+        default=0, ge=0, description="number of steps between written fields (count); 0: only at the end"
+    )
     figures: Switch = Field(default=True, description="draw figures at the end of the run")
     damping: Literal["half_power", "gaussian_fit", "rational_fraction", "choose"] = Field(
         default="half_power",
-        description="what reads f_n and zeta from a transmissibility (sweep, harmonic, two_dof); choose: by its shape",
+        description="estimator of f_n and zeta from a transmissibility (sweep, harmonic, two_dof); choose: "
+        "selects the estimator by the shape of the peak",
     )

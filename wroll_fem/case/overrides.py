@@ -1,4 +1,4 @@
-"""Changes of a case by dotted keys, as `--set` and `Case.replace` take them."""
+"""Overrides of dotted keys for `--set` and `Case.replace`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,13 @@ WITH_FILE = ("mesh", "structure")
 
 
 def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
-    """Overrides as `load_case` takes them; a mapping of dotted keys to values becomes one text per key."""
+    """Convert overrides to "dotted.key=value" texts; a mapping gives one text per key.
+
+    Raises
+    ------
+    InputError
+        If an override is neither text nor mapping.
+    """
     texts: list[str] = []
     for given in overrides:
         if isinstance(given, str):
@@ -35,10 +41,24 @@ def overridden(
 ) -> tuple[dict[str, Any], tuple[list[str], tuple[str, ...]]]:
     """Apply "dotted.key=value" pairs to a copy.
 
+    Parameters
+    ----------
+    data
+        Content of a case file.
+    overrides
+        "dotted.key=value" texts, with values in YAML.
+    file
+        File of the data, for messages.
+
     Returns
     -------
     tuple
-        The changed copy; the dotted keys, and those of them that were given by a former name.
+        The changed copy; the dotted keys, and the former names among them.
+
+    Raises
+    ------
+    InputError
+        If a text is not "dotted.key=value", its value is not YAML, or its key is not in a section.
     """
     merged = _copy(dict(data))
     keys, former = [], []

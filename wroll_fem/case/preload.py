@@ -1,4 +1,4 @@
-"""Section `preload`: what presses the layers onto the mandrel, and the external pressure of each layer."""
+"""Case section `preload`: kind of preload, and external pressure of each layer."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ DEFAULT_STEPS = 10
 
 
 class Preload(SparseSection):
-    """Nonlinear static step before the vibration."""
+    """Static preload before the vibration (nonlinear)."""
 
     kind: Literal["external_pressure", "winding_tension"] = Field(
         default="external_pressure",
-        description="external_pressure: pressure on the outside of layers; winding_tension: pressed until the mean "
-        "pressure of every interface is that of the wound roll (section winding)",
+        description="external_pressure: pressure on the outside of layers; winding_tension: prescribes the mean "
+        "pressure of every interface as computed for the wound roll (case section winding)",
     )
     pressure: float | list[float] | None = Field(
         default=None,
@@ -43,7 +43,8 @@ class Preload(SparseSection):
     def _pressure_or_winding(self) -> Self:
         if self.kind == "winding_tension" and self.pressure is not None:
             raise validation_error(
-                "the tension of section winding sets the pressure", key="pressure", value=self.pressure,
+                "must be left out with kind: winding_tension, which computes "
+                "the pressure", key="pressure", value=self.pressure,
                 remedy="leave it out, or use kind: external_pressure",
             )  # fmt: skip
         if self.kind == "external_pressure" and self.pressure is None:
@@ -54,7 +55,13 @@ class Preload(SparseSection):
         return self
 
     def per_layer(self, layers: int) -> list[float]:
-        """External pressure on the outside of each layer, inner first, Pa, of kind external_pressure."""
+        """External pressure on the outside of each layer, Pa, inner first (kind external_pressure).
+
+        Raises
+        ------
+        ValueError
+            For kind winding_tension.
+        """
         if self.pressure is None:
             raise ValueError("the pressures of winding_tension follow from the structure: `winding_preload`")
         if isinstance(self.pressure, list):
@@ -66,5 +73,5 @@ def _pressure(value: Any) -> float:
     number = _number(value)
     if not isinstance(number, int | float) or not 0 <= number < float("inf"):
         remedy = "write a pressure of 0 Pa or more, or a list with one per layer"
-        raise validation_error("must be a pressure that presses inwards", remedy=remedy, value=value)
+        raise validation_error("must be 0 or positive (inward pressure)", remedy=remedy, value=value)
     return float(number)

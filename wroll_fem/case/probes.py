@@ -1,4 +1,4 @@
-"""Section `probes`: named points of the shells whose motion every result holds, beside the tip."""
+"""Case section `probes`: named points on the shells; results contain their motion and the motion of the tip."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wroll_fem.case.base import Real, Section
 
 
 class ProbePoint(Section):
-    """A point on the mid-surface of the mandrel or of a layer, and the direction of the displacement."""
+    """Point on the mid-surface of the mandrel or of a layer, and direction of its displacement."""
 
     z: Real = Field(ge=0, description="height above the base, m")
     theta: Real = Field(default=0.0, description="angle from the x-axis, rad")

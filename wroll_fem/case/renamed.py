@@ -1,4 +1,4 @@
-"""Former names of keys: accepted in case files and with `--set`, with one warning line that names the new key."""
+"""Former names of keys: accepted in case files and with `--set`; a warning names the new key."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def current_key(key: str) -> str:
 
 
 def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[str, ...]]:
-    """Content of a case with present names, and the former names that were found in it.
+    """Content of a case with present names, and list of the former names in it.
 
     Raises
     ------
@@ -32,14 +32,16 @@ def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[st
         if not isinstance(content, Mapping) or old not in content:
             continue
         if new in content:
-            raise InputError(f"is the former name of {present}, which is given too", key=former, remedy="leave it out")
+            raise InputError(
+                f"is the former name of {present}, which is in the case as well", key=former, remedy="leave it out"
+            )
         current[section] = {new if key == old else key: value for key, value in content.items()}
         found.append(former)
     return current, tuple(found)
 
 
 def with_former_keys(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Content under its former names, as hashes were computed from it."""
+    """Content with former names, from which the hash of a case is computed."""
     former_data = dict(data)
     for former, present in KEYS.items():
         section, _, old = former.partition(".")

@@ -1,4 +1,4 @@
-"""The sections that describe a roll, together."""
+"""Case sections that describe a roll."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ ROLL = ("geometry", "mandrel", "coil")
 
 
 class RollSections(Section):
-    """Geometry, mandrel, coil and mesh: what meshes and finite elements of a roll are made from.
+    """Geometry, mandrel, coil and mesh of a roll.
 
     Every case on a roll is one; it can also be made from the four sections alone.
     """
 
-    geometry: Geometry = Field(description="the mandrel's tube")
+    geometry: Geometry = Field(description="tube of the mandrel")
     mandrel: Mandrel = Field(description="material and end conditions of the mandrel")
-    coil: Coil = Field(description="how the wound web is modelled")
+    coil: Coil = Field(description="model of the wound web")
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")

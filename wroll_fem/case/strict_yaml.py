@@ -1,4 +1,4 @@
-"""Strict YAML: a key that is written twice is an error, and every error is one line with its place."""
+"""Strict YAML: duplicate keys are refused; errors are one line with their position."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wroll_fem.errors import InputError
 
 
 class _StrictLoader(yaml.SafeLoader):
-    """SafeLoader that refuses a key written twice instead of keeping the last one."""
+    """YAML loader that refuses duplicate keys."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[Any] = set()
@@ -19,14 +19,20 @@ class _StrictLoader(yaml.SafeLoader):
             if isinstance(key_node, yaml.ScalarNode) and key_node.tag != "tag:yaml.org,2002:merge":
                 if key_node.value in seen:
                     raise yaml.constructor.ConstructorError(
-                        None, None, f"key {key_node.value!r} is written twice", key_node.start_mark
+                        None, None, f"key {key_node.value!r} occurs twice", key_node.start_mark
                     )
                 seen.add(key_node.value)
         return super().construct_mapping(node, deep)
 
 
 def parse_yaml(text: str, where: str) -> Any:
-    """Content of a YAML text; `where` it is from is named in errors."""
+    """Parse a YAML text; errors name its origin, ``where``.
+
+    Raises
+    ------
+    InputError
+        If the text is not valid YAML.
+    """
     try:
         return yaml.load(text, Loader=_StrictLoader)
     except yaml.MarkedYAMLError as error:
@@ -35,4 +41,4 @@ def parse_yaml(text: str, where: str) -> Any:
         problem = f"is not valid YAML{spot}: {error.problem}"
     except yaml.YAMLError as error:
         problem = f"is not valid YAML: {' '.join(str(error).split())}"
-    raise InputError(problem, remedy="mind indentation, colons and brackets", file=where)
+    raise InputError(problem, remedy="check indentation, colons and brackets", file=where)

@@ -1,4 +1,4 @@
-"""What cases of structural analyses share: a roll or matrices from a file, contact, excitation, solution."""
+"""Base classes of the cases of structural analyses: on a roll, or on matrices from a file."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ from wroll_fem.case.winding import Winding
 from wroll_fem.errors import InputError
 
 CONTACT = "between matched interfaces"
-PRELOAD = "what presses the layers onto the mandrel"
-WINDING = "how the roll was wound: tension, wraps, mandrel, web"
+PRELOAD = "pressure on the layers"
+WINDING = "winding of the roll: tension, wraps, mandrel, web"
 EXCITATION = "motion of the base"
 INTEGRATOR = "time integration"
-SOLVER = "how a step is solved"
+SOLVER = "solution of a step"
 MODAL = "the eigenvalue analysis"
 HARMONIC = "periodic motions by harmonic balance"
 BACKBONE = "range of the backbone"
-PROBES = "points whose motion the results hold, by name; the tip is always one"
+PROBES = "named points whose motion the results contain; the tip is always included"
 
 _OF_ROLL = (*ROLL, "mesh", "preload", "probes")
-"""Sections that matrices from a file replace."""
+"""Case sections that matrices from a file replace."""
 
 
 class StructuralCase(Case):
-    """A case with a structure that is deformed: a roll, or matrices from a file.
+    """Case of a structural analysis: a roll, or matrices from a file.
 
     Sections that the analysis does not use may be written, so that one file serves several analyses.
     """
@@ -78,7 +78,7 @@ class StructuralCase(Case):
 
     @property
     def direction(self) -> Literal["x", "y"]:
-        """Direction of the base motion; x where none is written."""
+        """Direction of the base motion; x by default."""
         return "x" if self.excitation is None else self.excitation.direction
 
     @property
@@ -89,7 +89,7 @@ class StructuralCase(Case):
 
 
 class OnRoll(StructuralCase, RollSections):
-    """A case on a roll, described by geometry, mandrel and coil."""
+    """Case on a roll, described by geometry, mandrel and coil."""
 
     preload: Preload | None = Field(default=None, description=PRELOAD)
     probes: Probes | None = Field(default=None, description=PROBES)
@@ -115,11 +115,11 @@ class OnRoll(StructuralCase, RollSections):
 
     @property
     def wound(self) -> Winding | None:
-        """How the roll was wound, onto the mandrel of the case where the section leaves it out."""
+        """Case section `winding`; a missing mandrel is filled in from the case."""
         return None if self.winding is None else self.winding.on_mandrel(self.geometry, self.mandrel)
 
     def resolved(self) -> dict[str, Any]:
-        """As `Case.resolved`; keys that this model of the coil does not use stay out unless they were written."""
+        """As `Case.resolved`, without keys that the coil model does not use, unless they are in the file."""
         data = super().resolved()
         if self.coil.model != "solid":
             for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
@@ -131,7 +131,7 @@ class OnRoll(StructuralCase, RollSections):
 
 
 class OnStructure(StructuralCase):
-    """A case on matrices from a file, which also holds interfaces, preload and the influence of the base motion."""
+    """Case on matrices from a file, which also contains interfaces, preload and influence vector."""
 
     structure: Structure = Field(
         description="matrices from a file, in place of geometry, mandrel, coil, mesh and preload"
@@ -152,11 +152,14 @@ class OnStructure(StructuralCase):
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
         if key in _OF_ROLL:
-            return "stands beside structure, whose file replaces it", f"leave {key} out, or leave structure out"
+            return (
+                "cannot be combined with structure, whose file replaces it",
+                f"leave {key} out, or leave structure out",
+            )
         return super()._refusal(key)
 
     def resolved(self) -> dict[str, Any]:
-        """As `Case.resolved`; what the file decides stays out unless it was written."""
+        """As `Case.resolved`, without case sections that the matrix file replaces, unless they are in the case file."""
         data = super().resolved()
         if "excitation" in data:
             del data["excitation"]["direction"]

@@ -1,4 +1,4 @@
-"""Section `structure`: matrices from a file in place of geometry, mandrel, coil and mesh."""
+"""Case section `structure`: matrices from a file in place of geometry, mandrel, coil and mesh."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ SUFFIXES = (".npz", ".mat")
 
 
 class Structure(Section):
-    """A structure assembled elsewhere: the file also holds interfaces, preload and the influence of the base motion."""
+    """Externally assembled structure: matrices, interfaces, preload and influence vector from a file."""
 
     file: Path = Field(
         description="matrices and interfaces, .npz or .mat as in docs/matrices.md (path, relative to the case file)"
     )
     preload_steps: Whole = Field(
-        default=10, ge=1, description="load steps of the preload when the file holds its load and no state (count)"
+        default=10,
+        ge=1,
+        description="load steps of the preload if the file contains a preload load without a state (count)",
     )
 
     @field_validator("file", mode="before")

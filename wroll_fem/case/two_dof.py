@@ -1,4 +1,4 @@
-"""Section `two_dof`: two masses with friction between them on a shaken base (chapter 5 of the thesis)."""
+"""Case section `two_dof`: two masses coupled by friction, under a sine of the base (thesis, chapter 5)."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from wroll_fem.case.base import Real, Section, SparseSection, Switch, Whole, _nu
 class Span(Section):
     """Evenly spaced values."""
 
-    start: Real = Field(gt=0, description="first value, rad/s, kg or N/m as the key around it")
-    stop: Real = Field(gt=0, description="last value, rad/s, kg or N/m as the key around it")
+    start: Real = Field(gt=0, description="first value, rad/s, kg or N/m as the enclosing key")
+    stop: Real = Field(gt=0, description="last value, rad/s, kg or N/m as the enclosing key")
     points: Whole = Field(ge=2, le=20000, description="number of values (count)")
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if self.stop <= self.start:
             raise validation_error(
-                f"must be above start = {self.start:g}", key="stop", value=self.stop, remedy="let it rise"
+                f"must be above start = {self.start:g}", key="stop", value=self.stop, remedy="give stop > start"
             )
         return self
 
     @property
     def values(self) -> list[float]:
-        """All of them."""
+        """All values, evenly spaced."""
         step = (self.stop - self.start) / (self.points - 1)
         return [self.start + step * k for k in range(self.points - 1)] + [self.stop]
 
 
 class TwoDofDesignSpace(Section):
-    """Secondary masses and stiffnesses over which the largest damping is mapped (thesis, Fig. 5.7)."""
+    """Secondary masses and stiffnesses for the map of the largest damping (thesis, Fig. 5.7)."""
 
     m2: Span = Field(description="mass of the secondary, kg")
     k2: Span = Field(description="stiffness of the secondary, N/m")
@@ -43,7 +43,7 @@ class TwoDofDesignSpace(Section):
 
 
 class TwoDof(SparseSection):
-    """Masses, springs, dashpots, friction and base motion; any consistent units, SI in the names here."""
+    """Masses, springs, dashpots, friction and base motion in SI or any consistent units."""
 
     m1: Real = Field(default=1.0, gt=0, description="mass of the primary (mandrel), kg")
     k1: Real = Field(default=1.0, gt=0, description="stiffness of the primary, N/m")
@@ -54,12 +54,16 @@ class TwoDof(SparseSection):
     Y0: Real = Field(default=1.5, gt=0, description="displacement of the base, m, 0-peak")
     friction_capacity: list[float] = Field(description="friction capacities mu F_N, N, ascending")
     omega: Span = Field(description="frequencies of the base, rad/s")
-    smoothing: Real = Field(default=1.0, gt=0, description="s of the smoothed sign S(s v), s/m, v the rubbing velocity")
+    smoothing: Real = Field(
+        default=1.0, gt=0, description="parameter s of the regularised sign S(s v), s/m, with v the relative velocity"
+    )
     arrangement: Literal["both_on_base", "secondary_isolated", "secondary_on_primary"] = Field(
-        default="both_on_base", description="what holds the secondary's spring: the base, a wall at rest or the primary"
+        default="both_on_base", description="support of the secondary's spring: the base, a wall at rest or the primary"
     )
     preload_dependent: Switch = Field(
-        default=True, description="masses and stiffness of the secondary follow the capacity (equations 5.6 and 5.7)"
+        default=True,
+        description="mass and stiffness of the secondary depend on the friction capacity (equations 5.6 and 5.7 "
+        "of the thesis)",
     )
     method: Literal["periodic", "time"] = Field(
         default="periodic", description="harmonic balance, or time integration from rest until the motion repeats"

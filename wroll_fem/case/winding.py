@@ -1,4 +1,4 @@
-"""Section `winding`: how the roll was wound, and the core that it was wound on, its own or that of the case."""
+"""Case section `winding`: winding of the roll and its mandrel, from the section or from the rest of the case."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.errors import InputError
 
 LARGEST_K2 = 1.0e4
-"""A larger K2 is taken for a modulus in Pa; measured stacks of web have 10 to some 1000."""
+"""Largest accepted K2: a larger number is probably a modulus in Pa; measured stacks of web have 10 to some 1000."""
 
 
 class ConstantModulus(Section):
-    """Radial modulus that does not depend on the pressure."""
+    """Constant radial modulus."""
 
     law: Literal["constant"] = Field(description="constant: the same radial modulus at every pressure")
     E_r: Real = Field(gt=0, description="radial modulus of the stack, Pa")
 
 
 class PfeifferModulus(Section):
-    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), equation 2.9 of the thesis."""
+    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), thesis, equation 2.9."""
 
     law: Literal["pfeiffer"] = Field(description="pfeiffer: E_r = K2 (K1 + P), P the pressure between the wraps")
-    K1: Real = Field(gt=0, description="pressure that the modulus starts from, Pa")
-    K2: Real = Field(gt=0, description="growth of the radial modulus with the pressure, dimensionless")
+    K1: Real = Field(gt=0, description="pressure offset K1, Pa")
+    K2: Real = Field(gt=0, description="slope K2 of the radial modulus over pressure, dimensionless")
 
     @field_validator("K2", mode="before")
     @classmethod
@@ -50,13 +50,13 @@ class PfeifferModulus(Section):
             raise validation_error(
                 f"K2 is {unit}", value=value,
                 remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
-                "(the thesis's Table 2.3 prints 40 GPa where 40 is meant)",
+                "(Table 2.3 of the thesis prints 40 GPa where 40 is meant)",
             )  # fmt: skip
         return number
 
 
 class TableModulus(Section):
-    """Measured radial modulus over pressure: linear between the rows, constant beyond the ends."""
+    """Table of the measured radial modulus over pressure: linear between rows, constant beyond the ends."""
 
     law: Literal["table"] = Field(description="table: measured values, linear between the rows")
     pressure: list[Real] = Field(min_length=1, description="pressure between the wraps, Pa, rising from 0 or more")
@@ -97,25 +97,25 @@ RadialModulus = Annotated[
 
 
 class ConstantTension(Section):
-    """The same tension from the first wrap to the last."""
+    """Constant tension."""
 
     kind: Literal["constant"] = Field(default="constant", description="constant: the same tension in every wrap")
 
 
 class TaperTension(Section):
-    """Tension that falls linearly with the radius."""
+    """Tension that decreases linearly with the radius."""
 
     kind: Literal["taper"] = Field(description="taper: the tension changes linearly from mandrel to outer radius")
-    taper: Real = Field(lt=1, ge=-10, description="share of the tension lost at the outer radius, dimensionless")
+    taper: Real = Field(lt=1, ge=-10, description="relative loss of tension at the outer radius, dimensionless")
 
 
 class TableTension(Section):
-    """Tension over the radius: linear between the rows, constant beyond the ends."""
+    """Table of tension over the radius: linear between rows, constant beyond the ends."""
 
-    kind: Literal["table"] = Field(description="table: share of the tension over the radius, linear between the rows")
+    kind: Literal["table"] = Field(description="table: relative tension over the radius, linear between the rows")
     radius: list[Real] = Field(min_length=1, description="radius at which a wrap is laid, m, rising")
     factor: list[Real] = Field(
-        min_length=1, description="share of tension_stress or tension_newton there, dimensionless"
+        min_length=1, description="tension at that radius over tension_stress or tension_newton, dimensionless"
     )
 
     @model_validator(mode="after")
@@ -123,7 +123,10 @@ class TableTension(Section):
         _check_table(self.radius, self.factor, "radius", "factor", least=0.0)
         if not min(self.factor) > 0:
             raise validation_error(
-                "must be positive", key="factor", value=self.factor, remedy="a web cannot be wound without pull"
+                "must be positive",
+                key="factor",
+                value=self.factor,
+                remedy="give positive factors: winding needs tension",
             )
         return self
 
@@ -140,7 +143,7 @@ TensionProfile = Annotated[
 
 
 class WindingMandrel(Section):
-    """The core under the first wrap: an elastic tube, or its stiffness as a number."""
+    """Mandrel under the first wrap: an elastic tube, or a stiffness."""
 
     outer_radius: Real = Field(gt=0, description="outer radius of the mandrel, m")
     wall: Real | None = Field(default=None, gt=0, description="wall thickness, m; the outer radius for a solid core")
@@ -156,7 +159,7 @@ class WindingMandrel(Section):
             for key in ("wall", "E", "nu"):
                 if key in self.model_fields_set:
                     raise validation_error(
-                        "stands beside stiffness, which replaces it", key=key, value=getattr(self, key),
+                        "cannot be combined with stiffness, which replaces it", key=key, value=getattr(self, key),
                         remedy="give wall and E, or stiffness",
                     )  # fmt: skip
             return self
@@ -173,14 +176,20 @@ class WindingMandrel(Section):
 
     @property
     def tube(self) -> tuple[float, float]:
-        """Wall thickness, m, and Young's modulus, Pa, of a mandrel that is not given by its stiffness."""
+        """Wall thickness, m, and Young's modulus, Pa, of an elastic tube.
+
+        Raises
+        ------
+        ValueError
+            If the mandrel has a stiffness instead.
+        """
         if self.wall is None or self.E is None:
             raise ValueError("a mandrel given by its stiffness has no wall")
         return self.wall, self.E
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """The keys of a tube, or the number."""
+        """Serialise the keys of the tube, or the stiffness."""
         used = ("outer_radius", "stiffness") if self.stiffness is not None else ("outer_radius", "wall", "E", "nu")
         return {key: value for key, value in dict(plain(self)).items() if key in used}
 
@@ -190,7 +199,10 @@ class Web(Section):
 
     E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
     nu_theta: Real = Field(
-        default=0.3, gt=-1, lt=1, description="contraction across the thickness per hoop strain, dimensionless"
+        default=0.3,
+        gt=-1,
+        lt=1,
+        description="Poisson's ratio, dimensionless: -strain_r / strain_theta under stress along theta",
     )
     radial_modulus: RadialModulus = Field(description="stiffness of the stack through its thickness")
 
@@ -198,18 +210,20 @@ class Web(Section):
 class Winding(SparseSection):
     """A web wound under tension onto a mandrel."""
 
-    tension_stress: Real | None = Field(default=None, gt=0, description="tension of the web over its section, Pa")
+    tension_stress: Real | None = Field(
+        default=None, gt=0, description="tension of the web over its cross-sectional area, Pa"
+    )
     tension_newton: Real | None = Field(
         default=None, gt=0, description="tension of the web as a force, N, with web_width in place of tension_stress"
     )
     web_width: Real | None = Field(default=None, gt=0, description="width of the web along the axis, m")
     tension_profile: TensionProfile = Field(
-        default_factory=ConstantTension, description="how the tension changes while the roll grows"
+        default_factory=ConstantTension, description="profile of the tension over the radius"
     )
     wraps: Whole = Field(ge=1, le=20000, description="number of wraps (count)")
     wrap_thickness: Real = Field(gt=0, description="thickness of the web, m")
     mandrel: WindingMandrel | None = Field(
-        default=None, description="the core; may be left out where geometry and mandrel describe it"
+        default=None, description="mandrel; may be left out if geometry and mandrel describe it"
     )
     web: Web = Field(description="material of the web")
     mu: Real | None = Field(
@@ -217,7 +231,8 @@ class Winding(SparseSection):
     )
     growth: Literal["wraps", "continuous"] = Field(
         default="wraps",
-        description="wraps: each wrap presses as a whole; continuous: infinitely thin wraps, as thick together",
+        description="wraps: discrete wraps of finite thickness; continuous: infinitely thin wraps of the same "
+        "total thickness",
     )
     cells: Whole = Field(
         default=2400,
@@ -231,7 +246,7 @@ class Winding(SparseSection):
         if (self.tension_stress is None) == (self.tension_newton is None):
             both = self.tension_stress is not None
             raise validation_error(
-                "stands beside tension_stress" if both else "the tension is missing",
+                "cannot be combined with tension_stress" if both else "the tension is missing",
                 key="tension_newton" if both else "tension_stress", value=self.tension_newton, show_value=both,
                 remedy="give tension_stress in Pa, or tension_newton in N with web_width in m",
             )  # fmt: skip
@@ -251,16 +266,22 @@ class Winding(SparseSection):
 
     @property
     def stress(self) -> float:
-        """Tension of the web over its section, Pa, before the profile."""
+        """Web tension over cross-sectional area, Pa, before the tension profile is applied.
+
+        Raises
+        ------
+        ValueError
+            If no tension is set.
+        """
         if self.tension_stress is not None:
             return self.tension_stress
         if self.tension_newton is None or self.web_width is None:
-            raise ValueError("a winding that was not checked has no tension")
+            raise ValueError("tension is not set: the case section has not been validated")
         return self.tension_newton / (self.web_width * self.wrap_thickness)
 
     @property
     def core(self) -> WindingMandrel:
-        """The mandrel.
+        """Mandrel onto which the web is wound.
 
         Raises
         ------
@@ -292,7 +313,7 @@ class Winding(SparseSection):
         return self.wraps * self.wrap_thickness
 
     def on_mandrel(self, geometry: Geometry, mandrel: Mandrel) -> Winding:
-        """Return the section with its own mandrel, or with the one that the rest of the case describes."""
+        """Return the case section with its mandrel, or with the mandrel of the case if it has none."""
         if self.mandrel is not None:
             return self
         tube = WindingMandrel(

@@ -1,4 +1,4 @@
-"""The `wroll` command: one module for each kind of command.
+"""The command `wroll`: a module per group of commands.
 
 Heavy libraries are imported inside the commands that need them, so that `wroll --help` and error messages are instant.
 """
@@ -22,7 +22,7 @@ __all__ = ["app", "cases", "main", "project", "results", "runs"]  # the order of
 
 
 def main() -> None:
-    """Entry point of the `wroll` command."""
+    """Entry point of the command `wroll`."""
     try:
         app()
     except BrokenPipeError:  # the reader (head, less) has gone: nothing left to print

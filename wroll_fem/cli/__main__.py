@@ -1,4 +1,4 @@
-"""`python -m wroll_fem.cli` is the command `wroll`."""
+"""`python -m wroll_fem.cli`: the command `wroll`."""
 
 from wroll_fem.cli import main
 

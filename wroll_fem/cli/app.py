@@ -1,4 +1,4 @@
-"""The typer application, and what its commands share: options, error reports, SIGTERM as an interrupt."""
+"""Typer application and shared parts of its commands: options, error messages, SIGTERM as an interrupt."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wroll_fem.errors import WrollError
 from wroll_fem.results.provenance import program_version
 
 app = typer.Typer(
-    name="wroll", help="Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps.",
+    name="wroll", help="Dynamics of wound rolls: transmissibility, damping and slip maps from a case file.",
     no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
 
@@ -28,7 +28,7 @@ Overrides = Annotated[
 
 @contextmanager
 def reporting() -> Iterator[None]:
-    """One line on standard error instead of a traceback, and the documented exit code."""
+    """Context manager: report an error in one line on standard error, with the documented exit code."""
     try:
         yield
     except WrollError as error:
@@ -48,12 +48,12 @@ def root(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Dynamics of wound rolls: from a case file to transmissibility, damping and slip maps."""
+    """Dynamics of wound rolls: transmissibility, damping and slip maps from a case file."""
 
 
 @contextmanager
 def sigterm_interrupts() -> Iterator[None]:
-    """Let a terminated job save itself like an interrupted one."""
+    """Treat SIGTERM like an interrupt, so that a terminated job saves a checkpoint."""
 
     def interrupt(signum: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""Commands about a case: `wroll validate`, `schema`, `mesh` and `export`."""
+"""Commands for cases: `wroll validate`, `schema`, `mesh` and `export`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wroll_fem.progress import TerminalProgress
 def validate(
     case_files: Annotated[list[Path], typer.Argument(metavar="CASE...", help="Case files.", show_default=False)],
 ) -> None:
-    """Check case files and print what is wrong or doubtful in them."""
+    """Validate case files and print errors and warnings."""
     wrong = 0
     for path in case_files:
         try:
@@ -68,8 +68,8 @@ def mesh(
         from wroll_fem.mesh.generate import build_mesh
 
         if not isinstance(case, OnRoll):
-            remedy = "its file holds matrices alone: mesh the case it was exported from"
-            raise InputError("leaves nothing to mesh", key="structure", file=str(case_file), remedy=remedy)
+            remedy = "its file has only matrices: mesh the case from which it was exported"
+            raise InputError("cannot be meshed", key="structure", file=str(case_file), remedy=remedy)
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
         built, coil = build_mesh(case), None
@@ -92,7 +92,7 @@ def export(
     out: Annotated[Path, typer.Option("--out", help="File to write, .npz or .mat.", show_default=False)],
     overrides: Overrides = None,
 ) -> None:
-    """Mesh, assemble and preload a case, and write its matrices and interfaces (docs/matrices.md)."""
+    """Export matrices, interfaces and preload state of a case (docs/matrices.md)."""
     with reporting():
         case = _structural(case_file, overrides)
         from wroll_fem.dynamics.system.array_file import check_suffix
@@ -109,7 +109,13 @@ def export(
 
 
 def _structural(file: Path, overrides: list[str] | None) -> StructuralCase:
-    """Case of a file that has a mesh or matrices; raises `InputError` for another."""
+    """Load a case that has a mesh or matrices.
+
+    Raises
+    ------
+    InputError
+        If the analysis has neither.
+    """
     case = load_case(file, overrides or ())
     if not isinstance(case, StructuralCase):
         remedy = "use a case with geometry, mandrel and coil"

@@ -1,4 +1,4 @@
-"""Commands about the program: `wroll reproduce` and `wroll info`."""
+"""Commands for the project: `wroll reproduce` and `wroll info`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def reproduce(
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", help="Folder for runs, table and page; delete it to run all anew. Default runs/reproduce."
+            "--out", help="Folder for runs, table and page; delete it to repeat all runs. Default runs/reproduce."
         ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 2,
@@ -36,7 +36,7 @@ def reproduce(
         Path | None, typer.Option("--page", help="Where to write the page (Markdown); default OUT/claims.md.")
     ] = None,
 ) -> None:
-    """Judge the claims of the thesis, one line each, from stored or fresh runs."""
+    """Check the claims of the thesis, one line each, from stored or new runs."""
     with reporting():
         judge_all = _reproduction().reproduce
 
@@ -49,7 +49,7 @@ def reproduce(
                     command=shlex.join(command),
                 )  # fmt: skip
         except KeyboardInterrupt:
-            typer.echo("interrupted; the same command continues from here", err=True)
+            typer.echo("interrupted; run the same command again to continue", err=True)
             raise typer.Exit(130) from None
         typer.echo(done.count)
         for path in done.written:
@@ -60,10 +60,10 @@ def reproduce(
 
 
 def _reproduction() -> Any:
-    """Module `reproduction.reproduce` of the clone that this package runs from; the package alone does not have it."""
+    """Import `reproduction.reproduce`, which exists only in a clone of the project."""
     root = Path(__file__).resolve().parents[2]
     if not (root / "reproduction" / "reproduce.py").is_file():
-        remedy = "run from a clone of the project, whose folders reproduction/ and configs/ have them"
+        remedy = "use a clone of the project, with its folders reproduction/ and configs/"
         raise InputError("the claims of the thesis are not part of the installed package", remedy=remedy)
     if str(root) not in sys.path:
         sys.path.insert(0, str(root))
@@ -72,7 +72,7 @@ def _reproduction() -> Any:
 
 @app.command()
 def info() -> None:
-    """Print the versions of the libraries used, and whether each works."""
+    """Print versions of the libraries, and whether each works."""
     from wroll_fem.jobs.environment import OPTIONAL, check_environment
 
     typer.echo(f"{'wroll_fem':<10} {program_version()}")

@@ -1,4 +1,4 @@
-"""Commands about results: `wroll plot` and `wroll report`."""
+"""Commands for results: `wroll plot` and `wroll report`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def plot(
         Path, typer.Argument(metavar="RUN_DIR", help="Folder of a run, or a results file (.nc).", show_default=False)
     ],
 ) -> None:
-    """Draw the figures of a run again, from its results alone."""
+    """Redraw the figures of a run from its results."""
     with reporting():
         from wroll_fem.jobs.folder import RunFolder
         from wroll_fem.results.dataset import load_dataset

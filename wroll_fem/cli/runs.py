@@ -20,12 +20,12 @@ def run(
     case_file: CaseFile,
     out: Annotated[Path | None, typer.Option("--out", help="Run folder; default runs/<name of the case file>.")] = None,
     overrides: Overrides = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an unfinished run.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue from the checkpoint of the run.")] = False,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Print size and estimated time of the job; compute nothing.")
+        bool, typer.Option("--dry-run", help="Print problem size and estimated computing time; compute nothing.")
     ] = False,
 ) -> None:
-    """Run a case: results, summary, fields and figures go to the run folder."""
+    """Run a case and write results, summary, fields and figures to the run folder."""
     with reporting():
         case = load_case(case_file, overrides or ())
         if dry_run:
@@ -45,7 +45,7 @@ def run(
             _explain_interrupt(target, command, resumable=analyses.find_analysis(case.analysis).resumable)
             raise typer.Exit(130) from None
         if done.already_done:
-            typer.echo(f"{target}: this case is already done; delete the folder to run it again")
+            typer.echo(f"{target}: this case is already complete; delete the folder to run it again")
         for line in summary_lines(done.summary):
             typer.echo(line)
         typer.echo(f"run folder  {done.folder.path}")
@@ -64,9 +64,9 @@ def batch(
         str | None,
         typer.Option("--scheduler", help="tcp://HOST:PORT of a Dask cluster whose workers run the cases instead."),
     ] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Run cases again that failed in an earlier call.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Run failed cases of earlier calls again.")] = False,
 ) -> None:
-    """Run the cases of a grid file that are not yet done; write one table and the figures of the study."""
+    """Run the unfinished cases of a grid file; write a table and the figures of the study."""
     with reporting():
         from wroll_fem.jobs.batch import draw_figures, run_grid
         from wroll_fem.jobs.grid import load_grid
@@ -77,7 +77,7 @@ def batch(
             with sigterm_interrupts(), TerminalProgress() as progress:
                 outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, retry=retry, progress=progress)
         except KeyboardInterrupt:
-            typer.echo("interrupted; the same command continues from here", err=True)
+            typer.echo("interrupted; run the same command again to continue", err=True)
             raise typer.Exit(130) from None
         typer.echo(f"table       {target / 'batch.csv'}")
         failed = [outcome for outcome in outcomes if outcome.status == "failed"]
@@ -113,10 +113,8 @@ def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> 
     from wroll_fem.jobs.folder import RunFolder
 
     if RunFolder(target).checkpoint_file.is_file():
-        typer.echo(f"interrupted; go on with: {shlex.join([*command, '--resume'])}", err=True)
+        typer.echo(f"interrupted; continue with: {shlex.join([*command, '--resume'])}", err=True)
     elif resumable:
-        typer.echo(
-            "interrupted before the first checkpoint; run the same command again (--resume goes on later)", err=True
-        )
+        typer.echo("interrupted before the first checkpoint; run the same command again", err=True)
     else:
         typer.echo("interrupted; this analysis has no checkpoints: run the same command again", err=True)

@@ -60,7 +60,7 @@ def shear_modes(
     modes = [mode for mode in lowest_modes(roll, count) if mode.symmetry.wave_number == 1]
     if not modes:
         raise InputError(
-            f"none of the lowest {count} modes moves along the excitation", key="modal.count",
+            f"none of the lowest {count} modes has effective mass along the excitation", key="modal.count",
             remedy="increase modal.count",
         )  # fmt: skip
     turn = 0.5 * np.pi if direction == 1 else 0.0

@@ -38,7 +38,7 @@ class RateCoulomb(FrictionLaw):
     """
 
     name: ClassVar[str] = "rate_coulomb"
-    sentence: ClassVar[str] = "as penalty_coulomb with a coefficient that follows the slip rate"
+    sentence: ClassVar[str] = "as penalty_coulomb with a coefficient that depends on the slip rate"
     mu: Annotated[float, Parameter("coefficient of friction at rest, dimensionless", least=0.0)]
     elastic_slip: Annotated[float, Parameter("allowable elastic slip at rest, m", above=0.0)]
     rates: Annotated[tuple[float, ...], Parameter("slip rates, m/s, rising from 0")]

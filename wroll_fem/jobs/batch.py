@@ -1,4 +1,4 @@
-"""Batch: run the unfinished cases of a grid in own processes, write one table, draw the figures of the study."""
+"""Batch: run the unfinished cases of a grid in separate processes, write a table and the figures of the study."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from wroll_fem.plotting.study import SeriesMember
 
 STOP_SECONDS = 30.0
-"""How long cases may take to save themselves when a batch is interrupted."""
+"""Longest wait for running cases to save checkpoints after an interrupt, s."""
 
 LOOK_SECONDS = 1.0
-"""Interval at which the running cases are looked up."""
+"""Interval between updates of the list of running cases, s."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Outcome:
     error
         One line; empty unless failed.
     exit_code
-        That of `wroll run`.
+        Exit code of `wroll run`.
     tried
         False for a case that failed in an earlier call and was not tried again.
     """
@@ -66,12 +66,12 @@ def run_grid(
     retry: bool = False,
     progress: Progress | None = None,
 ) -> list[Outcome]:
-    """Run every case of a grid that is not yet done, each in a process and a run folder of its own.
+    """Run the unfinished cases of a grid, each in its own process and run folder.
 
     Parameters
     ----------
     grid
-        What to run.
+        Grid of cases.
     out
         Folder that gets one run folder per case and the tables batch.csv and batch.nc.
     workers
@@ -79,9 +79,9 @@ def run_grid(
     scheduler
         Address of a Dask scheduler, "tcp://HOST:PORT", whose workers run the cases; they must see the same files.
     retry
-        Try cases again whose last run came to an end without results (no convergence, an error).
+        Run failed cases of earlier calls again (no convergence, or an error).
     progress
-        Gets one line per finished case, and which cases are at work.
+        Receives one line per finished case, and the names of the running cases.
 
     Returns
     -------
@@ -94,13 +94,13 @@ def run_grid(
         For fewer than one worker, a scheduler that does not answer, a folder that cannot be written or holds another
         batch.
     KeyboardInterrupt
-        After every running case has saved itself; the tables hold what was done.
+        After all running cases have saved checkpoints; the tables contain the finished cases.
 
     Notes
     -----
-    A case counts as done when its folder holds the results of a case with the same hash. One that failed by itself is
-    reported as failed, and run again only with `retry`: the same case fails in the same way. One that was interrupted
-    or killed is unfinished and goes on from its checkpoint.
+    A case counts as done when its folder holds the results of a case with the same hash. A failed case
+    is reported as failed and runs again only with `retry`, because it would fail in the same way. An interrupted or
+    killed case is unfinished and continues from its checkpoint.
     """
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
@@ -150,7 +150,7 @@ def _run_some(
     counts: BatchProgress,
     finished: Callable[..., None],
 ) -> None:
-    """Run cases side by side, show which are running, and report each that ends."""
+    """Run cases in parallel, show the running cases, and report each finished case."""
     seen: dict[str, float] = {}  # name -> start of every case that was seen at work
     pending = {pool.submit(_words(member, out), out / member.name): member for member in todo}
     with progress.stage("batch", counts.total, "cases") as stage:
@@ -191,7 +191,7 @@ def _outcome(member: Member, future: Future[Ended]) -> Outcome:
 
 
 def _check_own(grid: Grid, out: Path) -> None:
-    """Refuse a folder that holds the table of a batch without any case of this one."""
+    """Refuse a folder with the table of another batch."""
     table = out / "batch.csv"
     if not table.is_file():
         return
@@ -199,13 +199,13 @@ def _check_own(grid: Grid, out: Path) -> None:
         names = [row.get("name", "") for row in csv.DictReader(stream)]
     if names and not {member.name for member in grid.members} & set(names):
         raise InputError(
-            f"holds another batch ({len(names)} cases, the first is {names[0]})", file=str(out), key="--out",
+            f"contains another batch ({len(names)} cases, the first is {names[0]})", file=str(out), key="--out",
             remedy="choose another folder, or delete this one",
         )  # fmt: skip
 
 
 def _found(member: Member, out: Path, *, retry: bool) -> Outcome | None:
-    """Outcome of a case that need not, or must not, be run."""
+    """Outcome of a case that is not run: already done, or failed in an earlier call."""
     folder = RunFolder(out / member.name)
     try:
         start = folder.check(member.case, resume=True)
@@ -237,7 +237,7 @@ def _outcome_line(outcome: Outcome, out: Path) -> str:
 
 
 def table_rows(outcomes: Sequence[Outcome], out: Path) -> list[dict[str, Any]]:
-    """One row per case: name, status, error, the grid's keys, and every single value of its summary."""
+    """Rows of the table, one per case: name, status, error, keys of the grid, scalar values of the summary."""
     rows = []
     for outcome in outcomes:
         status = "failed" if outcome.status == "failed" else "complete"
@@ -255,7 +255,7 @@ def _cell(value: Any) -> Any:
 
 
 def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
-    """Write batch.csv (one row per case) and batch.nc (the same over the dimension `case`, with units)."""
+    """Write batch.csv (one row per case) and batch.nc (the same data over `case`, with units)."""
     rows = table_rows(outcomes, out)
     columns = list(dict.fromkeys(key for row in rows for key in row))
     with replacing(out / "batch.csv") as file, file.open("w", newline="", encoding="utf-8") as stream:
@@ -267,7 +267,7 @@ def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
 
 
 def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
-    """Rows of the table as a Dataset over `case`: numbers (nan where missing) with units, everything else as text."""
+    """Table as a Dataset over `case`: numbers with units (nan if missing), all other values as text."""
     import xarray as xr
 
     data = {}
@@ -308,7 +308,7 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Seri
 
 
 def draw_figures(grid: Grid, out: str | Path) -> list[Path]:
-    """Draw the figures that the grid file names from the finished cases, into `out`/figures.
+    """Draw the figures of the grid file from the finished cases, in `out`/figures.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Progress of a batch: finished, failed and running cases, and the time that the rest takes."""
+"""Progress of a batch: finished, failed and running cases, and remaining time."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from math import nan
 
 NAMED = 3
-"""Running cases that are named; of more, their number."""
+"""Largest number of running cases shown by name; the others are counted."""
 
 
 @dataclass
 class BatchProgress:
-    """Counts of one call of `run_grid`.
+    """Counts of cases in a call of `run_grid`.
 
     Attributes
     ----------
@@ -32,14 +32,14 @@ class BatchProgress:
     begun: float = field(default_factory=time.time)
 
     def add(self, *, failed: bool, started: float | None = None) -> None:
-        """Count a case; ``started`` (time.time) when it ran in this call."""
+        """Count a finished case; ``started`` (time.time) is None if it did not run in this call."""
         self.done += 1
         self.failed += failed
         if started is not None:
             self.seconds.append(time.time() - started)
 
     def left(self, running: Mapping[str, float]) -> float:
-        """Seconds until all are done at the pace of this call so far; nan before the first case has ended.
+        """Remaining seconds, extrapolated from this call; nan before the first case has finished.
 
         Parameters
         ----------
@@ -53,7 +53,7 @@ class BatchProgress:
         return (now - self.begun) * (self.total - self.done - shares) / (len(self.seconds) + shares)
 
     def note(self, running: Mapping[str, float]) -> str:
-        """How many failed, and what runs."""
+        """Text with the number of failed cases and the names of the running cases."""
         names = sorted(running, key=lambda name: running[name])
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         parts = [f"running {', '.join(names[:NAMED])}{more}"] if names else []

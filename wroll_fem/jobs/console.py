@@ -9,7 +9,7 @@ from wroll_fem.results.summary import SUMMARY
 
 
 def summary_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Lines of the main results, then one for each mode; numbers that are missing are left out."""
+    """Lines of the main results, then one line per mode; missing values are left out."""
     found: list[tuple[str, str]] = []
     for key, entry in SUMMARY.items():
         value = summary.get(key)

@@ -57,7 +57,7 @@ def _scipy() -> str:
 
 
 def _gmsh() -> str:
-    """Mesh a box in a process of its own: what gmsh writes to stderr about MPI is a false alarm."""
+    """Mesh a box in a separate process, so that harmless MPI messages of gmsh are not shown."""
     code = (
         "import gmsh; gmsh.initialize([], readConfigFiles=False, interruptible=False); "
         "gmsh.option.setNumber('General.Terminal', 0); gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1); "
@@ -86,7 +86,7 @@ def _xarray() -> str:
 
 
 def _pyvista() -> str:
-    """Render one figure in a process of its own: a broken OpenGL ends the process, not with an exception."""
+    """Render a figure in a separate process, because a broken OpenGL terminates the process."""
     import pyvista as pv
 
     code = "import pyvista as pv; p = pv.Plotter(off_screen=True); p.add_mesh(pv.Sphere()); p.screenshot(None)"
@@ -95,7 +95,13 @@ def _pyvista() -> str:
 
 
 def _in_own_process(code: str, problem: str) -> str:
-    """Output of Python code; raises RuntimeError with the last line of its error output when it fails."""
+    """Run Python code in a separate process; return its output.
+
+    Raises
+    ------
+    RuntimeError
+        If the code fails, with the last line of its error output.
+    """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
     if done.returncode:
         lines = done.stderr.strip().splitlines()
@@ -121,7 +127,7 @@ OPTIONAL = ("pyvista",)
 
 
 def check_environment() -> list[Part]:
-    """Import every library, try it, and report.
+    """Import and test every library; return the results.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Where the cases of a batch run: local processes, or workers of a Dask cluster; waits for a folder in use."""
+"""Executors of a batch: local processes, or workers of a Dask cluster; wait for a folder in use."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
 
 CONNECT_SECONDS = 10.0
-"""How long a scheduler may take to answer."""
+"""Timeout of the scheduler, s."""
 
 RETRIES = 5
-"""Workers that one case may lose before it counts as failed."""
+"""Number of worker losses after which a case counts as failed."""
 
 FREE_SECONDS = 60.0
-"""How long a run whose worker died may take to save itself."""
+"""Longest wait for a run to save its checkpoint after its worker has died, s."""
 
 _PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None  # loaded here: not between fork and exec
@@ -42,23 +42,23 @@ class Ended(NamedTuple):
 
 
 class Pool(Protocol):
-    """Runs `wroll run` commands, several at a time."""
+    """Pool that executes `wroll run` commands in parallel."""
 
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Start `wroll run` with these words; it writes to ``folder``."""
+        """Start `wroll run` with these arguments; it writes to ``folder``."""
 
     def at_work(self) -> dict[str, float]:
-        """Name of the folder -> start (time.time) of every case that runs now."""
+        """Folder name -> start time (time.time) of every running case."""
 
     def stop(self) -> None:
-        """End what runs; each process saves itself."""
+        """Terminate the running processes; each saves a checkpoint."""
 
     def close(self) -> None:
-        """Let go of the workers when all is done."""
+        """Release the workers."""
 
 
 def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
-    """`wroll run` in a session of its own: Ctrl-C reaches it through `Pool.stop`, once.
+    """Start `wroll run` in its own session, so that Ctrl-C reaches it once, through `Pool.stop`.
 
     On Linux it follows its parent: when that is killed it gets SIGTERM, saves itself and frees its folder. Elsewhere it
     runs on to its end.
@@ -72,7 +72,7 @@ def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
 
 
 def _follow_parent() -> None:
-    """Ask the kernel for SIGTERM when the parent dies; runs in the child. No other system has such a call."""
+    """Request SIGTERM for this child process when its parent dies (Linux only)."""
     assert _LIBC is not None
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
@@ -84,7 +84,7 @@ def _ended(process: subprocess.Popen[str]) -> Ended:
 
 
 class LocalPool:
-    """Processes on this machine.
+    """Pool of processes on this machine.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class LocalPool:
 
     def __init__(self, workers: int) -> None:
         if workers < 1:
-            remedy = "give the cases to run at a time"
+            remedy = "give the number of parallel cases"
             raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy=remedy)
         self._threads = ThreadPoolExecutor(workers)
         self._running: dict[subprocess.Popen[str], tuple[str, float]] = {}
@@ -102,7 +102,7 @@ class LocalPool:
         self._stopped = False
 
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Run one case in a process of its own."""
+        """Run a case in its own process."""
         return self._threads.submit(self._run, list(words), folder)
 
     def _run(self, words: list[str], folder: Path) -> Ended:
@@ -119,31 +119,31 @@ class LocalPool:
                 del self._running[process]
 
     def at_work(self) -> dict[str, float]:
-        """Folder names and starts of the processes."""
+        """Folder name -> start time (time.time) of every process."""
         with self._lock:
             return dict(self._running.values())
 
     def stop(self) -> None:
-        """End every process; each saves itself."""
+        """Terminate all processes; each saves a checkpoint."""
         with self._lock:
             self._stopped = True
             for process in self._running:
                 process.terminate()
 
     def close(self) -> None:
-        """Wait for the threads."""
+        """Wait for all threads to finish."""
         self._threads.shutdown()
 
 
 class ClusterPool:
-    """Workers of a Dask cluster that see the same files under the same paths; one case per worker thread.
+    """Pool of Dask workers that access the same files under the same paths; one case per worker thread.
 
     A case whose worker dies is started again on another one and goes on from its checkpoint.
 
     Parameters
     ----------
     address
-        Of the scheduler, "tcp://HOST:PORT".
+        Address of the scheduler, "tcp://HOST:PORT".
 
     Raises
     ------
@@ -173,13 +173,13 @@ class ClusterPool:
         self._folders: dict[Future[Ended], Path] = {}
 
     def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Run one case on some worker."""
+        """Run a case on one of the workers."""
         future: Future[Ended] = self._executor.submit(run_on_worker, list(words), str(folder.resolve()), os.getcwd())
         self._folders[future] = folder
         return future
 
     def at_work(self) -> dict[str, float]:
-        """Cases whose folder says that they run, since this batch began: the scheduler knows queued ones as well."""
+        """Running cases by the status in their folders; the scheduler does not distinguish them from queued cases."""
         found = {}
         for folder in [folder for future, folder in self._folders.items() if not future.done()]:
             file = RunFolder(folder).provenance_file
@@ -190,12 +190,12 @@ class ClusterPool:
         return found
 
     def stop(self) -> None:
-        """Forget what has not begun; processes that run save themselves."""
+        """Cancel queued cases and terminate running ones, which save checkpoints."""
         self._client.cancel(self._client.futures, force=True, reason="interrupted")
         self._client.run(end_processes)
 
     def close(self) -> None:
-        """Disconnect."""
+        """Disconnect from the scheduler."""
         self._client.close()
 
 
@@ -203,7 +203,17 @@ _on_this_worker: set[subprocess.Popen[str]] = set()
 
 
 def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
-    """Run `wroll run` on a Dask worker, once ``folder`` is free of a process whose worker has died."""
+    """Execute `wroll run` on a Dask worker, after processes of dead workers have released its folder.
+
+    Parameters
+    ----------
+    words
+        Arguments of the command.
+    folder
+        Run folder.
+    working_directory
+        Directory of the process.
+    """
     _wait_until_free(Path(folder))
     process = _started(words, cwd=working_directory)
     _on_this_worker.add(process)
@@ -214,13 +224,13 @@ def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ende
 
 
 def end_processes() -> None:
-    """End what this worker runs; each process saves itself."""
+    """Terminate the processes of this worker; each saves a checkpoint."""
     for process in tuple(_on_this_worker):
         process.terminate()
 
 
 def _wait_until_free(folder: Path, stopped: Callable[[], bool] = lambda: False) -> None:
-    """Wait for a run that is ending to release its folder (`RunFolder.open` locks it)."""
+    """Wait until a terminating run releases its folder (`RunFolder.open` locks it)."""
     lock = RunFolder(folder).lock_file
     end = time.monotonic() + FREE_SECONDS
     while time.monotonic() < end and lock.exists() and not stopped():

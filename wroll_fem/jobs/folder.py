@@ -1,4 +1,4 @@
-"""The folder of a run: its lock, its state, its files, and whether a case may be run in it."""
+"""Run folder: lock, status, files, and check whether a case can run in it."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ class RunFolder:
     Parameters
     ----------
     path
-        The folder; it is made by `open`, never before.
+        Path of the folder; only `open` creates it.
 
     Attributes
     ----------
     case_file, summary_file, results_file, log_file, provenance_file, checkpoint_file : Path
         case.yaml (resolved), summary.json, results.nc, run.log, provenance.json, checkpoint.npz (while unfinished).
     lock_file : Path
-        .lock (empty), locked by the process that works in the folder. It stays: a lock file that is deleted can be
-        locked twice.
+        .lock (empty), locked by the process that works in the folder. It is not deleted:
+        a deleted lock file could be locked twice.
     fields, figures : Path
-        Subfolders with .vtu files and pictures.
+        Subfolders of .vtu files and figures.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -55,18 +55,17 @@ class RunFolder:
         self.figures = self.path / "figures"
 
     def check(self, case: Case, *, resume: bool = False) -> Start:
-        """Say how a run of `case` may start here; writes nothing.
+        """Determine how a run of `case` can start in this folder; writes nothing.
 
         Returns
         -------
         Start
-            "new", "resume" (a checkpoint of this case is there) or "complete" (this case is done).
+            "new", "resume" (a checkpoint of this case exists) or "complete" (this case is finished).
 
         Raises
         ------
         InputError
-            If the folder holds another case, files of something else, or an interrupted run of this case
-            that would be lost without `resume`.
+            If the folder contains another case, foreign files, or, without `resume`, an unfinished run of this case.
         """
         if self.path.exists() and not self.path.is_dir():
             raise self._refuse("is a file, not a folder", "choose another --out")
@@ -79,7 +78,7 @@ class RunFolder:
             return "new"
         if held != mine:
             raise self._refuse(
-                f"holds results of another case (hash {held[:12]}, this case has {mine[:12]})",
+                f"contains results of another case (hash {held[:12]}, this case has {mine[:12]})",
                 "choose another --out, or delete the folder",
             )
         if self.status() == "complete" and self.summary_file.is_file() and self.results_file.is_file():
@@ -87,30 +86,30 @@ class RunFolder:
         if not self.checkpoint_file.is_file():
             return "new"
         if not resume:
-            raise self._refuse("holds an unfinished run of this case", "add --resume to go on, or delete the folder")
+            raise self._refuse("contains an unfinished run of this case", "add --resume, or delete the folder")
         return "resume"
 
     def _held(self) -> Iterator[Path]:
-        """Files of the folder, without those that a run killed while it opened the folder leaves behind."""
+        """Files of the folder without log, lock and partial files."""
         return (p for p in self.path.iterdir() if p not in (self.log_file, self.lock_file) and p.suffix != ".partial")
 
     def holds_results(self) -> bool:
-        """Whether there is anything to lose: results, a summary or a checkpoint."""
+        """Whether the folder has results, a summary or a checkpoint."""
         return any(file.is_file() for file in (self.results_file, self.summary_file, self.checkpoint_file))
 
     def case_hash(self) -> str | None:
-        """Hash of the case whose results are here; None when this is no run folder."""
+        """Hash of the case of this folder; None if it is not a run folder."""
         held = self.provenance().get("case_hash")
         if held is not None:
             return str(held)
         return load_case(self.case_file).hash() if self.case_file.is_file() else None
 
     def status(self) -> Status | None:
-        """State that the last run left the folder in."""
+        """Status of the last run, from provenance.json."""
         return self.provenance().get("status")
 
     def provenance(self) -> dict[str, Any]:
-        """Content of provenance.json; empty when there is none."""
+        """Content of provenance.json; empty if the file is missing."""
         return self._read_json(self.provenance_file) if self.provenance_file.is_file() else {}
 
     def summary(self) -> dict[str, Any]:
@@ -118,12 +117,12 @@ class RunFolder:
         return self._read_json(self.summary_file)
 
     def load(self) -> xr.Dataset:
-        """Results of a run.
+        """Load the results of the run.
 
         Raises
         ------
         InputError
-            If the folder holds no run or no results.
+            If the folder has no run or no results.
         """
         from wroll_fem.results.dataset import load_dataset
 
@@ -133,12 +132,12 @@ class RunFolder:
 
     @contextmanager
     def open(self, case: Case, command: str) -> Iterator[None]:
-        """Make the folder, write case.yaml and provenance, and hold the folder against a second process.
+        """Create and lock the folder; write case.yaml and provenance.json.
 
         Raises
         ------
         InputError
-            If the folder cannot be written, or another process is at work in it.
+            If the folder cannot be written, or another process uses it.
         """
         lock = FileLock(self.lock_file)
         try:
@@ -153,18 +152,18 @@ class RunFolder:
             self.summary_file.unlink(missing_ok=True)
             self._write(
                 self.case_file,
-                f"# resolved by wroll_fem {program_version()}; every value is written out\n{case.resolved_yaml()}",
+                f"# resolved by wroll_fem {program_version()}; all defaults are filled in\n{case.resolved_yaml()}",
             )
             self.record("running", case_hash=case.hash(), command=command)
             yield
 
     def record(self, status: Status, **entries: Any) -> None:
-        """Write provenance.json: versions, git revision, machine, status and further entries (kept from before)."""
+        """Write provenance.json: versions, git revision, machine, status and entries; earlier entries are kept."""
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
 
     def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
-        """Write plain JSON, numbers that are not finite as null, replacing the file only when complete."""
+        """Write JSON atomically, with null for numbers that are not finite."""
         self._write(path, json.dumps(json_types(content), indent=2, allow_nan=False) + "\n")
 
     def _write(self, path: Path, text: str) -> None:

@@ -1,4 +1,4 @@
-"""The grid file of `wroll batch`: case files, dotted keys with values or ranges to sample, expanded into cases."""
+"""Grid file of `wroll batch`: case files, dotted keys with values or sampled ranges, expanded into cases."""
 
 from __future__ import annotations
 
@@ -22,15 +22,17 @@ from wroll_fem.jobs.study_figures import STUDY_FIGURES
 from wroll_fem.results.json_types import json_types
 
 REFERENCE = "reference"
-"""Name of the one case outside the grid."""
+"""Name of the reference case outside the grid."""
 
 
 class Range(Section):
-    """Range of one key to sample."""
+    """Range from which a key is sampled."""
 
     low: Real = Field(description="lower end, in the unit of the key")
     high: Real = Field(description="upper end, in the unit of the key")
-    scale: Literal["linear", "log"] = Field(default="linear", description="samples are even in the value or in its log")
+    scale: Literal["linear", "log"] = Field(
+        default="linear", description="samples are uniform in the value or in its logarithm"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -44,13 +46,13 @@ class Range(Section):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not self.low < self.high:
-            raise validation_error("the ends are not in order", remedy="write [low, high]", value=[self.low, self.high])
+            raise validation_error("low exceeds high", remedy="write [low, high]", value=[self.low, self.high])
         if self.scale == "log" and self.low <= 0.0:
             raise validation_error("a logarithmic range starts above 0", remedy="use scale: linear", value=self.low)
         return self
 
     def at(self, share: float) -> float:
-        """Value at a share (0 to 1) of the range, to six digits."""
+        """Value at a fraction (0 to 1) of the range, to six digits."""
         if self.scale == "log":
             value = float(self.low * (self.high / self.low) ** share)
         else:
@@ -59,10 +61,10 @@ class Range(Section):
 
 
 class Samples(Section):
-    """Latin hypercube: each of the ``count`` equal slices of every range holds one sample."""
+    """Latin hypercube: each of the ``count`` equal slices of every range contains one sample."""
 
     count: Whole = Field(ge=1, description="number of samples (count)")
-    seed: Whole = Field(default=1, ge=0, description="of the random numbers; the same seed gives the same samples")
+    seed: Whole = Field(default=1, ge=0, description="seed of the random numbers; the same seed gives the same samples")
     ranges: dict[str, Range] = Field(description="dotted key: [low, high], or {low:, high:, scale: log}")
 
     @field_validator("ranges")
@@ -70,7 +72,7 @@ class Samples(Section):
     def _some(cls, value: dict[str, Range]) -> dict[str, Range]:
         if not value:
             raise validation_error(
-                "there is nothing to sample", remedy="write ranges: {dotted.key: [low, high]}", show_value=False
+                "ranges is empty", remedy="write ranges: {dotted.key: [low, high]}", show_value=False
             )
         return value
 
@@ -84,21 +86,21 @@ class Samples(Section):
 
 
 class GridFile(Section):
-    """What a grid file says: a case file, dotted keys with their values, what to draw."""
+    """Content of a grid file: case files, dotted keys with values, samples, figures."""
 
     base: Path | None = Field(default=None, description="case file to start from (path, relative to the grid file)")
     cases: list[Path] = Field(
-        default_factory=list, description="several case files in place of base: one more axis of the grid"
+        default_factory=list, description="several case files in place of base: a further axis of the grid"
     )
     reference: Path | None = Field(
         default=None,
-        description="case file run once beside the grid, to compare with (path, relative to the grid file)",
+        description="case file of a reference run outside the grid (path, relative to the grid file)",
     )
     grid: dict[str, list[Any]] = Field(
         default_factory=dict, description="dotted key: list of values; every combination is a case"
     )
     samples: Samples | None = Field(
-        default=None, description="random samples of keys; with a grid as well, every sample runs through it"
+        default=None, description="random samples of keys; combined with every case of the grid"
     )
     figure: str | list[str] = Field(default_factory=list, description="figure of the study, or a list of them")
 
@@ -116,7 +118,7 @@ class GridFile(Section):
                     f"{key} {problem}", remedy=f"write the values in brackets, {key}: [value, ...]", value=values
                 )
             if len({json.dumps(json_types(v)) for v in values}) < len(values):
-                raise validation_error(f"{key} holds a value twice", remedy="write each value once", value=values)
+                raise validation_error(f"{key} has a duplicate value", remedy="write each value once", value=values)
         return value
 
     @field_validator("figure")
@@ -125,23 +127,25 @@ class GridFile(Section):
         names = [value] if isinstance(value, str) else value
         for name in names:
             if name not in STUDY_FIGURES:
-                raise validation_error("no such figure", remedy=f"use one of: {', '.join(STUDY_FIGURES)}", value=name)
+                raise validation_error("unknown figure", remedy=f"use one of: {', '.join(STUDY_FIGURES)}", value=name)
         return names
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if (self.base is None) == (not self.cases):
-            problem = "is missing" if self.base is None else "is given beside cases"
+            problem = "is missing" if self.base is None else "cannot be combined with cases"
             raise validation_error(
                 problem, key="base", show_value=False, remedy="give one case file as base, or a list of them as cases"
             )
         both = set(self.grid) & set(self.samples.ranges if self.samples else ())
         if both:
-            remedy = "give each key in one of the two"
-            raise validation_error(f"{min(both)} is in grid too", key="samples.ranges", show_value=False, remedy=remedy)
+            remedy = "give each key in grid or in samples.ranges"
+            raise validation_error(
+                f"{min(both)} is also in grid", key="samples.ranges", show_value=False, remedy=remedy
+            )
         if not self.grid and not self.cases and self.samples is None:
             remedy = "write grid: {dotted.key: [value, ...]}"
-            raise validation_error("is empty: there is nothing to vary", key="grid", show_value=False, remedy=remedy)
+            raise validation_error("is empty: no key is varied", key="grid", show_value=False, remedy=remedy)
         return self
 
 
@@ -172,7 +176,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Grid:
-    """A grid file, expanded and checked."""
+    """Grid file, expanded and validated."""
 
     source: Path
     members: list[Member]
@@ -180,7 +184,7 @@ class Grid:
 
 
 def load_grid(path: str | Path) -> Grid:
-    """Read a grid file and check every case in it.
+    """Read a grid file and validate all its cases.
 
     Raises
     ------
@@ -214,14 +218,14 @@ def load_grid(path: str | Path) -> Grid:
     for name in names:
         if names.count(name) > 1:
             remedy = "give case files different names, and values that differ"
-            raise InputError(f"two cases would share the folder {name}", file=str(path), remedy=remedy)
+            raise InputError(f"two cases have the same folder {name}", file=str(path), remedy=remedy)
     return Grid(path, members, list(given.figure))
 
 
 def _case(
     file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base", sampled: Collection[str] = ()
 ) -> tuple[Case, list[str]]:
-    """Case of a file with keys changed, and the changes as `--set` takes them."""
+    """Case from a file with changed keys, and the changes as `--set` arguments."""
     if not file.is_file():
         remedy = "give a case file, its path relative to the grid file"
         raise InputError(f"case file not found: {file}", key=key, file=str(source), remedy=remedy)
@@ -241,7 +245,7 @@ def _case(
 
 
 def _value(case: Case, key: str) -> Any:
-    """Value of a dotted key as the case holds it: "3e4" of a YAML file has become a number."""
+    """Value of a dotted key in the validated case, where "3e4" of a YAML file is a number."""
     here: Any = case.resolved()
     for part in current_key(key).split("."):
         here = here[part]
@@ -249,7 +253,7 @@ def _value(case: Case, key: str) -> Any:
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Last word of each dotted key, or the whole key where last words agree."""
+    """Last part of each dotted key, or the whole key if last parts coincide."""
     last = [key.rsplit(".", 1)[-1] for key in keys]
     return {key: word if last.count(word) == 1 else key for key, word in zip(keys, last, strict=True)}
 

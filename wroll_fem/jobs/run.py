@@ -1,4 +1,4 @@
-"""From a case to a finished run folder: what `wroll run` does, for scripts and batches too."""
+"""Run a case into a run folder, for `wroll run`, scripts and batches."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         dataset = error.partial
         if dataset is not None:
             _save_dataset(case, folder, dataset, complete=False)
-            progress.info(f"what was computed until then is in {folder.results_file}")
+            progress.info(f"results up to this point are in {folder.results_file}")
         raise
     except KeyboardInterrupt:
         status = "interrupted"
@@ -137,7 +137,17 @@ def _save(
 
 
 def with_provenance(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
-    """Copy with its provenance in the attributes: analysis, case text and hash, versions, whether it is complete."""
+    """Copy with provenance in the attributes: analysis, case text and hash, versions, completeness.
+
+    Parameters
+    ----------
+    dataset
+        Results of the case.
+    case
+        Case that was run.
+    complete
+        Whether the run is complete.
+    """
     from wroll_fem.results.dataset import provenance
 
     origin = {

@@ -1,4 +1,4 @@
-"""Names of the figures that a grid file may ask for; the functions are in `plotting.series.FIGURES`.
+"""Names of the figures of a grid file; the functions are in `plotting.series.FIGURES`.
 
 They stand apart so that reading a grid file does not load matplotlib; a test holds both tables together.
 """

@@ -1,4 +1,4 @@
-"""One self-contained HTML file about a run folder or a batch folder."""
+"""Self-contained HTML report of a run folder or a batch folder."""
 
 from __future__ import annotations
 

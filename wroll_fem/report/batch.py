@@ -1,4 +1,4 @@
-"""Report of a batch folder: its table, its figures, what varied and what failed."""
+"""Report of a batch folder: table, figures, varied keys and failed cases."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _NUMBER = re.compile(r"\d[\d.eE+-]*")
 
 
 def batch_page(path: Path) -> str:
-    """HTML of a batch folder.
+    """HTML report of a batch folder.
 
     Raises
     ------
     InputError
-        When batch.csv is no table of a batch.
+        When batch.csv is not the table of a batch.
     """
     rows = _table(path)
     columns = list(rows[0]) if rows else []
@@ -58,7 +58,7 @@ def batch_page(path: Path) -> str:
             ("Figures", figures),
             ("Energy ledger", _ledger(done, varied)),
             ("All metrics", html.folded(f"{len(columns)} columns of batch.csv", _everything(rows, columns))),
-            ("Versions and origin", _origins(origins)),
+            ("Versions and provenance", _origins(origins)),
         ],
     )
 
@@ -68,7 +68,7 @@ def _table(path: Path) -> list[Row]:
     with file.open(newline="", encoding="utf-8", errors="replace") as stream:
         rows = [{str(k): v or "" for k, v in row.items()} for row in csv.DictReader(stream)]
     if rows and not {"name", "status", "error"} <= set(rows[0]):
-        raise InputError("is no table of a batch", file=str(file), remedy="run `wroll batch` again")
+        raise InputError("is not the table of a batch", file=str(file), remedy="run `wroll batch` again")
     return rows
 
 
@@ -113,7 +113,7 @@ def _warnings(rows: list[Row], folders: Sequence[RunFolder]) -> list[tuple[str, 
     if gaps:
         worst = max(gaps, key=lambda name: gaps[name])
         where = f"{len(gaps)} cases, at worst {worst}" if len(gaps) > 1 else worst
-        found.append((f"{where}: the energy balance is open by {gaps[worst]:.2%} of the input.", True))
+        found.append((f"{where}: the energy balance error is {gaps[worst]:.2%} of the input.", True))
     warned: dict[str, list[tuple[str, str]]] = {}
     for folder in folders:
         for kind, words in dict.fromkeys(logged(folder)):
@@ -136,7 +136,7 @@ def _cases(rows: list[Row], varied: list[str]) -> html.Markup:
 
 
 def _ledger(rows: list[Row], varied: list[str]) -> html.Markup:
-    """Energies of every case as shares of its input."""
+    """Energies of every case over its input work."""
     parts: list[html.Markup] = []
     for kind, given in (("At the end of the histories", "input_work_j"), ("Per cycle", "input_work_per_cycle_j")):
         names = [
@@ -166,7 +166,7 @@ def _everything(rows: list[Row], columns: list[str]) -> html.Markup:
 
 
 def _short(cell: str) -> str:
-    """Numbers of the table to eight digits."""
+    """Numbers of the table, rounded to eight digits."""
     try:
         return cell if cell.lstrip("-").isdigit() else f"{float(cell):.8g}"
     except ValueError:
@@ -176,11 +176,11 @@ def _short(cell: str) -> str:
 def _origins(origins: Sequence[dict[str, Any]]) -> html.Markup:
     kept = [origin for origin in origins if origin]
     if not kept:
-        return html.paragraph("No case left a provenance.json.")
+        return html.paragraph("No case has a provenance.json.")
     revisions = Counter(str((origin.get("git") or {}).get("revision")) for origin in kept)
     versions = {str(origin.get("versions")) for origin in kept}
     words = []
     if len(revisions) > 1 or len(versions) > 1:
-        words.append(html.notes([(f"The cases were not all run by the same code: {len(revisions)} revisions of the "
+        words.append(html.notes([(f"The cases were run with different code: {len(revisions)} revisions of the "
                                   f"program, {len(versions)} sets of library versions.", False)]))  # fmt: skip
     return html.join(words) + html.paragraph("Of the first case:") + origin_table(kept[0])

@@ -1,4 +1,4 @@
-"""Damping of a run's transmissibility by every estimator, side by side."""
+"""Comparison of the damping estimates of a transmissibility curve."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _METHODS = {
 
 
 def damping_table(dataset: xr.Dataset) -> Markup:
-    """Damping by half power, Gaussian fit and rational fraction; nothing without a curve over rising frequency."""
+    """Table of damping by half power, Gaussian fit and rational fraction; empty without a rising frequency axis."""
     if "transmissibility_real" not in dataset or dataset["transmissibility_real"].dims != ("frequency",):
         return Markup()
     frequency = dataset["frequency"].values
@@ -33,9 +33,10 @@ def damping_table(dataset: xr.Dataset) -> Markup:
     chosen = choose(frequency, T)
     choice = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
     limits = (
-        "Standard errors come from the scatter of the curve alone. A misfit is the distance of fit and curve over the "
-        "peak: where it is large, or the methods differ, the curve is not that of one linear mode, and zeta depends on "
-        f"the definition. summary.json holds {str(dataset.attrs.get('zeta_method', 'half power')).split(',')[0]} "
+        "Standard errors come from the scatter of the curve alone. The misfit is the distance between fit and "
+        "curve over the peak. If it is large, or the methods differ, the curve is not the response of a single linear "
+        f"mode, and zeta depends on the definition. summary.json contains "
+        f"{str(dataset.attrs.get('zeta_method', 'half power')).split(',')[0]} "
         "(output.damping)."
     )
     rows = [(name, *_cells(estimate)) for name, estimate in found.items()]

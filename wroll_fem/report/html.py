@@ -1,4 +1,4 @@
-"""Pages and pieces of a report, from the templates beside this file.
+"""Pages and elements of a report, from Jinja2 templates.
 
 Jinja2 escapes every text that does not come from a template, figures are embedded, and nothing points outside the
 file. A content security policy forbids scripts and requests as well.
@@ -29,7 +29,7 @@ _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 
 
 def _legible(value: Any) -> Any:
-    """Text without characters that XML does not have; what templates made stays as it is."""
+    """Text without characters that XML forbids; markup is unchanged."""
     return value if isinstance(value, Markup) else _NOT_IN_XML.sub("\ufffd", str(value))
 
 
@@ -42,18 +42,18 @@ def _environment() -> Environment:
 
 
 def _block(name: str, *arguments: Any) -> Markup:
-    """Piece made by a macro of blocks.html.j2."""
+    """Element from a macro of blocks.html.j2."""
     made: Markup = getattr(_environment().get_template("blocks.html.j2").module, name)(*arguments)
     return made
 
 
 def join(parts: Iterable[Markup]) -> Markup:
-    """Pieces one after the other."""
+    """Sequence of elements."""
     return Markup().join(parts)
 
 
 def page(title: str, lead: str, sections: Sequence[tuple[str, Markup]]) -> str:
-    """Whole file.
+    """Complete HTML file.
 
     Parameters
     ----------
@@ -67,47 +67,57 @@ def page(title: str, lead: str, sections: Sequence[tuple[str, Markup]]) -> str:
 
 
 def paragraph(words: str) -> Markup:
-    """One paragraph."""
+    """Paragraph."""
     return _block("paragraph", words)
 
 
 def subheading(words: str) -> Markup:
-    """Heading inside a section."""
+    """Subheading."""
     return _block("subheading", words)
 
 
 def terms(pairs: Iterable[tuple[str, str]]) -> Markup:
-    """List of terms, each with its words; nothing without terms."""
+    """List of terms with their descriptions; empty without terms."""
     listed = list(pairs)
     return _block("terms", listed) if listed else Markup()
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: Iterable[int] = ()) -> Markup:
-    """Table of plain texts; columns in `numbers` are set flush right. Nothing without rows."""
+    """Table of texts; empty without rows.
+
+    Parameters
+    ----------
+    head
+        Column headings.
+    rows
+        Texts of the cells.
+    numbers
+        Indices of right-aligned columns.
+    """
     return _block("table", head, rows, set(numbers)) if rows else Markup()
 
 
 def case_table(rows: Sequence[CaseRow]) -> Markup:
-    """Table of the keys of a case, grouped by section; nothing without rows."""
+    """Table of the keys of a case, grouped by case section; empty without rows."""
     groups = [(section, list(group)) for section, group in groupby(rows, key=lambda row: row.section)]
     return _block("case_table", groups) if groups else Markup()
 
 
 def notes(items: Iterable[tuple[str, bool]]) -> Markup:
-    """Warnings: text, and whether something went wrong."""
+    """List of warnings: (text, whether it is an error)."""
     return _block("notes", list(items))
 
 
 def folded(summary: str, content: Markup) -> Markup:
-    """Content that opens on a click."""
+    """Collapsible element."""
     return _block("folded", summary, content)
 
 
 def listing(words: str) -> Markup:
-    """Text line by line, as in a file."""
+    """Preformatted text."""
     return _block("listing", words)
 
 
 def figure(path: Path, caption: str) -> Markup:
-    """PNG file, embedded."""
+    """Embedded PNG file."""
     return _block("figure", base64.b64encode(path.read_bytes()).decode("ascii"), caption)

@@ -1,4 +1,4 @@
-"""Where the energy went, from the Dataset of a run."""
+"""Table of energies, from the Dataset of a run."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_
 
 
 def energy_ledger(dataset: xr.Dataset) -> Markup:
-    """Table of the energies at the end of a time history, or per cycle of a periodic motion; nothing without either."""
+    """Table of energies at the end of a time history or per cycle of a periodic motion; empty without energies."""
     if "input_work" in dataset and "time" in dataset["input_work"].dims:
         from wroll_fem.results.energy import energy_balance_error
 
         last = dataset.isel(time=-1)
         taken = [name for name in (*_SPENT, *_STORED) if name in last]
         rows = _rows(float(last["input_work"]), {name: float(last[name]) for name in taken}, "input_work")
-        closed = f"Largest gap at any time: {energy_balance_error(dataset):.2e} of the largest input."
+        closed = f"Largest balance error at any time: {energy_balance_error(dataset):.2e} of the largest input."
         return paragraph(f"At the end of the history, {float(last['time']):.4g} s.") + rows + paragraph(closed)
     if "input_work_per_cycle" in dataset and dataset["input_work_per_cycle"].ndim == 2:
         return _by_curve(dataset)
     if "input_work_per_cycle" in dataset:
         if "modal_damping" in dataset:
-            at, where = int(dataset["modal_damping"].values.argmax()), "where the damping is largest"
+            at, where = int(dataset["modal_damping"].values.argmax()), "at the largest damping"
         else:
-            at, where = int(magnitude(dataset).values.argmax()), "where the response is largest"
+            at, where = int(magnitude(dataset).values.argmax()), "at the largest response"
         taken = [name for name in _CYCLE if name in dataset]
         values = {name: float(dataset[name].values[at]) for name in taken}
         rows = _rows(float(dataset["input_work_per_cycle"].values[at]), values, "input_work_per_cycle")
@@ -42,7 +42,7 @@ def energy_ledger(dataset: xr.Dataset) -> Markup:
 
 
 def _by_curve(dataset: xr.Dataset) -> Markup:
-    """Per cycle at the largest response of each curve of a set, (curve, frequency)."""
+    """Table of energies per cycle at the largest response of each curve, from variables over (curve, frequency)."""
     given = dataset["input_work_per_cycle"]
     curve, along = given.dims
     taken = [
@@ -57,8 +57,8 @@ def _by_curve(dataset: xr.Dataset) -> Markup:
         left = _share(work - sum(shares), work)
         rows.append([f"{float(one[curve]):.6g}", f"{work:.4g}", *(_share(value, work) for value in shares), left])
     head = [field(str(curve)).long_name, f"{field(str(given.name)).long_name} ({given.attrs.get('units', '')})"]
-    head += [field(name).long_name for name in taken] + ["not accounted for"]
-    title = "Per cycle, where the response of each curve is largest; shares of the work of the base."
+    head += [field(name).long_name for name in taken] + ["balance error"]
+    title = "Per cycle, at the largest response of each curve, over the work of the base."
     return paragraph(title) + table(head, rows, numbers=range(len(head)))
 
 
@@ -66,7 +66,7 @@ def _rows(given: float, taken: dict[str, float], first: str) -> Markup:
     rows = [(_label(first), quantity(given, "J"), "100 %" if given else "")]
     rows += [(_label(name), quantity(value, "J"), _share(value, given)) for name, value in taken.items()]
     left = given - sum(taken.values())
-    rows.append(("Not accounted for", quantity(left, "J"), _share(left, given)))
+    rows.append(("Balance error", quantity(left, "J"), _share(left, given)))
     return table(("energy", "value", "of the input"), rows, numbers=(1, 2))
 
 

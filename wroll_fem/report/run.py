@@ -1,4 +1,4 @@
-"""Report of one run folder."""
+"""Report of a run folder."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _STATUS = {
     "complete": "complete",
     "running": "not finished: still running, or killed",
-    "interrupted": "interrupted; `wroll run ... --resume` goes on",
+    "interrupted": "interrupted; `wroll run ... --resume` continues it",
     "not_converged": "stopped: a step did not converge",
     "failed": "stopped by an error",
 }
@@ -43,13 +43,13 @@ _CAPTIONS = {
     "two_dof_design_space": "Largest damping over mass and stiffness of the secondary",
     "modes": "Natural frequencies", "mode_shapes": "Mode shapes", "winding": "Pressure and stress in the wound roll",
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
-    "steady_response": "Motion of the tip until steady", "shear_distribution": "Shear over height and radius",
+    "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear over height and radius",
     "slip_in_coil": "Slip in the coil",
 }  # fmt: skip
 
 
 def run_page(path: Path) -> str:
-    """HTML of a run folder, whatever state it is in.
+    """HTML report of a run folder, complete or not.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def run_page(path: Path) -> str:
 
 
 def result_page(path: Path) -> str:
-    """HTML of a results file alone.
+    """HTML report of a results file.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def _page(
     figures: list[Path],
     files: html.Markup,
 ) -> str:
-    """Page from what is known of a run."""
+    """HTML page from the available data of a run."""
     given, status = _plain_case(written), str(origin["status"])
     with TemporaryDirectory() as scratch:
         drawn = _figures(figures, dataset, Path(scratch))
@@ -115,14 +115,14 @@ def _page(
             ("Figures", drawn),
             ("Damping by several methods", damping_table(dataset) if dataset is not None else html.Markup()),
             ("Energy ledger", energy_ledger(dataset) if dataset is not None else html.Markup()),
-            ("Versions and origin", origin_table(origin)),
+            ("Versions and provenance", origin_table(origin)),
             ("Files", files),
         ],
     )
 
 
 def solved(given: Mapping[str, Any]) -> html.Markup:
-    """Analysis and keys of a case; those of the numerics are folded."""
+    """Analysis and keys of a case; numerical settings are collapsed."""
     rows = case_rows(given)
     physics = [row for row in rows if row.key.split(".")[0] not in NUMERICS]
     numerics = [row for row in rows if row not in physics]
@@ -152,7 +152,19 @@ def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
 def run_warnings(
     messages: Sequence[tuple[str, str]], status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
 ) -> list[tuple[str, bool]]:
-    """Warnings of the run and doubtful numbers; with each, whether something went wrong."""
+    """Warnings of the run and about its numbers: (text, whether it is an error).
+
+    Parameters
+    ----------
+    messages
+        (Kind, text) of run.log.
+    status
+        Status of the run.
+    summary
+        Content of summary.json.
+    dataset
+        Results; None if there are none.
+    """
     found: list[tuple[str, bool]] = []
     if status != "complete":
         found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
@@ -161,13 +173,13 @@ def run_warnings(
             found.append((words, kind == "error"))
     gap = open_balance(summary)
     if gap is not None:
-        found.append((f"The energy balance is open by {gap:.2%} of the input (energy_balance_error).", True))
+        found.append((f"The energy balance error is {gap:.2%} of the input (energy_balance_error).", True))
     drift = summary.get("steady_drift")
     if isinstance(drift, float) and drift > _DRIFT:
         found.append((f"The response is not steady: it still changes by {drift:.1%} (steady_drift).", True))
     cuts = summary.get("step_cuts")
     if cuts:
-        found.append((f"{cuts} time steps were cut where Newton's method did not converge at once (step_cuts).", False))
+        found.append((f"{cuts} time steps were cut because Newton's method did not converge (step_cuts).", False))
     reason = dataset.attrs.get("half_power_reason") if dataset is not None else None
     if reason:
         found.append((f"Half power: {reason}.", False))
@@ -175,7 +187,7 @@ def run_warnings(
 
 
 def logged(folder: RunFolder) -> list[tuple[str, str]]:
-    """("warning" or "error", text) of run.log, in order."""
+    """Messages of run.log, in order: ("warning" or "error", text)."""
     if not folder.log_file.is_file():
         return []
     lines = folder.log_file.read_text(encoding="utf-8", errors="replace").splitlines()
@@ -183,7 +195,7 @@ def logged(folder: RunFolder) -> list[tuple[str, str]]:
 
 
 def metrics(summary: Mapping[str, Any]) -> html.Markup:
-    """Tables of summary.json: single values, interfaces, modes."""
+    """Tables of summary.json: scalar values, interfaces, modes."""
     if not summary:
         return html.paragraph("There is no summary.json: the run is not complete.")
     lists = {key: value for key, value in summary.items() if isinstance(value, list)}
@@ -212,7 +224,7 @@ def metrics(summary: Mapping[str, Any]) -> html.Markup:
 
 
 def _figures(made: list[Path], dataset: xr.Dataset | None, scratch: Path) -> html.Markup:
-    """The run's own figures; drawn from its results when it made none."""
+    """Figures of the run; drawn from its results if the folder has none."""
     if not made and dataset is not None:
         from wroll_fem import analyses
 
@@ -231,13 +243,17 @@ def caption(stem: str) -> str:
         return _CAPTIONS[stem]
     numbered = re.fullmatch(r"(slip_map|peak_slip|pressure)_(\d+)", stem)
     if numbered:
-        what = {"slip_map": "Slip map", "peak_slip": "Slip at its largest", "pressure": "Pressure"}[numbered[1]]
+        what = {
+            "slip_map": "Slip map",
+            "peak_slip": "Largest slip",
+            "pressure": "Pressure",
+        }[numbered[1]]
         return f"{what}, interface {int(numbered[2])} (inner first)"
     return stem.replace("_", " ").capitalize()
 
 
 def origin_table(origin: Mapping[str, Any]) -> html.Markup:
-    """Versions, revision, machine, command and times of provenance.json."""
+    """Versions, revision, machine, command and times from provenance.json."""
     if not origin:
         return html.paragraph("There is no provenance.json.")
     git, machine = origin.get("git") or {}, origin.get("machine") or {}

@@ -1,4 +1,4 @@
-"""Values of summary.json for a reader: numbers with units, prefixes and per cent."""
+"""Formatting of values of summary.json: units, SI prefixes, per cent."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from wroll_fem.results.summary import SUMMARY, unit_of
 
 
 def open_balance(summary: Mapping[str, Any]) -> float | None:
-    """Energy balance error when it is larger than it should be: 0.1 % of a history, 1 % of a cycle of few harmonics."""
+    """Energy balance error if it exceeds its limit (0.1 % of a time history, 1 % of a cycle), else None."""
     gap = summary.get("energy_balance_error")
     limit = 1e-2 if summary.get("input_work_per_cycle_j") not in (None, "") else 1e-3
     return float(gap) if gap not in (None, "") and float(gap) > limit else None
 
 
 def shown(name: str, value: Any) -> str:
-    """Value with its unit: four digits, SI prefixes, shares in per cent; "none" where there is no number."""
+    """Value with its unit: four digits, SI prefixes, fractions in per cent; "none" without a number."""
     if value is None:
         return "none"
     if isinstance(value, bool):
@@ -41,7 +41,7 @@ def shown(name: str, value: Any) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """Four significant digits with an SI prefix, "12.34 mJ"; seconds above a second and kilograms from 0.1 stay."""
+    """Number with four digits and SI prefix, "12.34 mJ"; times above 1 s and masses from 0.1 kg have no prefix."""
     if unit == "kg" and abs(value) < 0.1:
         value, unit = 1e3 * value, "g"
     if value == 0.0 or unit == "kg" or (unit == "s" and abs(value) >= 1.0):

@@ -1,4 +1,4 @@
-"""A case in words, from the plain content of its case.yaml and the field descriptions of the case models.
+"""Description of a case, from the content of its case.yaml and the descriptions in the case models.
 
 Sections and keys that the models do not know (those of other versions) are shown as they are written.
 """
@@ -19,31 +19,31 @@ from wroll_fem.report.values import quantity
 Plain = Mapping[str, Any]
 
 _SETTINGS = ("modal", "harmonic", "backbone")
-"""Sections with defaults that only the analysis of the same name uses."""
+"""Case sections with defaults that only the analysis of the same name uses."""
 
 _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
-"""Analyses that neither integrate in time nor solve increments."""
+"""Analyses without time integration and without load increments."""
 
 NUMERICS = ("integrator", "solver", "mesh", "modal", "harmonic", "backbone")
-"""Sections that say how a case is solved, not what is solved."""
+"""Case sections of numerical settings."""
 
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
-"""Keys that change no number."""
+"""Keys without influence on results."""
 
 _TAGS = ("kind", "law", "model")
-"""Keys that choose between several forms of a section."""
+"""Keys that select the kind of a case section."""
 
 _SHOWN = {
     "octaves per minute": "oct/min", "multiples of 9.80665 m/s^2": "g", "kg/m^3": "kg/m³", "m/s^2": "m/s²",
     "count": "", "dimensionless": "",
 }  # fmt: skip
 _WITH_PREFIX = ("Pa", "kg", "m", "s", "N")
-_AS_AROUND = "as the key around it"
+_AS_AROUND = "as the enclosing key"
 _MOST_VALUES = 12
 
 
 class CaseRow(NamedTuple):
-    """One key of a case: its section, what it is, its value with unit, its dotted name."""
+    """Row of the table of keys: case section, label, value with unit, dotted key."""
 
     section: str
     name: str
@@ -52,13 +52,13 @@ class CaseRow(NamedTuple):
 
 
 def analysis_words(data: Plain) -> str:
-    """Name of the analysis, and what it computes where the name is known."""
+    """Name of the analysis and, if the name is known, its description."""
     name = str(data.get("analysis", "unknown"))
     return f"{name}. {find_analysis(name).sentence}" if name in MODULES else f"{name}."
 
 
 def case_rows(data: Plain) -> list[CaseRow]:
-    """Keys of the sections that the analysis uses, in the order of the case file."""
+    """Keys of the case sections that the analysis uses, in the order of the case file."""
     analysis = data.get("analysis")
     rows: list[CaseRow] = []
     known = case_sections()
@@ -75,7 +75,7 @@ def case_rows(data: Plain) -> list[CaseRow]:
 def _rows(
     fields: Mapping[str, FieldInfo], name: str, value: Any, key: str, unit_around: str
 ) -> Iterator[tuple[str, str, str]]:
-    """Name, value and dotted key of a key, or of all keys of a section."""
+    """Label, value and dotted key of a key, or of all keys of a case section."""
     field = fields.get(name)
     words = (field.description or "") if field is not None else ""
     unit = unit_around if _AS_AROUND in words else unit_of(words)
@@ -101,7 +101,7 @@ def _name(name: str, words: str) -> str:
 
 
 def _model(models: list[type[BaseModel]], value: Plain) -> type[BaseModel] | None:
-    """The first model that has the keys of the value, and its tag among the choices."""
+    """First model with the keys of the value, and its tag."""
     for model in models:
         if not set(value) <= set(model.model_fields):
             continue

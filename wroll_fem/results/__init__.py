@@ -1,1 +1,1 @@
-"""Results: variables with units and labels, files, provenance, and what is derived from them."""
+"""Results: variables with units and labels, files, provenance and derived quantities."""

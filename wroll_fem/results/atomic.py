@@ -1,4 +1,4 @@
-"""Files that are replaced only by complete ones."""
+"""Atomic replacement of files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Path to write to, NAME.partial beside `path`; it takes the place of `path` when the block ends.
+    """Context manager: path NAME.partial to write to, which replaces `path` at the end of the block.
 
     When the block fails the partial file is removed and `path` stays as it was.
 

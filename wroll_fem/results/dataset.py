@@ -27,7 +27,7 @@ JSON_ATTRS = "json_attrs"  # attribute that lists the attributes stored as JSON 
 
 
 class Field(NamedTuple):
-    """Unit (SI, "1" for none) and label of one name."""
+    """Unit (SI, "1" if dimensionless) and label of a name."""
 
     units: str
     long_name: str
@@ -47,7 +47,7 @@ FIELDS: dict[str, Field] = {
     "theta_rad": Field("rad", "angle from the x axis"),
     "z_m": Field("m", "height above the base"),
     "radius": Field("m", "radius of the interface"),
-    "area": Field("m2", "area that a contact point stands for"),
+    "area": Field("m2", "area of a contact point"),
     # histories
     "base_acceleration": Field(_ACCELERATION, "base acceleration"),
     "instantaneous_frequency": Field("Hz", "instantaneous frequency of the base motion"),
@@ -71,7 +71,7 @@ FIELDS: dict[str, Field] = {
     "pressure_modulation_work": Field(_ENERGY, "work exchanged with the pressure-dependent stick stiffness"),
     "interface_work": Field(_ENERGY, "work done on the interfaces"),
     "viscous_energy": Field(_ENERGY, "energy dissipated by viscous damping"),
-    "impact_dissipation": Field(_ENERGY, "energy lost where surfaces land and part"),
+    "impact_dissipation": Field(_ENERGY, "energy dissipated in closing and opening contact"),
     "numerical_dissipation": Field(_ENERGY, "energy dissipated by the time integration scheme"),
     # interfaces
     "cumulative_slip": Field("m", "accumulated slip"),
@@ -84,7 +84,7 @@ FIELDS: dict[str, Field] = {
     "traction_hoop": Field("Pa", "hoop friction traction at the start of the motion"),
     "traction_axial": Field("Pa", "axial friction traction at the start of the motion"),
     "slipping_area_fraction": Field("1", "fraction of the interface's area that slipped at any time"),
-    "snapshot_time": Field("s", "time of a kept field"),
+    "snapshot_time": Field("s", "time of a stored field"),
     "relative_displacement_hoop": Field("m", "hoop relative displacement since the preload"),
     "relative_displacement_axial": Field("m", "axial relative displacement since the preload"),
     # frequency domain; "transmissibility" alone is the demodulated envelope
@@ -105,7 +105,7 @@ FIELDS: dict[str, Field] = {
     "resonance_frequency": Field("Hz", "resonance frequency"),
     "modal_damping": Field("1", "modal damping ratio"),
     "resonant_base_acceleration": Field(_ACCELERATION, "base acceleration at resonance (0-peak)"),
-    "stable": Field("1", "not between two folds of the branch"),
+    "stable": Field("1", "outside the folds of the branch"),
     "input_work_per_cycle": Field(_ENERGY, "work of the base per cycle"),
     "friction_work_per_cycle": Field(_ENERGY, "energy dissipated by friction per cycle"),
     "modulation_work_per_cycle": Field(_ENERGY, "work exchanged with the pressure-dependent stick stiffness per cycle"),
@@ -120,7 +120,7 @@ FIELDS: dict[str, Field] = {
     "mode_residual": Field("1", "relative residual of the eigenpair"),
     "effective_mass_fraction": Field("1", "effective mass over total mass"),
     "mode_at_probe": Field("kg-1/2", "displacement at the probe in the mode of unit modal mass"),
-    "tip_participation": Field("1", "share of the mode in the tip's motion under motion of the base"),
+    "tip_participation": Field("1", "participation of the mode in the tip motion under base motion"),
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
     "node_position": Field("m", "node coordinates"),
     "cell_nodes": Field("1", "nodes of each quadratic quad"),
@@ -130,7 +130,7 @@ FIELDS: dict[str, Field] = {
     "cycle": Field("1", "cycle of the base motion"),
     "change_per_cycle": Field("1", "change of the tip's motion over the cycle, over its steady amplitude"),
     "r_m": Field("m", "distance from the axis"),
-    "volume": Field("m3", "volume that a quadrature point stands for"),
+    "volume": Field("m3", "volume of a quadrature point"),
     "shear_rz": Field("Pa", "axial shear stress at 1 g (amplitude)"),
     "shear_rt": Field("Pa", "hoop shear stress at 1 g (amplitude)"),
     "shear_resultant": Field("Pa", "shear resultant at 1 g (largest in the steady cycle)"),
@@ -148,7 +148,7 @@ FIELDS: dict[str, Field] = {
     "capacity_pa": Field("Pa", "friction capacity between the wraps"),
     "hoop_stress_pa": Field("Pa", "stress along the web"),
     "radial_modulus_pa": Field("Pa", "radial modulus of the stack"),
-    "winding_tension_pa": Field("Pa", "tension stress with which the web was laid"),
+    "winding_tension_pa": Field("Pa", "tension stress of the web in winding"),
     "wrap": Field("1", "wrap, inner first (wrap grid of the thesis)"),
     "wrap_radius": Field("m", "radius under the wrap"),
     "wrap_pressure_pa": Field("Pa", "pressure under the wrap, wrap grid of the thesis"),
@@ -160,7 +160,7 @@ FIELDS: dict[str, Field] = {
     "frequency_tightest": Field("Hz", "bending frequency with the stiffest coil"),
     "frequency_loosest": Field("Hz", "bending frequency with the softest coil"),
     "frequency_mandrel": Field("Hz", "bending frequency of the mandrel alone"),
-    "frequency_disparity": Field("Hz", "bending frequency, stiffest less softest coil"),
+    "frequency_disparity": Field("Hz", "bending frequency, stiffest minus softest coil"),
     "loosest_shear_modulus": Field("Pa", "shear modulus between the wraps of the softest coil"),
     "limit_kind": Field("1", "mode that is lower than bending in a softer coil"),
     # two masses
@@ -174,8 +174,8 @@ FIELDS: dict[str, Field] = {
     "peak_transmissibility": Field("1", "transmissibility of the peak"),
     "omega_low": Field("rad s-1", "lower half-power frequency"),
     "omega_high": Field("rad s-1", "upper half-power frequency"),
-    "skewness": Field("1", "upper over lower half of the half-power width, less 1"),
-    "omega_stuck": Field("rad s-1", "resonance of the masses stuck together"),
+    "skewness": Field("1", "upper over lower half of the half-power width, minus 1"),
+    "omega_stuck": Field("rad s-1", "resonance frequency with sticking masses"),
     "reading_note": Field("1", "remark on the half-power estimate"),
     "viscous_work_primary": Field(_ENERGY, "energy lost in the primary's dashpot per cycle"),
     "viscous_work_secondary": Field(_ENERGY, "energy lost in the secondary's dashpot per cycle"),
@@ -204,7 +204,7 @@ FIELDS: dict[str, Field] = {
 AXES: dict[str, Field] = {
     "friction_capacity": Field("N", "friction capacity of the two masses"),
 }
-"""Names that mean something else as an axis than as a variable."""
+"""Names whose meaning as an axis differs from their meaning as a variable."""
 
 
 def field(name: str) -> Field:
@@ -219,13 +219,13 @@ def field(name: str) -> Field:
         return FIELDS[name]
     except KeyError:
         raise InputError(
-            f"no unit and label known for the field {name!r}",
-            remedy="add a line to FIELDS in wroll_fem/results/dataset.py",
+            f"unknown field {name!r}",
+            remedy="add its unit and label to FIELDS in wroll_fem/results/dataset.py",
         ) from None
 
 
 def label(name: str, unit: str | None = None) -> str:
-    """Axis label "long name (unit)"; `unit` overrides the table's for a scaled axis, "" or "1" leaves it out."""
+    """Axis label "long name (unit)"; `unit` replaces the SI unit for a scaled axis, "" or "1" omits it."""
     entry = field(name)
     shown = (entry.units if unit is None else unit).replace("m s-2", "m/s²").replace("m s-1", "m/s")
     text = entry.long_name[0].upper() + entry.long_name[1:]
@@ -254,7 +254,7 @@ def annotate(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _encode_attrs(attrs: Mapping[Hashable, Any]) -> dict[str, Any]:
-    """Attributes that NetCDF can hold: text and numbers as they are, everything else as JSON text."""
+    """Attributes for NetCDF: text and numbers unchanged, all other values as JSON text."""
     encoded: dict[str, Any] = {}
     as_json: list[str] = []
     for key, raw in attrs.items():
@@ -279,7 +279,7 @@ def _decode_attrs(attrs: Mapping[Hashable, Any]) -> dict[str, Any]:
 
 
 def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
-    """Write a Dataset as NetCDF (HDF5), units and labels on every variable.
+    """Write a Dataset as NetCDF (HDF5), with units and labels on every variable.
 
     Parameters
     ----------
@@ -303,7 +303,7 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     ready = annotate(dataset)
     for name, variable in ready.variables.items():
         if np.iscomplexobj(variable):
-            raise InputError(f"variable {name!r} is complex", remedy="store real and imaginary part apart")
+            raise InputError(f"variable {name!r} is complex", remedy="store real and imaginary part as two variables")
     ready.attrs = _encode_attrs(dataset.attrs)
     for name in ready.variables:
         ready[name].attrs = _encode_attrs(ready[name].attrs)
@@ -319,7 +319,7 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
 
 def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Dataset:
-    """Read what `save_dataset` wrote, wholly into memory (the file is closed again).
+    """Load a file of `save_dataset` into memory and close it.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Data
     """
     source = Path(path)
     if not source.is_file():
-        raise InputError("no such results file", file=str(source), remedy="run the case first: wroll run CASE.yaml")
+        raise InputError("results file not found", file=str(source), remedy="run the case first: wroll run CASE.yaml")
     try:
         dataset = (xr.open_dataset if lazy else xr.load_dataset)(source, engine="h5netcdf")
     except (OSError, ValueError) as error:

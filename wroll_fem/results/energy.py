@@ -1,4 +1,4 @@
-"""Check of the energy ledger that a time history leaves behind."""
+"""Energy balance of a time history."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wroll_fem.typing import FloatArray
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
-    """|input - kinetic - strain - contact - friction - modulation - numerical| / largest input, at its worst time.
+    """|input - kinetic - strain - contact - friction - modulation - numerical| / largest input, maximum over time.
 
     Dimensionless. Every term is computed on its own (the scheme's dissipation from its closed form), so that
     unconverged steps, lost slip and wrong bookkeeping show.
@@ -27,7 +27,7 @@ def energy_balance_error(dataset: xr.Dataset) -> float:
 
 
 class EnergyLedger(NamedTuple):
-    """Where the input work went, J since the start, (n_time,) each.
+    """Terms of the energy balance, cumulative from the start, J, (n_time,) each.
 
     Attributes
     ----------
@@ -49,12 +49,12 @@ class EnergyLedger(NamedTuple):
 
     @property
     def gap(self) -> FloatArray:
-        """Input work that no term accounts for."""
+        """Residual of the energy balance."""
         return self.input_work - self.friction - self.viscous - self.stored - self.numerical
 
 
 def energy_ledger(dataset: xr.Dataset) -> EnergyLedger:
-    """Terms of the energy balance of a time history; those that the results do not hold are zero."""
+    """Terms of the energy balance of a time history; missing terms are zero."""
 
     def total(*names: str) -> FloatArray:
         zero = np.zeros_like(dataset["input_work"].values)

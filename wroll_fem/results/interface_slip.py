@@ -24,7 +24,7 @@ _SAME_ANGLE = 1e-6  # rad; points at the same angle lie above each other
 
 
 class Surface(NamedTuple):
-    """Points of one interface around the whole circumference.
+    """Fields at the points of an interface, on the whole circumference.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ def _require(dataset: xr.Dataset, *names: str) -> None:
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(
-            f"the results hold no {', '.join(missing)}",
+            f"the results have no {', '.join(missing)}",
             remedy="run an analysis with interfaces (coil.model: layers; sweep or dwell)",
         )
 
@@ -56,12 +56,12 @@ def _along_interface(dataset: xr.Dataset, name: str, interface: int) -> npt.NDAr
         return variable.values
     count = variable.sizes["interface"]
     if not 0 <= interface < count:
-        raise InputError(f"no interface {interface}", remedy=f"choose 0 (innermost) to {count - 1}")
+        raise InputError(f"there is no interface {interface}", remedy=f"choose 0 (innermost) to {count - 1}")
     return variable.isel(interface=interface).values
 
 
 def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
-    """Fields of one interface on the whole circumference, mirrored from half a roll if need be.
+    """Fields of an interface on the whole circumference; results of half a roll are mirrored.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
 
 
 def has_surface(dataset: xr.Dataset, interface: int) -> bool:
-    """Whether the points of an interface span a piece of a cylinder: three angles and two heights at least."""
+    """Whether the points of an interface span a cylinder: at least three angles and two heights."""
     if "theta_rad" not in dataset.variables:
         return False
     points = surface(dataset, interface)
@@ -103,7 +103,7 @@ def has_surface(dataset: xr.Dataset, interface: int) -> bool:
 
 
 def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:
-    """Angles (n_t,), heights (n_z,) and point numbers (n_z, n_t) when points form a full grid, else None."""
+    """Angles (n_t,), heights (n_z,) and point indices (n_z, n_t) if the points form a full grid, else None."""
     angles, column = levels(theta, _SAME_ANGLE)
     heights, row = levels(z)
     if angles.size * heights.size != theta.size or angles.size < 3 or heights.size < 2:
@@ -116,7 +116,7 @@ def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def wrapped(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]:
-    """Points with copies one turn to either side (half a turn of each), and the number each copies; (m,) each."""
+    """Points and periodic copies (half a turn on each side), with the indices of the originals; (m,) each."""
     number = np.arange(theta.size)
     left, right = theta < 0.0, theta >= 0.0
     angle = np.concatenate([theta, theta[left] + 2.0 * np.pi, theta[right] - 2.0 * np.pi])
@@ -127,7 +127,18 @@ def wrapped(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, n
 def raster(
     points: Surface, name: str, *, n_theta: int = 361, n_z: int = 241, radius: float = 1.0
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """One field on a uniform raster of the unrolled surface, seamless at +-180 degrees.
+    """Interpolate a field to a uniform raster of the unrolled surface, periodic at +-180 degrees.
+
+    Parameters
+    ----------
+    points
+        Fields at the points of an interface.
+    name
+        Field to interpolate.
+    n_theta, n_z
+        Numbers of raster points in angle and height.
+    radius
+        Radius in m, for the triangulation of scattered points.
 
     Returns
     -------
@@ -153,7 +164,7 @@ def raster(
 
 
 def cylinder_cells(points: Surface, radius: float) -> npt.NDArray[np.int64]:
-    """Cells that join the points of an interface around the cylinder: (m, 4) quads of a grid or (m, 3) triangles."""
+    """Cells between the points of an interface around the cylinder: quads (m, 4) of a grid, or triangles (m, 3)."""
     grid = structured(points.theta, points.z)
     if grid is not None:
         numbers = grid[2]
@@ -169,7 +180,7 @@ def cylinder_cells(points: Surface, radius: float) -> npt.NDArray[np.int64]:
 
 
 def interface_radius(dataset: xr.Dataset, interface: int) -> float:
-    """Radius (m) of an interface: the coordinate `radius` if the results hold it, else area / (2 pi height)."""
+    """Radius of an interface in m: the coordinate `radius` if present, else area / (2 pi height)."""
     if "radius" in dataset.variables:
         return float(np.mean(_along_interface(dataset, "radius", interface)))
     _require(dataset, "area", "z_m")

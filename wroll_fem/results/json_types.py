@@ -1,4 +1,4 @@
-"""Values as JSON knows them."""
+"""Conversion of values to JSON types."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def json_types(value: Any, *, keep_non_finite: bool = False) -> Any:
-    """Convert a value to the types of JSON: numpy scalars and arrays become Python, tuples lists, paths text.
+    """Convert a value to JSON types: numpy values to Python values, tuples to lists, paths to text.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a result comes from: versions, git revision, machine, time."""
+"""Provenance of results: versions, git revision, machine, time."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def program_version() -> str:
 
 
 def versions() -> dict[str, str | None]:
-    """Version of Python and of each library by name; None for one that is not installed."""
+    """Versions of Python and the libraries by name; None if a library is not installed."""
     found: dict[str, str | None] = {"python": platform.python_version()}
     for name, distribution in DISTRIBUTIONS.items():
         try:
@@ -46,7 +46,7 @@ def versions() -> dict[str, str | None]:
 
 
 def _git(folder: Path, *arguments: str) -> str | None:
-    """Output of a git command in `folder`; None when git is missing or says no."""
+    """Output of a git command in `folder`; None if git is missing or fails."""
     try:
         done = subprocess.run(
             ["git", "-C", str(folder), *arguments], capture_output=True, text=True, timeout=10, check=False
@@ -57,7 +57,7 @@ def _git(folder: Path, *arguments: str) -> str | None:
 
 
 def git_revision(folder: Path | None = None) -> dict[str, str | bool | None]:
-    """Revision of the checkout that holds this package, and whether its files were changed since.
+    """Git revision of the checkout of this package, and whether it has uncommitted changes.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def git_revision(folder: Path | None = None) -> dict[str, str | bool | None]:
 
 
 def provenance() -> dict[str, object]:
-    """Collect what a run folder's provenance.json starts from, in plain JSON types.
+    """Collect the general entries of provenance.json, in JSON types.
 
     Returns
     -------

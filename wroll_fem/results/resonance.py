@@ -1,4 +1,4 @@
-"""Resonance of a transmissibility curve, as the analysis has stored it in the attributes of its results."""
+"""Resonance of a transmissibility curve, from the attributes of the results."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class Resonance:
 
     @property
     def damped(self) -> bool:
-        """Whether there is a damping ratio."""
+        """Whether the damping ratio was estimated."""
         return isfinite(self.zeta)
 
     @property
     def rings(self) -> bool:
-        """Whether the curve rises above half power again, as after an upward sweep across a lightly damped resonance.
+        """Whether the curve exceeds half power again, as after a fast sweep through a lightly damped resonance.
 
         The damping ratio is then the width of the highest ripple.
         """
@@ -54,7 +54,7 @@ class Resonance:
 
 
 def resonance(dataset: xr.Dataset) -> Resonance:
-    """Resonance in the attributes of results.
+    """Resonance from the attributes of the results.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def resonance(dataset: xr.Dataset) -> Resonance:
     attrs: Mapping[str, Any] = dataset.attrs
     if "f_n_hz" not in attrs or "peak_transmissibility" not in attrs:
         remedy = "add one: dataset.assign_attrs(wf.half_power(frequency, magnitude).as_attrs())"
-        raise InputError("the results hold no resonance (attributes f_n_hz, peak_transmissibility)", remedy=remedy)
+        raise InputError("the results have no resonance (attributes f_n_hz, peak_transmissibility)", remedy=remedy)
 
     def number(name: str) -> float:
         value = attrs.get(name)

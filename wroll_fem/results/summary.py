@@ -1,4 +1,4 @@
-"""Names of summary.json: the one table of units, labels, formats and groups.
+"""Entries of summary.json: table of names, units, labels, formats and groups.
 
 A name ends in its unit. Everything that spells a summary entry takes unit and words from `SUMMARY`: the console, the
 report, batch.nc and the reference page. This module imports nothing heavy.
@@ -12,7 +12,7 @@ __all__ = ["EFFORT", "GROUPS", "SUMMARY", "Entry", "label", "netcdf_unit", "spli
 
 
 class Entry(NamedTuple):
-    """One name of summary.json.
+    """Entry of summary.json.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ def _number(unit: str, label: str, sentence: str = "", console: str = "") -> Ent
 
 
 EFFORT = "Size and effort"
-"""Group of the entries that describe the computation, not the roll."""
+"""Group of the entries about computing effort."""
 
 GROUPS: dict[str, dict[str, Entry]] = {
     "Every run": {
-        "analysis": Entry("", "analysis", "`analysis` of the case"),
+        "analysis": Entry("", "analysis", "value of `analysis` in the case"),
         "mass_total_kg": Entry("kg", "mass in motion"),
     },
     "Resonance of a curve (sweep, harmonic)": {
@@ -70,11 +70,11 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "half_power_high_hz": _number("Hz", "upper half-power frequency", "f2"),
         "skewness": _number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
     },
-    "Steady end of a dwell": {
+    "Steady response of a dwell": {
         "steady_magnitude": _number("", "steady transmissibility", "over the last whole cycles"),
         "steady_phase_rad": _number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
         "steady_amplitude_m_s2": _number("m/s²", "steady tip acceleration (0-peak)"),
-        "steady_residual": _share("harmonics and transients left, over the fundamental"),
+        "steady_residual": _share("residual harmonics and transients over the fundamental"),
         "steady_drift": _share("change of the fundamental within the window"),
     },
     "Energy over the whole motion (sweep, dwell)": {
@@ -88,7 +88,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "friction_energy_j": Entry("J", "energy dissipated by friction", console="{:.4g} J"),
         "numerical_dissipation_j": Entry("J", "energy dissipated by the integration scheme"),
         "pressure_modulation_work_j": Entry("J", "work exchanged with the pressure-dependent stick stiffness"),
-        "impact_dissipation_j": Entry("J", "energy lost where surfaces land and part"),
+        "impact_dissipation_j": Entry("J", "energy dissipated in closing and opening contact"),
     },
     "Energy of a period (harmonic, backbone)": {
         "input_work_per_cycle_j": Entry(
@@ -109,15 +109,15 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "max_relative_displacement_m": Entry(
             "m", "largest relative displacement",
-            "tangential, since the preload, with its elastic part; over all times and points",
+            "tangential, since the preload, including the elastic part; maximum over times and points",
         ),
         "max_slip_m": Entry(
             "m", "largest relative displacement (second name)",
-            "the same as `max_relative_displacement_m`: it includes the elastic part, so it exceeds zero in sticking",
+            "the same as `max_relative_displacement_m`: it includes the elastic part, so it is above zero in sticking",
         ),
         "max_accumulated_slip_m": Entry(
             "m", "largest accumulated slip",
-            "length of the plastic slip path; of the whole motion, of one period for harmonic and backbone",
+            "length of the plastic slip path over the motion; over one period for harmonic and backbone",
         ),
         "slipping_area_fraction": _share("area that slipped", "share of the area that slipped at any time"),
     },
@@ -128,7 +128,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "effective_mass_fraction": _share("effective mass", "along the excitation, over the total mass"),
     },
     "Backbone": {
-        "f_stuck_hz": _number("Hz", "resonance frequency, everything sticking"),
+        "f_stuck_hz": _number("Hz", "resonance frequency with sticking contact"),
         "f_largest_amplitude_hz": _number("Hz", "resonance frequency at the largest amplitude"),
         "zeta_max": _share("largest damping ratio"),
         "tip_amplitude_at_zeta_max_m": Entry("m", "tip amplitude there (0-peak)"),
@@ -139,29 +139,29 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "pressure_mandrel_wrap_grid_pa": Entry(
             "Pa", "pressure at the mandrel, wrap grid of the thesis", console="{:.4g} Pa"
         ),
-        "capacity_mandrel_pa": Entry("Pa", "friction capacity at the mandrel", "mu times it", console="{:.4g} Pa"),
+        "capacity_mandrel_pa": Entry("Pa", "friction capacity at the mandrel", "mu x pressure", console="{:.4g} Pa"),
         "capacity_mandrel_wrap_grid_pa": Entry("Pa", "friction capacity at the mandrel, wrap grid of the thesis"),
         "mandrel_stiffness_pa": Entry(
             "Pa", "mandrel stiffness", "pressure over hoop strain at its surface", console="{:.4g} Pa"
         ),
         "pressure_mandrel_error_estimate": _share(
-            "estimated error of the pressure at the mandrel", "change by extrapolation, over the pressure"
+            "estimated error of the pressure at the mandrel", "change by extrapolation over the pressure"
         ),
         "hoop_bound_pa": Entry("Pa", "pressure at the mandrel if no wrap relaxed"),
         "hoop_stress_min_pa": Entry("Pa", "lowest stress along the web"),
-        "web_modulus_pa": Entry("Pa", "modulus of the web along itself"),
+        "web_modulus_pa": Entry("Pa", "Young's modulus along the web"),
         "tension_stress_pa": Entry("Pa", "tension stress"),
         "tension_n": Entry("N", "tension"),
         "outer_radius_m": Entry("m", "outer radius"),
     },
     "Slip of a solid coil (modal_transient)": {
-        "driven_mode": _number("", "driven mode", "number of the mode whose frequency is driven"),
+        "driven_mode": _number("", "driven mode", "number of the mode excited at its natural frequency"),
         "excitation_frequency_hz": _number("Hz", "excitation frequency"),
         "participating_mass_fraction": _share(
             "participating mass", "share of the mass along the excitation that the modes carry"
         ),
         "transmissibility": _number("", "transmissibility", "steady, exact", "{:.2f}"),
-        "transmissibility_last_cycle": _number("", "transmissibility of the last cycle simulated"),
+        "transmissibility_last_cycle": _number("", "transmissibility of the last simulated cycle"),
         "steady_cycles": _number("", "cycles until steady", "until the motion repeats"),
         "amplitude_g": _number("g", "base acceleration (0-peak)", "levels, over 9.80665 m/s²"),
         "shear_resultant_max_pa": Entry("Pa", "largest shear resultant", "per level"),
@@ -169,18 +169,18 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "slip_zone_height_m": Entry("m", "slip zone height", "per level, above the base"),
         "slip_zone_depth_m": Entry("m", "slip zone depth", "per level, from the mandrel"),
         "slip_onset_g": _number(
-            "g", "base acceleration at which slip starts (0-peak)", "missing where nothing would slip at any level"
+            "g", "base acceleration at which slip starts (0-peak)", "missing if no level causes slip"
         ),
         "slip_onset_radius_m": Entry("m", "slip onset radius"),
         "slip_onset_height_m": Entry("m", "slip onset height"),
         "slip_onset_theta_rad": _number("rad", "slip onset angle"),
-        "slip_statement": Entry("", "coil", "onset and extent of slip in a sentence", console="{}"),
+        "slip_statement": Entry("", "coil", "sentence on onset and extent of slip", console="{}"),
     },
     "Map of mandrels": {
-        "disparity_hz": _number("Hz", "frequency disparity of this mandrel", "stiffest less softest coil"),
-        "f_tightest_hz": _number("Hz", "its bending frequency, stiffest coil"),
-        "f_loosest_hz": _number("Hz", "its bending frequency, softest coil"),
-        "f_mandrel_hz": _number("Hz", "its bending frequency, no coil"),
+        "disparity_hz": _number("Hz", "frequency disparity of this mandrel", "stiffest minus softest coil"),
+        "f_tightest_hz": _number("Hz", "bending frequency of this mandrel, stiffest coil"),
+        "f_loosest_hz": _number("Hz", "bending frequency of this mandrel, softest coil"),
+        "f_mandrel_hz": _number("Hz", "bending frequency of this mandrel, no coil"),
         "loosest_shear_modulus_pa": Entry("Pa", "shear modulus of the softest coil"),
         "designs": _number("", "designs", "number of mandrels on the map"),
         "designs_without_disparity": _number(
@@ -203,15 +203,15 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "k2_at_zeta_max_n_m": _number("N/m", "secondary stiffness there"),
     },
     EFFORT: {
-        "method": Entry("", "method", "solver of a time history, or what a periodic motion was found by"),
+        "method": Entry("", "method", "method of time integration or of the periodic solution"),
         "dofs": _number("", "degrees of freedom", "of the solved structure (half a roll under symmetry)", "{:d}"),
         "interface_points": _number("", "contact points"),
         "reduced_coordinates": _number("", "reduced coordinates", "basis vectors of the reduced model at the end"),
         "reduction_error_estimate": _share(
-            "estimated error of the reduction", "root mean square of what the basis misses, relative"
+            "estimated error of the reduction", "relative root mean square of the projection error"
         ),
         "reduction_tip_error_estimate": _share(
-            "estimated error of the reduction at the tip", "the same seen at the tip (harmonic, backbone)"
+            "estimated error of the reduction at the tip", "projection error at the tip (harmonic, backbone)"
         ),
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": _number("", "time steps", console="{:d}"),
@@ -226,20 +226,20 @@ GROUPS: dict[str, dict[str, Entry]] = {
 """Heading -> name -> entry, in the order of summary.json."""
 
 SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name, entry in entries.items()}
-"""Name of summary.json -> unit, label, sentence and formats."""
+"""Name in summary.json -> its entry."""
 
 _SUFFIXES = {
     "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
     "n": "N", "rad": "rad", "g": "g",
 }  # fmt: skip
-"""Last words of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
+"""Suffix of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
 
 _NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
-"""Units as NetCDF writes them, where that differs."""
+"""Units whose spelling in NetCDF differs."""
 
 
 def split_unit(name: str) -> tuple[str, str]:
-    """Name without its unit, and the unit ("" for none)."""
+    """Name without its unit suffix, and the unit ("" if dimensionless)."""
     words = name.split("_")
     for n in (2, 1):
         unit = _SUFFIXES.get("_".join(words[-n:])) if len(words) > n else None
@@ -249,17 +249,17 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def unit_of(name: str) -> str:
-    """Unit of a name, also of one that is not in the table ("" for none)."""
+    """Unit of a name, in the table or from its suffix ("" if dimensionless)."""
     return SUMMARY[name].unit if name in SUMMARY else split_unit(name)[1]
 
 
 def netcdf_unit(name: str) -> str:
-    """Unit of a name as NetCDF writes it, "1" for none."""
+    """Unit of a name in NetCDF spelling ("1" if dimensionless)."""
     unit = unit_of(name)
     return _NETCDF.get(unit, unit)
 
 
 def label(name: str) -> str:
-    """Words for a name, first letter large."""
+    """Label of an entry, capitalised."""
     words = SUMMARY[name].label if name in SUMMARY else split_unit(name)[0].replace("_", " ")
     return words[:1].upper() + words[1:]

@@ -42,7 +42,7 @@ WRONG = {
     "negative damping": ({"C": np.diag([1.0, -1.0])}, "C: is not positive semi-definite"),
     "negative stiffness": ({"K": np.diag([-K, 0.0])}, "K: is not positive semi-definite: diagonal entry 0"),
     "massless": ({"M": np.diag([1.0, 0.0])}, "M: is singular: 1 DOFs carry no mass; condense these DOFs"),
-    "singular mass": ({"M": np.ones((2, 2))}, "M: is singular; condense these DOFs before (Guyan)"),
+    "singular mass": ({"M": np.ones((2, 2))}, "M: is singular; eliminate these DOFs (Guyan condensation)"),
     "NaN": ({"K": np.diag([K, np.nan])}, "K: holds NaN or infinite values; write finite numbers"),
     "complex": ({"K": np.diag([K * (1 + 0.02j), 0])}, "K: is complex; write real matrices; structural damping"),
     "text": ({"M": "identity"}, "M: does not hold numbers; write real numbers"),
@@ -139,10 +139,11 @@ def test_a_file_that_is_no_structure_is_refused_in_one_line(tmp_path: Path, kind
     ("sections", "expected"),
     [
         ({"geometry": {"length": 0.3, "mandrel_outer_diameter": 0.08, "mandrel_thickness": 1e-3}},
-         "geometry: stands beside structure, whose file replaces it; leave geometry out, or leave structure out"),
-        ({"coil": {"model": "none"}}, "coil: stands beside structure, whose file replaces it"),
-        ({"mesh": {"axial": 12}}, "mesh: stands beside structure, whose file replaces it"),
-        ({"preload": {"pressure": 1e5}}, "preload: stands beside structure, whose file replaces it"),
+         "geometry: cannot be combined with structure, whose file replaces it; leave geometry out, or leave "
+         "structure out"),
+        ({"coil": {"model": "none"}}, "coil: cannot be combined with structure, whose file replaces it"),
+        ({"mesh": {"axial": 12}}, "mesh: cannot be combined with structure, whose file replaces it"),
+        ({"preload": {"pressure": 1e5}}, "preload: cannot be combined with structure, whose file replaces it"),
         ({"excitation": DWELL | {"direction": "x"}},
          "excitation.direction: the influence vector of structure.file sets the direction, got 'x'; leave it out"),
         ({"structure": {"file": "nothing.npz"}}, "structure.file: structure file not found, got '"),
@@ -150,7 +151,7 @@ def test_a_file_that_is_no_structure_is_refused_in_one_line(tmp_path: Path, kind
         ({"structure": {"file": 3}}, "structure.file: must be the path of a .npz or .mat file, got 3"),
         ({"structure": {}}, "structure.file: required key is missing; add it (matrices and interfaces"),
         ({"structure": {"file": "structure.mat", "preload_steps": 0}}, "structure.preload_steps: must be 1 or more"),
-        ({"structure": None}, "geometry: required section is missing; add it (the mandrel's tube)"),
+        ({"structure": None}, "geometry: required section is missing; add it (tube of the mandrel)"),
     ],
 )  # fmt: skip
 def test_a_case_with_structure_says_what_does_not_belong(tmp_path: Path, sections: Any, expected: str) -> None:
@@ -163,7 +164,7 @@ def test_a_case_with_structure_says_what_does_not_belong(tmp_path: Path, section
 
 def test_doubtful_files_are_warned_about(tmp_path: Path) -> None:
     loose = wroll("validate", write_case(tmp_path, oscillator(load_preload=None)))
-    assert "warning: nothing presses the interfaces together" in loose.output
+    assert "warning: the interfaces have no preload" in loose.output
     wrong_row = wroll("validate", write_case(tmp_path, oscillator(probe_tip=[0.5, 0])))
     assert "warning: probe_tip moves 0.5 m when the base moves 1 m" in wrong_row.output
     still = wroll("validate", write_case(tmp_path, oscillator(influence=[0, 0])))
@@ -174,7 +175,7 @@ def test_doubtful_files_are_warned_about(tmp_path: Path) -> None:
 def test_matrices_cannot_be_meshed(tmp_path: Path) -> None:
     done = wroll("mesh", write_case(tmp_path, oscillator()), "--out", tmp_path / "mesh")
     assert done.exit_code == 2
-    assert "structure: leaves nothing to mesh; its file holds matrices alone" in done.output
+    assert "structure: cannot be meshed; its file has only matrices" in done.output
 
 
 @pytest.mark.parametrize("name", ["roll.txt", "no/such/folder/roll.npz"])

@@ -1,1 +1,1 @@
-"""What analyses share: from case to system, checks before a run, summary entries, figures and fields."""
+"""Shared parts of the analyses: assembly, checks before a run, summary entries, figures and fields."""

@@ -1,4 +1,4 @@
-"""From a case to bodies and a system: the one place where both meet."""
+"""Assembly of the bodies and the system of a case."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ DIRECTIONS = {"x": 0, "y": 1}
 
 
 UNUSED_LAW = PenaltyCoulomb(0.0, 1e-6)
-"""Friction of interfaces whose tangential law does not enter: linear modes of a case without `contact`."""
+"""Placeholder friction law for linear modes of a case without `contact`."""
 
 
 def normal_penalty(roll: RollSections, normal: Normal) -> float:
-    """Normal contact stiffness in Pa/m: the case's, or the through-thickness one of the matched half shells.
+    """Normal contact stiffness in Pa/m, from the case or from the through-thickness stiffness of the half shells.
 
     ``auto`` is physical: two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is some
     thousand times the hoop stiffness E t / R^2 of a lab layer, so that the pressure split does not feel it.
@@ -44,14 +44,14 @@ def normal_penalty(roll: RollSections, normal: Normal) -> float:
 
 
 def uses_symmetry(case: StructuralCase) -> bool:
-    """Half the circumference suffices: allowed by the case, excitation along x; the mesh decides the rest."""
+    """Whether case and excitation allow a model of half the circumference; the mesh must be symmetric as well."""
     return bool(case.solver.symmetry and case.direction == "x" and case.solver.method != "full")
 
 
 def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
     """Mesh and assemble the bodies of a case, inner first.
 
-    A user's mesh that is not symmetric about the x-z plane is taken whole.
+    A mesh file that is not symmetric about the x-z plane gives the whole circumference.
     """
     from wroll_fem.fem.body import assemble_bodies
     from wroll_fem.mesh.generate import build_mesh
@@ -70,14 +70,14 @@ def friction_law(friction: Friction) -> FrictionLaw:
 
 
 def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
-    """Stack the bodies and their interfaces with the laws and loads of the case.
+    """Assemble bodies and interfaces into a system, with the laws and loads of the case.
 
-    With ``preload.kind: winding_tension`` the load is found here, by static solutions, where the analysis needs it.
+    With ``preload.kind: winding_tension`` the load is computed here by static solutions, if the analysis needs it.
 
     Raises
     ------
     InputError
-        When shells meet and the case does not say how, in an analysis that follows their contact.
+        If the analysis includes contact between shells and the case has no section `contact`.
     """
     from wroll_fem.winding.interface import external_pressures
 
@@ -89,7 +89,7 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     if contact is None and not isinstance(case, ModalCase):
         raise InputError(
             "required section is missing", key="contact",
-            remedy=f"add it: analysis {case.analysis} follows the contact between all shells (coil.model: solid is "
+            remedy=f"add it: analysis {case.analysis} includes contact between all shells (coil.model: solid is "
             "one body with the mandrel)",
         )  # fmt: skip
     normal = Normal() if contact is None else contact.normal
@@ -107,7 +107,17 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
 
 
 def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, ProbePoint], direction: int) -> System:
-    """System with the named points of the case among its probes, after the tip; ``direction`` is the excitation's."""
+    """System with the tip and the named points of the case as probes.
+
+    Parameters
+    ----------
+    system, bodies
+        System with the probe "tip", and its bodies.
+    points
+        Name -> point and direction of a probe.
+    direction
+        Axis of the excitation: 0, 1 or 2.
+    """
     starts = np.concatenate([[0], np.cumsum([body.n_dofs for body in bodies])])
     rows, rigid = dict(system.probes), {}
     for name, point in points.items():
@@ -121,7 +131,7 @@ def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, Pro
 
 
 def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:
-    """System whose mean interface pressures are those of the wound roll."""
+    """System with external pressures that give the mean interface pressures of the wound roll."""
     from wroll_fem.dynamics.statics.pressure_matching import match_interface_pressure
     from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
 

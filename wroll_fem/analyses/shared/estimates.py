@@ -1,4 +1,4 @@
-"""Size and approximate time of a run, for ``--dry-run``."""
+"""Problem size and approximate computing time of a run, for ``--dry-run``."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ if TYPE_CHECKING:
     from wroll_fem.case import DwellCase, RollSections, SweepCase
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
-"""Time per step: `reduced` x points, `condensed` x points x modes per wave number, `full` x DOFs; one 2.5 GHz core."""
+"""Seconds per step over points (reduced), points x modes per wave number (condensed), DOFs (full); 2.5 GHz core."""
 
 SECONDS_PER_EIGENPROBLEM = 2.2e-10
-"""Time to find the modes of one wave number's block over the cube of its size, on the same core."""
+"""Time for the modes of one circumferential wave number, over the cube of its number of DOFs, on the same core."""
 
 SECONDS_PER_SOLID_DOF = 3.5e-4
-"""Time to assemble a solid coil and find ten modes over its DOFs, on the same core."""
+"""Time to assemble a solid coil and compute ten modes, per DOF, on the same core."""
 
 SECONDS_PER_FOURIER_DOF = 3.0e-5
 """Time per DOF of one wave number and eigenproblem, on the same core."""
 
 
 def estimate_roll(case: StructuralCase) -> dict[str, Any]:
-    """DOFs, contact points and time of an analysis that may use the symmetry plane."""
+    """DOFs, contact points and computing time of an analysis that can use the symmetry plane."""
     half = case.solver.symmetry and case.direction == "x" and case.solver.method != "full"
     return _estimate(case, half=half)
 
 
 def estimate_modes(case: StructuralCase) -> dict[str, Any]:
-    """DOFs, contact points and time of an analysis that needs all modes: the whole roll, or one wave number of it."""
+    """DOFs, contact points and computing time of an eigenvalue analysis of the whole roll."""
     if isinstance(case, OnRoll) and case.mesh.discretisation == "fourier":
         dofs = fourier_dofs(case)
         seconds = 2.0 + 12 * SECONDS_PER_FOURIER_DOF * dofs
@@ -70,7 +70,7 @@ def fourier_dofs(roll: RollSections) -> int:
 
 
 def _estimate(case: StructuralCase, *, half: bool) -> dict[str, Any]:
-    """Size, and for a roll the time of mesh, assembly and linear solutions."""
+    """Problem size and, for a roll, the time for mesh, assembly and linear solutions."""
     if isinstance(case, OnStructure):
         from wroll_fem.dynamics.system.io import system_size
 

@@ -1,4 +1,4 @@
-"""Figures (.png) and fields (.vtu) that analyses share; matplotlib and pyvista are imported when something is drawn."""
+"""Shared figures (.png) and fields (.vtu) of analyses; matplotlib and pyvista are imported on use."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wroll_fem.results.interface_slip import has_surface
 
 
 def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
-    """Part that draws a figure of `wroll_fem.plot`.
+    """Figure writer for a function of `wroll_fem.plot`.
 
     Parameters
     ----------
@@ -38,13 +38,13 @@ def _save(stem: str, name: str, dataset: xr.Dataset, folder: Path, **options: An
 
 
 def _surfaces(dataset: xr.Dataset) -> list[int]:
-    """Numbers of the interfaces whose points span a cylinder: matrices from a file may have others."""
+    """Indices of the interfaces whose points span a cylinder; matrices from a file can have other interfaces."""
     count = dataset.sizes["interface"] if "pressure" in dataset else 0
     return [number for number in range(count) if has_surface(dataset, number)]
 
 
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Slip of every interface: map, and vectors of the largest relative displacement."""
+    """Draw slip maps and vectors of the largest relative displacement of every interface."""
     kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
     return [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
@@ -54,7 +54,7 @@ def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def pressure_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Pressure on every interface."""
+    """Draw the pressure on every interface."""
     return [
         _save(f"pressure_{number + 1:02d}", "pressure_map", dataset, folder, interface=number)
         for number in _surfaces(dataset)
@@ -62,7 +62,7 @@ def pressure_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Slip of the innermost interface on the roll, when there was any."""
+    """Draw the slip of the innermost interface on the roll, if there is slip."""
     from wroll_fem.plotting.names import slip_on_cylinder
 
     if 0 not in _surfaces(dataset) or not float(dataset["cumulative_slip"].max()) > 0:
@@ -71,7 +71,7 @@ def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """First ten mode shapes in space; matrices from a file have none."""
+    """Draw the first ten mode shapes; matrices from a file have none."""
     from wroll_fem.plotting.names import mode_shapes as draw
 
     if "mode_shape" not in dataset or find_spec("pyvista") is None:
@@ -86,7 +86,7 @@ def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Root section and slip zone of a coil whose points form a grid."""
+    """Draw shear stress at the root and slip zone, if the points of the coil form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
 
     kinds = (("root_section", "root_sections"), ("slip_zone", "slip_zone"))
@@ -94,7 +94,7 @@ def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Slip in the coil, cut open, when its points form a grid."""
+    """Draw the slip zone in a cutaway coil, if its points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
     from wroll_fem.plotting.names import slip_in_coil
 
@@ -103,7 +103,7 @@ def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def write_slip(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Write slip.vtu (all interfaces), and slip_<step>.vtu for kept fields."""
+    """Write slip.vtu (all interfaces), and slip_<step>.vtu for stored fields."""
     if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
         return []
     from wroll_fem.plotting.names import write_slip_vtu

@@ -1,4 +1,4 @@
-"""Checks before a run, from closed forms alone: each returns warnings, with what to change."""
+"""Checks before a run, by closed-form estimates; each returns warnings with remedies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,16 @@ if TYPE_CHECKING:
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
 
-    The end mass takes 33/140 of the beam's mass. Good to some per cent: for warnings, not for results.
+    33/140 of the beam's mass acts at the tip. The error is some per cent.
+
+    Parameters
+    ----------
+    roll
+        Case sections of the roll.
+    bonded
+        Whether the coil adds stiffness.
+    added_mass
+        Whether the coil adds mass.
     """
     g, m, coil = roll.geometry, roll.mandrel, roll.coil
     radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
@@ -67,9 +76,9 @@ def buckling_pressure(roll: RollSections) -> float:
 
 
 def interface_pressures(case: OnRoll) -> list[float]:
-    """Estimated pressure in Pa at each interface, inner first: rings that move alike share the load by E t / R^2.
+    """Estimated pressure in Pa at each interface, inner first; concentric rings share the load by E t / R^2.
 
-    Thin concentric rings without end effects; an interface that this would pull apart has none.
+    Thin rings without end effects; the pressure of an opening interface is zero.
     """
     g, coil = case.geometry, case.coil
     if case.preload is None:
@@ -86,7 +95,17 @@ def interface_pressures(case: OnRoll) -> list[float]:
 
 
 def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
-    """Length in m over which friction hands axial force from layer to mandrel, sqrt((E t)_series / k_t)."""
+    """Shear-lag length in m of the axial force between layer and mandrel, sqrt((E t)_series / k_t).
+
+    Parameters
+    ----------
+    roll
+        Case sections of a roll with layers.
+    friction
+        Case section `contact.friction`.
+    pressure
+        Interface pressure, Pa.
+    """
     mandrel = roll.mandrel.material.E * roll.geometry.mandrel_thickness
     layer = roll.coil.layer_material.E * roll.coil.layer_thickness
     if friction.law == "smoothed_coulomb":  # sticks nowhere
@@ -105,23 +124,23 @@ def root_element_height(roll: RollSections) -> float:
 
 
 def scheme_warnings(case: StructuralCase) -> list[str]:
-    """Integration schemes that dissipate visibly."""
+    """Warn about integration schemes with considerable numerical dissipation."""
     scheme = case.integrator.scheme
     if scheme not in ("moderate_dissipation", "quasi_static"):
         return []
     return [
-        f"integrator.scheme {scheme} takes a visible part of the energy itself; use hht with alpha "
-        "-0.05, and read numerical_dissipation_j next to friction_energy_j"
+        f"integrator.scheme {scheme} dissipates a considerable part of the energy numerically; use hht with alpha "
+        "-0.05, and compare numerical_dissipation_j with friction_energy_j"
     ]
 
 
 def structure_warnings(case: StructuralCase) -> list[str]:
-    """What is doubtful in the file of `structure`; nothing for a roll.
+    """Warn about load, influence vector and tip probe of matrices from a file.
 
     Raises
     ------
     InputError
-        When the file is wrong.
+        If the file is invalid.
     """
     if not isinstance(case, OnStructure):
         return []
@@ -132,7 +151,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
     pressed = system.loads.get("preload") if state is None else state.traction
     if system.interfaces and (pressed is None or not pressed.any()):
         warnings.append(
-            "nothing presses the interfaces together, so there is no friction before they close; "
+            "the interfaces have no preload, so there is no friction before they close; "
             "add load_preload or a preload state to the file"
         )
     if not system.influence.any():
@@ -147,7 +166,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
 
 
 def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
-    """A chirp whose band does not hold the expected resonance of the roll."""
+    """Warn about a chirp whose band does not contain the expected resonance of the roll."""
     if not isinstance(case, OnRoll):
         return []
     low = beam_frequency(case, bonded=False)
@@ -162,7 +181,7 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
 
 
 def contact_warnings(case: StructuralCase) -> list[str]:
-    """Mesh against shear lag, friction law, buckling and low pressure of a roll with layers under pressure."""
+    """Warn about shear-lag resolution, friction law, buckling and low pressure of a roll with layers."""
     if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None:
         return []
     pressures = interface_pressures(case)
@@ -179,7 +198,7 @@ def contact_warnings(case: StructuralCase) -> list[str]:
         )
     if case.friction.law == "smoothed_coulomb":
         warnings.append(
-            "contact.friction.law smoothed_coulomb holds nothing at rest: the preload is frictionless, and below "
+            "contact.friction.law smoothed_coulomb has no friction at rest: the preload is frictionless, and below "
             "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
     from wroll_fem.winding.interface import external_pressures

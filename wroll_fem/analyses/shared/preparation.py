@@ -1,4 +1,4 @@
-"""System of a case at rest under its preload: a meshed roll, or matrices from a file."""
+"""System of a case in its static preload state: a meshed roll, or matrices from a file."""
 
 from __future__ import annotations
 
@@ -22,10 +22,17 @@ if TYPE_CHECKING:
 
 
 def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactState]:
-    """System of a case and its state under preload; reports the interface pressure.
+    """Return the system of a case and its preload state; report the interface pressure.
 
-    The one door for every analysis that starts from the preloaded system, whether the case describes a roll
-    (mesh, assemble, preload) or names a file of matrices (`structure`).
+    Used by every analysis that starts from the preloaded system, whether the case describes a roll
+    (mesh, assemble, preload) or matrices from a file (`structure`).
+
+    Raises
+    ------
+    InputError
+        If the case or its file of matrices is invalid.
+    ConvergenceError
+        If the preload does not converge.
     """
     if isinstance(case, OnRoll):
         with progress.stage("mesh and matrices", 2) as stage:
@@ -62,7 +69,7 @@ def _pressures(system: System, state: ContactState) -> list[tuple[str, float, fl
 
 
 def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
-    """System of `structure.file` with the laws of `contact` where written, and its preload state.
+    """System of `structure.file`, with the laws of `contact` if the case has them, and its preload state.
 
     The state is None when it has to be solved: the file holds none, or `contact` changes a law and the file
     holds the load as well.
@@ -91,7 +98,7 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
 
 
 def _check_pressing(system: System, file: str) -> None:
-    """Refuse a preload under which a bilateral, frictionless interface would be pulled open at every point."""
+    """Refuse a preload that opens every contact point, computed with bilateral contact and negligible friction."""
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not system.interfaces or not force.any():
         return
@@ -103,23 +110,23 @@ def _check_pressing(system: System, file: str) -> None:
         jump = np.full(1, np.nan)
     if not np.isfinite(jump).all():
         raise InputError(
-            "is singular although the interfaces hold normal and tangential springs", key="K", file=file,
-            remedy="hold every body by a support or an interface",
+            "is singular, although the interfaces have normal and tangential springs", key="K", file=file,
+            remedy="constrain every body by a support or an interface",
         )  # fmt: skip
     if np.all(jump[2 * system.n_points :] >= 0.0):
         raise InputError(
             "the preload opens every contact point", key="load_preload", file=file,
-            remedy="turn the sign of the load, or of the normal rows: outer minus inner body, positive outwards",
+            remedy="reverse the sign of the load, or of the normal rows: outer minus inner body, positive outwards",
         )  # fmt: skip
 
 
 def _check_mass(case: OnStructure, system: System) -> None:
-    """Modes need a regular mass matrix; time steps of the whole structure do not."""
+    """Require a regular mass matrix, except for solver.method: full."""
     if case.analysis == "preload" or case.solver.method == "full" or not is_singular(sp.csr_matrix(system.mass)):
         return
     count = massless_dofs(sp.csr_matrix(system.mass))
     raise InputError(
         f"is singular: {count} DOFs carry no mass" if count else "is singular", key="M",
         file=str(case.structure.file),
-        remedy="condense these DOFs before (Guyan), give them a small mass, or use solver.method: full",
+        remedy="eliminate these DOFs (Guyan condensation), give them a small mass, or use solver.method: full",
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Self-contained results: what summary, fields and figures take from the case is an attribute of the Dataset."""
+"""Self-contained results: data of the case for summary, fields and figures, as attributes of the Dataset."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
-    """Copy with the attributes that summary, fields and figures need from the case; those already there are kept.
+    """Copy with the case data that summary, fields and figures need; existing attributes are kept.
 
     `analysis`; `excitation_direction` where fractions are kept for each direction; `output_every` with kept fields;
     `winding_pressure_pa` with `preload.kind: winding_tension`.
@@ -32,7 +32,7 @@ def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
 
 
 def completed(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset with the attributes of `described`; of results of version 0.1.0 they are read from `case_yaml`.
+    """Dataset with the attributes of `described`, which for results of version 0.1.0 are read from `case_yaml`.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _wound_pressure(case: Case) -> dict[str, Any]:
-    """Pressure of the wound roll at the interfaces whose preload it decides; empty for other cases."""
+    """Pressure of the wound roll at the interfaces, for `preload.kind: winding_tension`; else empty."""
     if not isinstance(case, OnRoll) or case.preload is None or case.wound is None or case.coil.model != "layers":
         return {}
     if case.preload.kind != "winding_tension":

@@ -1,4 +1,4 @@
-"""Parts of summary.json that analyses share; names, units and words are in `results.summary.SUMMARY`."""
+"""Shared entries of summary.json; `results.summary.SUMMARY` has names, units and labels."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from wroll_fem.structure.mode_shapes import main_bending
 
 
 def attributes(dataset: xr.Dataset) -> dict[str, Any]:
-    """Attributes of the Dataset whose names are in `SUMMARY`."""
+    """Summary entries from the attributes of the Dataset."""
     return {name: dataset.attrs[name] for name in SUMMARY if name in dataset.attrs}
 
 
 def interfaces(dataset: xr.Dataset) -> dict[str, Any]:
-    """Pressure of every interface, inner first; nothing for a roll without interfaces."""
+    """Pressure of every interface, inner first; empty without interfaces."""
     found: dict[str, Any] = {}
     if "pressure" in dataset:
         area, pressure = dataset["area"], dataset["pressure"]
@@ -37,7 +37,7 @@ def ledger(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
-    """Work of a period where the response, or the damping of a backbone, is largest."""
+    """Work per period at the largest response, or at the largest damping of a backbone."""
     if "modal_damping" in dataset:
         at = int(dataset["modal_damping"].values.argmax())
     else:
@@ -48,7 +48,7 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def slip(dataset: xr.Dataset) -> dict[str, Any]:
-    """Relative displacement, accumulated slip and slipping area; nothing for a roll without interfaces."""
+    """Relative displacement, accumulated slip and slipping area; empty without interfaces."""
     if "cumulative_slip" not in dataset:
         return {}
     from wroll_fem.results.interface_slip import slipping_area_fraction
@@ -63,7 +63,7 @@ def slip(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def modes(dataset: xr.Dataset) -> dict[str, Any]:
-    """Frequencies, effective mass along the excitation, and names where the model has them."""
+    """Frequencies, effective masses along the excitation and, if available, kinds of modes."""
     found: dict[str, Any] = {}
     fraction = dataset["effective_mass_fraction"]
     if "component" in fraction.dims:
