@@ -142,7 +142,7 @@ class BackboneCurve:
 
     @classmethod
     def of_points(cls, problem: ModalMotion, points: list[CurvePoint]) -> BackboneCurve:
-        """Curve from what `continuation.follow` found."""
+        """Backbone from the points that `continuation.follow` returns."""
         found = [problem.motion(p.z) for p in points]
         return cls(
             frequencies=np.array([f for _, f, _, _ in found]),

@@ -186,7 +186,7 @@ def _principal(model: ReducedModel, coefficients: FloatArray, least: float) -> R
 
 @dataclass(frozen=True)
 class Trained(Generic[Curve]):
-    """A curve in a basis that was made for it.
+    """Response curve or backbone with the basis that was enriched for it.
 
     Attributes
     ----------
