@@ -242,7 +242,7 @@ def test_a_slip_model_answers_as_the_analysis_does() -> None:
     assert wf.summarise(found, other)["slip_statement"] == wf.summarise(expected)["slip_statement"]
     with pytest.raises(wf.InputError, match="coil: changes the modes of the slip model"):
         model.run(case.changed({"coil.material.G_r_z": 5e8}))
-    with pytest.raises(wf.InputError, match=r"excitation\.direction: has other modes"):
+    with pytest.raises(wf.InputError, match=r"excitation\.direction: changes the modes of the slip model"):
         model.run(case.changed("excitation.direction=y"))
 
 
@@ -308,5 +308,5 @@ def test_the_page_has_every_analysis_and_names_that_exist() -> None:
 
 
 def test_times_of_the_notebooks_are_told_for_every_one() -> None:
-    told = set(re.findall(r"\.\./notebooks/(\w+)\.ipynb", PAGE))
+    told = set(re.findall(r"\(notebooks/(\w+)\.md\)", PAGE))
     assert told == {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}

@@ -57,7 +57,7 @@ def test_a_roll_comes_back_from_its_case(name: str) -> None:
 
 
 def test_a_case_without_a_roll_is_refused() -> None:
-    with pytest.raises(InputError, match="describes no roll"):
+    with pytest.raises(InputError, match="does not describe a roll"):
         wf.Roll.from_case(wf.load_case(CONFIGS / "two_dof.yaml"))
 
 

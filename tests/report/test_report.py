@@ -127,7 +127,7 @@ def test_doubtful_numbers_are_warned_of(run: RunFolder, tmp_path: Path) -> None:
         copy.summary_file, {**run.summary(), "energy_balance_error": 0.02, "step_cuts": 7, "steady_drift": 0.1}
     )
     said = words(section(parsed(write_report(copy.path)), "Warnings"))
-    for part in ("open by 2.00%", "7 time steps were cut", "not steady: it still changes by 10.0%"):
+    for part in ("balance error is 2.00%", "7 time steps were cut", "not steady: it still changes by 10.0%"):
         assert part in said
 
 

@@ -34,7 +34,7 @@ def test_values_are_shown_in_the_units_of_their_descriptions() -> None:
     found = {row.key: (row.section, row.name, row.value) for row in case_rows(given)}
     assert found["geometry.length"] == ("Geometry", "length of mandrel and coil from base to tip", "300 mm")
     assert found["mandrel.material.rho"] == ("Mandrel", "density", "1200 kg/m³")
-    assert found["mandrel.tip"] == ("Mandrel", "tip", "rigid: the tip ring moves as one rigid body (spool cap)")
+    assert found["mandrel.tip"] == ("Mandrel", "tip", "rigid: the tip ring moves as a rigid body (spool cap)")
     assert found["coil.base"][2] == "free: held by friction or the bond alone"
     assert found["contact.friction.elastic_slip"][2] == "1 µm"
     assert found["contact.normal.separation"] == ("Contact", "surfaces may separate", "yes")

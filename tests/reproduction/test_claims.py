@@ -166,7 +166,7 @@ def test_every_entry_of_fast_names_what_exists(tmp_path: Path) -> None:
 
 
 def test_without_the_case_files_the_message_says_where_to_run(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="use a clone"):
+    with pytest.raises(InputError, match="run from a clone of the project"):
         Evidence(tmp_path, configs=tmp_path)
 
 

@@ -132,7 +132,7 @@ def test_constants_left_out_are_those_of_a_web_isotropic_in_its_plane():
     [
         ({"material": COIL["material"] | {"nu_theta_r": 30.0}}, "sqrt(E_theta / E_r) = 10"),
         ({"model": "bonded"}, "shells (model: bonded) are isotropic"),
-        ({"bending": False}, "belongs to layers"),
+        ({"bending": False}, "does not apply to a solid coil"),
         ({"total_thickness": 10e-3}, "differs from total_thickness = 0.01 m"),
         ({"thickness": None}, "required key is missing; add it (thickness of the coil"),
     ],

@@ -41,7 +41,7 @@ WRONG = {
     "hollow mass": ({"M": [[1.0, 0.1], [0.1, 0.0]]}, "M: is not positive semi-definite: row 1, counted from 0, has"),
     "negative damping": ({"C": np.diag([1.0, -1.0])}, "C: is not positive semi-definite"),
     "negative stiffness": ({"K": np.diag([-K, 0.0])}, "K: is not positive semi-definite: diagonal entry 0"),
-    "massless": ({"M": np.diag([1.0, 0.0])}, "M: is singular: 1 DOFs carry no mass; condense these DOFs"),
+    "massless": ({"M": np.diag([1.0, 0.0])}, "M: is singular: 1 DOFs carry no mass; eliminate"),
     "singular mass": ({"M": np.ones((2, 2))}, "M: is singular; eliminate these DOFs (Guyan condensation)"),
     "NaN": ({"K": np.diag([K, np.nan])}, "K: holds NaN or infinite values; write finite numbers"),
     "complex": ({"K": np.diag([K * (1 + 0.02j), 0])}, "K: is complex; write real matrices; structural damping"),
@@ -53,9 +53,9 @@ WRONG = {
     "mu negative": ({"interface_1_friction_mu": -0.1}, "interface_1_friction_law: coefficient of friction -0.1 is neg"),
     "kn zero": ({"interface_1_normal_stiffness": 0}, "interface_1_normal_stiffness: is 0 Pa/m; give a positive"),
     "no normal": ({"interface_1_operator": [[0, 0], [1, 0], [0, 1]]}, "the normal row of point 0, counted from 0, is"),
-    "turned load": ({"load_preload": [0, FORCE]}, "load_preload: the preload opens every contact point; turn the sign"),
+    "turned load": ({"load_preload": [0, FORCE]}, "load_preload: the preload opens every contact point; reverse"),
     "turned normal": ({"interface_1_operator": [[0, -1], [1, 0], [0, 0]]}, "load_preload: the preload opens every con"),
-    "loose body": ({"interface_1_operator": [[1, 0], [1, 0], [0, 0]], "load_preload": [-1, 0]}, "K: is singular altho"),
+    "loose body": ({"interface_1_operator": [[1, 0], [1, 0], [0, 0]], "load_preload": [-1, 0]}, "K: is singular, alth"),
     "pressure": (
         {"load_preload": None, "interface_1_preload_pressure": -1}, "interface_1_preload_pressure: is -1 Pa at one poi"
     ),
