@@ -11,7 +11,7 @@ import wroll_fem as wf
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
-from wroll_fem.structure.probe import DIRECTIONS, Probe, probe_row, shape_functions
+from wroll_fem.structure.probe import DIRECTIONS, Probe, _slopes, probe_row, shape_functions
 
 SEED = 20261122
 
@@ -36,6 +36,12 @@ def test_shape_functions_are_one_at_their_node() -> None:
     places = [(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)]
     values = np.array([shape_functions(np.array(place, float)) for place in places])
     np.testing.assert_allclose(values, np.eye(9), atol=1e-15)
+
+
+def test_slopes_are_those_of_the_shape_functions() -> None:
+    local, step = np.array([0.3, -0.7]), 1e-6 * np.eye(2)
+    differences = [(shape_functions(local + d) - shape_functions(local - d)) / 2e-6 for d in step]
+    np.testing.assert_allclose(_slopes(local), np.column_stack(differences), atol=1e-9)
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)

@@ -14,6 +14,9 @@ from wroll_fem.typing import FloatArray
 Direction = Literal["x", "y", "z", "radial", "hoop"]
 DIRECTIONS: tuple[str, ...] = get_args(Direction)
 
+_ORDER = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
+"""One-dimensional shape functions (first end, second end, middle) of each node, along and across the cell."""
+
 _ITERATIONS = 20
 _ON_CELL = 1e-6
 """Tolerated distance of a point from its cell, in reference coordinates."""
@@ -72,17 +75,14 @@ def shape_functions(local: FloatArray) -> FloatArray:
     The order is that of VTK_BIQUADRATIC_QUAD: corners, midpoints of the edges, centre.
     """
     along, across = (np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]) for x in local)
-    order = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
-    return np.array([along[i] * across[j] for i, j in order])
+    return np.array([along[i] * across[j] for i, j in _ORDER])
 
 
 def _slopes(local: FloatArray) -> FloatArray:
     """Derivatives (9, 2) of the biquadratic shape functions with respect to the reference coordinates."""
-    step = 1e-6  # quadratic: central differences are exact but for rounding
-    offsets = step * np.eye(2)
-    return np.column_stack(
-        [(shape_functions(local + offset) - shape_functions(local - offset)) / (2 * step) for offset in offsets]
-    )
+    along, across = (np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]) for x in local)
+    d_along, d_across = (np.array([x - 0.5, x + 0.5, -2 * x]) for x in local)
+    return np.array([(d_along[i] * across[j], along[i] * d_across[j]) for i, j in _ORDER])
 
 
 def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
