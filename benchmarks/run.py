@@ -1,7 +1,6 @@
 """Time every method on the lab chirp, compare their results, and write docs/tables/benchmark.md: `make bench`.
 
-Each method runs in a fresh process on one core with warm compilation caches (a tiny run of each comes first). This
-process stays small, because a child's peak memory is never less than its parent's.
+Each method runs in a fresh process on one core with warm compilation caches (a tiny run of each comes first).
 
 * Whole chirp, 14.56 s at the thesis's density of steps: `condensed`, `reduced`, `harmonic`; errors against `condensed`.
 * `full` solves the whole structure in every step and would take hours: it runs a window, a dwell at resonance of a few
