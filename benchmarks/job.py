@@ -47,7 +47,7 @@ class StageClock(SilentProgress):
 def peak_memory_mb() -> float:
     """Largest resident memory of this program, MB.
 
-    `getrusage` would not do: its figure survives the exec, so it contains the memory of the process that started this one.
+    `getrusage` would not do: its figure survives the exec, so it contains the memory of the parent process.
     """
     (line,) = (line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
     return float(line.split()[1]) / 1024

@@ -11,8 +11,9 @@ import xarray as xr
 from support import synthetic_roll
 
 from wroll_fem import analyses
-from wroll_fem.analyses.registry import MODULES, all_analyses, find_analysis
+from wroll_fem.analyses.registry import all_analyses, find_analysis
 from wroll_fem.case import ANALYSES
+from wroll_fem.case.analyses import MODULES
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import FIELDS
 

@@ -10,7 +10,8 @@ import xarray as xr
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses.registry import MODULES, find_analysis
+from wroll_fem.analyses.registry import find_analysis
+from wroll_fem.case.analyses import MODULES
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import FIELDS
 from wroll_fem.results.interface_slip import slipping_area_fraction

@@ -1,7 +1,7 @@
-"""Registry of analyses; all other tables of analyses are derived from it.
+"""What an analysis declares, and how it is found; all tables of analyses are derived from these declarations.
 
-An analysis is a module that holds `ANALYSIS`, an `Analysis` object. It is imported when it is asked for, so that this
-module stays cheap to import.
+An analysis is a module that holds `ANALYSIS`, an `Analysis` object, and stands in `case.analyses.MODULES`. It is
+imported when it is asked for, so that this module stays cheap to import.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.case.analyses import MODULES
 from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,20 +23,6 @@ if TYPE_CHECKING:
     Estimate = Callable[[Any], dict[str, Any]]
     Summary = Callable[[xr.Dataset], dict[str, Any]]
     Files = Callable[[xr.Dataset, Path], list[Path]]
-
-MODULES: dict[str, str] = {
-    "sweep": "wroll_fem.analyses.sweep",
-    "dwell": "wroll_fem.analyses.dwell",
-    "harmonic": "wroll_fem.analyses.harmonic",
-    "backbone": "wroll_fem.analyses.backbone",
-    "modal": "wroll_fem.analyses.modal",
-    "modal_transient": "wroll_fem.analyses.modal_transient",
-    "preload": "wroll_fem.analyses.preload",
-    "winding": "wroll_fem.analyses.winding",
-    "design_map": "wroll_fem.analyses.design_map",
-    "two_dof": "wroll_fem.analyses.two_dof",
-}
-"""Name in the case file -> module that defines its `ANALYSIS`."""
 
 
 @dataclass(frozen=True)

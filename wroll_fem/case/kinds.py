@@ -1,11 +1,15 @@
-"""Case classes, one per analysis; structural analyses have two: for a roll and for matrices from a file."""
+"""Case classes, one per analysis; structural analyses have two: for a roll and for matrices from a file.
+
+An analysis of a roll that needs no case section of its own needs no class here: it gets one from its name.
+"""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
+from wroll_fem.case.analyses import MODULES
 from wroll_fem.case.base import Real
 from wroll_fem.case.case import Case, case_kind, case_kinds
 from wroll_fem.case.checks import (
@@ -282,5 +286,16 @@ class TwoDofCase(Case):
         return None if problem is None else ("analysis two_dof does not use it", f"leave {key} out")
 
 
-ANALYSES = tuple(dict.fromkeys(analysis for analysis, _ in case_kinds()))
+def _roll_case(name: str) -> type[OnRoll]:
+    """Class of the cases of an analysis on a roll without a section of its own."""
+    title = "".join(word.capitalize() for word in name.split("_"))
+    analysis: Any = (Literal[name], Field(description=ANALYSIS))
+    return create_model(f"Roll{title}Case", __base__=OnRoll, __doc__=f"Case of the analysis {name}.", analysis=analysis)
+
+
+for _name in MODULES:
+    if (_name, False) not in case_kinds():
+        case_kind(_roll_case(_name))
+
+ANALYSES = tuple(MODULES)
 """Names of the analyses: the values of `analysis`."""

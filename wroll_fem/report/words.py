@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from wroll_fem.analyses.registry import MODULES, find_analysis
+from wroll_fem.analyses.registry import find_analysis
+from wroll_fem.case.analyses import MODULES
 from wroll_fem.case.case import case_sections
 from wroll_fem.case.descriptions import meaning_of, name_of, sections, unit_of
 from wroll_fem.report.values import quantity
