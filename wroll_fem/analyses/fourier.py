@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wroll_fem.case.kinds import RollModalCase
     from wroll_fem.fem.fourier import FourierModel
     from wroll_fem.fem.fourier_modes import FourierMode
+    from wroll_fem.fem.fourier_roll import FourierRoll
     from wroll_fem.progress import Progress
 
 
@@ -36,12 +37,13 @@ def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
         stage.update(1, f"harmonics 0 to {max(mode.symmetry.wave_number for mode in found)}")
     listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.symmetry.wave_number else (False,))]
     listed = listed[: case.modal.count]
-    fraction, share = np.zeros((len(listed), 3)), np.zeros(len(listed))
+    fraction, share, tip = np.zeros((len(listed), 3)), np.zeros(len(listed)), np.zeros(len(listed))
     for row, (mode, turned) in enumerate(listed):
         direction = "y" if turned and mode.symmetry.wave_number == 1 else mode.symmetry.direction
         if direction is not None:
             fraction[row, "xyz".index(direction)] = mode.participation**2 / roll.mass_total
-            share[row] = mode.tip * mode.participation if direction == case.direction else 0.0
+            tip[row] = mode.tip if direction == case.direction else 0.0
+            share[row] = tip[row] * mode.participation
     nodes, cells, shapes = _shapes(roll.model, listed, case.mesh.circumferential)
     dataset = xr.Dataset(
         {
@@ -57,9 +59,30 @@ def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
         },
         coords={"mode": np.arange(1, len(listed) + 1), "component": ["x", "y", "z"]},
     )
+    if case.probes:
+        dataset = _with_probes(dataset, case, roll, listed, tip)
     dofs = 3 * len(roll.model.nodes)
     dataset.attrs |= {"dofs": dofs, "interface_points": 0, "mass_total_kg": roll.mass_total}
     return annotate(dataset)
+
+
+def _with_probes(
+    dataset: xr.Dataset, case: RollModalCase, roll: FourierRoll, modes: list[tuple[FourierMode, bool]], tip: FloatArray
+) -> xr.Dataset:
+    """Dataset with the displacement of the modes at the tip, along the excitation, and at the probes of the case."""
+    from wroll_fem.analyses.shared.assembly import named_probes
+    from wroll_fem.fem.fourier_probe import mode_at_probe
+    from wroll_fem.mesh.generate import shell_layout
+
+    radius = {name: at for name, at, _ in shell_layout(case)}
+    probes = named_probes(case.probes)
+    rows = [
+        [mode_at_probe(roll, mode, probe, radius[probe.body], turned=turned) for mode, turned in modes]
+        for probe in probes.values()
+    ]
+    return dataset.assign_coords(probe=["tip", *probes]).assign(
+        mode_at_probe=(("mode", "probe"), np.array([tip, *rows]).T)
+    )
 
 
 def _shapes(

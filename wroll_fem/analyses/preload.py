@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import xarray as xr
 
 from wroll_fem.analyses.registry import Analysis
@@ -19,9 +20,12 @@ if TYPE_CHECKING:
 
 
 def run_preload(case: PreloadCase, *, progress: Progress) -> xr.Dataset:
-    """Compute contact pressure and friction traction of every interface under the preload."""
+    """Compute contact pressure and friction traction under the preload, and the displacement of the probes."""
     system, state = prepare(case, progress)
     dataset = interface_fields(system, state)
+    if len(system.probe_names) > 1:
+        at_probes = np.array([system.probes[name] @ state.displacement for name in system.probe_names])
+        dataset = dataset.assign_coords(probe=list(system.probe_names)).assign(probe_displacement=("probe", at_probes))
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points}
     return annotate(dataset)
 

@@ -108,10 +108,18 @@ def transient_dataset(
         **_zone_fields(zones),
         **_capacity_fields(capacity_at, shape),
     }
-    coords = {
+    coords: dict[str, Any] = {
         "mode": np.arange(1, len(modes.frequencies_hz) + 1), "time": run.time,
         "cycle": np.arange(1, run.change.size + 1), "amplitude_g": levels_g,
     }  # fmt: skip
+    if modes.probes:
+        at_probes = np.array([modes.tip, *modes.probes.values()])
+        data |= {
+            "probe_displacement": (("probe", "time"), at_probes @ run.state.coordinate),
+            "probe_acceleration": (("probe", "time"), at_probes @ run.state.acceleration),
+            "mode_at_probe": (("mode", "probe"), at_probes.T),
+        }
+        coords["probe"] = ["tip", *modes.probes]
     dataset = xr.Dataset(data, coords=coords)
     dataset.attrs |= {
         "f_n_hz": float(modes.frequencies_hz[driven]),

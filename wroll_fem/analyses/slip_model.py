@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 import xarray as xr
 
-from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies, named_probes
 from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
 from wroll_fem.case.kinds import ModalTransientCase
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.progress import Progress
 
-_MODES = ("geometry", "mandrel", "coil", "mesh", "modal")
+_MODES = ("geometry", "mandrel", "coil", "mesh", "modal", "probes")
 """Case sections on which the modes depend, besides the direction of the excitation."""
 
 
@@ -37,20 +37,23 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
     if case.coil.model != "solid":
         raise needs_solid_coil()
     material, count = case.coil.material.solid(), case.modal.count
-    direction = DIRECTIONS[case.direction]
+    direction, probes = DIRECTIONS[case.direction], named_probes(case.probes)
     if case.mesh.discretisation == "fourier":
         from wroll_fem.coiled_stiff import fourier_stress
         from wroll_fem.fem.fourier_roll import FourierRoll
         from wroll_fem.mesh.axisymmetric import unrefined_mesh
+        from wroll_fem.mesh.generate import shell_layout
 
+        radius = {name: at for name, at, _ in shell_layout(case)}
         return fourier_stress.shear_modes(
             FourierRoll(case), material, unrefined_mesh(case), count=count, direction=direction,
             circumferential=case.mesh.circumferential,
+            probes={name: (probe, radius[probe.body]) for name, probe in probes.items()},
         )  # fmt: skip
     from wroll_fem.coiled_stiff import solid_stress
 
     bodies = build_bodies(case, symmetric=False)
-    return solid_stress.shear_modes(bodies, material, count=count, direction=direction)
+    return solid_stress.shear_modes(bodies, material, count=count, direction=direction, probes=probes)
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COSINE, SINE, FourierModel
 from wroll_fem.fem.fourier_modes import lowest_modes
+from wroll_fem.fem.fourier_probe import mode_at_probe
 from wroll_fem.fem.fourier_roll import FourierRoll
 from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
 from wroll_fem.structure.materials import CylindricalOrthotropic
+from wroll_fem.structure.probe import Probe
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
@@ -25,6 +29,7 @@ def shear_modes(
     count: int,
     direction: int,
     circumferential: int,
+    probes: Mapping[str, tuple[Probe, float]] | None = None,
 ) -> ShearModes:
     """Modes along the excitation among the lowest modes of a roll, with their shear stress in the coil.
 
@@ -49,6 +54,8 @@ def shear_modes(
         Number of elements around the circumference of the equivalent three-dimensional mesh. The stress is evaluated
         at twice as many angles, rounded up to a multiple of four, so that points lie on the axis of the excitation and
         on its normal.
+    probes
+        Points whose displacement the modes contain, by name, each with the radius of its mid-surface, m.
 
     Raises
     ------
@@ -80,6 +87,10 @@ def shear_modes(
         srt=np.array([np.outer(sine, srt).ravel() for _, srt in fields]).reshape(len(modes), -1),
         mass_total=roll.mass_total,
         kinds=tuple(mode.kind for mode in modes),
+        probes={
+            name: np.array([mode_at_probe(roll, mode, probe, radius, turned=turn > 0.0) for mode in modes])
+            for name, (probe, radius) in (probes or {}).items()
+        },
     )
 
 

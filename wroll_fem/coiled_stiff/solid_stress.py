@@ -11,7 +11,7 @@ thesis, section 2.4, equation 2.17 (the two components that cause slip between w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.structure.body import Body, SolidPart
 from wroll_fem.structure.materials import CylindricalOrthotropic
 from wroll_fem.structure.mode_shapes import align_pairs, are_degenerate, classify_mode
+from wroll_fem.structure.probe import Probe, probe_row
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
@@ -29,7 +30,14 @@ GAUSS_POINTS = 2
 _CELLS_AT_ONCE = 512  # limits the memory for the gradients
 
 
-def shear_modes(bodies: Sequence[Body], material: CylindricalOrthotropic, *, count: int, direction: int) -> ShearModes:
+def shear_modes(
+    bodies: Sequence[Body],
+    material: CylindricalOrthotropic,
+    *,
+    count: int,
+    direction: int,
+    probes: Mapping[str, Probe] | None = None,
+) -> ShearModes:
     """Lowest modes of a roll and the shear stress of each in its solid coil.
 
     Parameters
@@ -43,6 +51,8 @@ def shear_modes(bodies: Sequence[Body], material: CylindricalOrthotropic, *, cou
         a single mode of a pair is arbitrary.
     direction
         Direction of the base motion: 0 for x, 1 for y.
+    probes
+        Points of the mandrel whose displacement the modes contain, by name.
 
     Raises
     ------
@@ -70,6 +80,7 @@ def shear_modes(bodies: Sequence[Body], material: CylindricalOrthotropic, *, cou
         srt=material.G_r_theta * rt,
         mass_total=body.mass_total,
         kinds=tuple(classify_mode(bodies, vector).kind for vector in vectors.T),
+        probes={name: np.asarray(probe_row(body, probe) @ vectors) for name, probe in (probes or {}).items()},
     )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,6 +45,8 @@ class ShearModes:
         Mass of the roll, tip mass included, kg.
     kinds
         Kind of each mode ("bending", "torsion", ...) as in `wroll_fem.structure.mode_shapes`; empty if unknown.
+    probes
+        Name -> (n_modes,) displacement at a named probe per modal coordinate, 1/sqrt(kg).
 
     Raises
     ------
@@ -60,6 +63,7 @@ class ShearModes:
     srt: FloatArray
     mass_total: float
     kinds: tuple[str, ...] = ()
+    probes: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         modes, points = len(self.frequencies_hz), len(self.volumes)
@@ -70,5 +74,8 @@ class ShearModes:
         for name, shape in wanted.items():
             if np.shape(getattr(self, name)) != shape:
                 raise ValueError(f"{name} must have the shape {shape}, got {np.shape(getattr(self, name))}")
+        for name, row in self.probes.items():
+            if np.shape(row) != (modes,):
+                raise ValueError(f"probe {name} must have the shape {(modes,)}, got {np.shape(row)}")
         if self.kinds and len(self.kinds) != modes:
             raise ValueError(f"kinds must have one entry for each of the {modes} modes, got {len(self.kinds)}")

@@ -106,6 +106,11 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     return _wound(case, case.wound, bodies, system)
 
 
+def named_probes(points: Mapping[str, ProbePoint] | None) -> dict[str, Probe]:
+    """Probes of the case section `probes` by name; the tip is not among them."""
+    return {name: Probe(at.theta, at.z, at.direction, at.body) for name, at in (points or {}).items()}
+
+
 def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, ProbePoint], direction: int) -> System:
     """System with the tip and the named points of the case as probes.
 
@@ -120,10 +125,9 @@ def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, Pro
     """
     starts = np.concatenate([[0], np.cumsum([body.n_dofs for body in bodies])])
     rows, rigid = dict(system.probes), {}
-    for name, point in points.items():
-        index = next(k for k, body in enumerate(bodies) if body.name == point.body)
+    for name, probe in named_probes(points).items():
+        index = next(k for k, body in enumerate(bodies) if body.name == probe.body)
         row = np.zeros(system.n_dofs)
-        probe = Probe(point.theta, point.z, point.direction, point.body)
         row[starts[index] : starts[index + 1]] = probe_row(bodies[index], probe)
         rows[name] = row
         rigid[name] = float(unit_vector(probe)[direction])
