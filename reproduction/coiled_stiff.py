@@ -13,7 +13,7 @@ from reproduction.verdict import Verdict
 from reproduction.words import numbers
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.structure.mode_shapes import main_bending
 from wroll_fem.typing import FloatArray
 
@@ -54,12 +54,12 @@ def frequencies(evidence: Evidence, cases: Sequence[Sequence[str]]) -> list[floa
     return [bending(data) for data in evidence.results(cases)]
 
 
-def alone(members: Sequence[SeriesMember]) -> float:
+def alone(members: Sequence[StudyCase]) -> float:
     """Bending frequency of the reference case of a study, Hz."""
     return next(bending(m.data) for m in members if m.reference)
 
 
-def curve(members: Sequence[SeriesMember], modulus: float | None = None) -> tuple[FloatArray, FloatArray]:
+def curve(members: Sequence[StudyCase], modulus: float | None = None) -> tuple[FloatArray, FloatArray]:
     """Interlayer shear moduli (Pa, ascending) and bending frequencies (Hz) of a study."""
     own = [m for m in members if not m.reference and (modulus is None or m.values[MODULUS] == modulus)]
     own.sort(key=lambda m: float(m.values[SHEAR]))

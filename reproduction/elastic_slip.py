@@ -18,7 +18,7 @@ from wroll_fem.contact.kernels import interface_work
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import PRESSURE, SeriesMember, read
+from wroll_fem.plotting.study import PRESSURE, StudyCase, read
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.transmissibility import magnitude
 
@@ -39,7 +39,7 @@ SENTENCES = {
 }
 
 
-def members(evidence: Evidence, series: str) -> list[SeriesMember]:
+def members(evidence: Evidence, series: str) -> list[StudyCase]:
     """Cases of one study in order of decreasing elastic slip."""
     _, study, pressure = SERIES[series]
     found = [m for m in evidence.study(study) if float(m.values[PRESSURE]) == pressure]

@@ -23,7 +23,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.jobs.batch import load_series, run_grid
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import load_dataset, save_dataset
@@ -65,7 +65,7 @@ class Evidence:
                 "the case files of the studies are missing", file=str(self.configs),
                 remedy="run from a clone of the project, which contains configs/",
             )  # fmt: skip
-        self._studies: dict[str, list[SeriesMember]] = {}
+        self._studies: dict[str, list[StudyCase]] = {}
         self._results: dict[str, xr.Dataset] = {}
         self._pool: ProcessPoolExecutor | None = None
 
@@ -147,7 +147,7 @@ class Evidence:
 
     # ---- studies ---------------------------------------------------------------------------------
 
-    def study(self, name: str) -> list[SeriesMember]:
+    def study(self, name: str) -> list[StudyCase]:
         """Finished cases of configs/studies/NAME.yaml in the order of the grid; missing cases are run.
 
         Raises
@@ -167,7 +167,7 @@ class Evidence:
             raise InputError(f"study {name} has no finished case", remedy=f"see {self.folder / 'studies' / name}")
         return self._studies[name]
 
-    def one(self, study: str, **wanted: Any) -> SeriesMember:
+    def one(self, study: str, **wanted: Any) -> StudyCase:
         """Case of a study with given values; argument names are dotted keys with __ for each dot.
 
         Raises
@@ -181,7 +181,7 @@ class Evidence:
                 return member
         raise InputError(f"study {study} has no finished case with {values}", remedy="check its run folders")
 
-    def reference(self, study: str) -> SeriesMember:
+    def reference(self, study: str) -> StudyCase:
         """Reference case of a study, outside its grid.
 
         Raises
@@ -194,7 +194,7 @@ class Evidence:
                 return member
         raise InputError(f"the reference of study {study} is not finished", remedy="see its run folder")
 
-    def summary(self, study: str, member: SeriesMember) -> dict[str, Any]:
+    def summary(self, study: str, member: StudyCase) -> dict[str, Any]:
         """Content of summary.json of a case of a study."""
         return RunFolder(self.folder / "studies" / study / member.name).summary()
 

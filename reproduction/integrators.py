@@ -17,7 +17,7 @@ from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import SeriesMember, read
+from wroll_fem.plotting.study import StudyCase, read
 from wroll_fem.signals.transmissibility import magnitude
 
 STUDY, SCHEME = "integrators_source", "integrator.scheme"
@@ -76,18 +76,18 @@ def c112(evidence: Evidence) -> Verdict:
     return Verdict(value, gap < 1e-6 and abs(none) < 1e-10 and none < fidelity < moderate < euler)
 
 
-def by_scheme(evidence: Evidence) -> dict[str, SeriesMember]:
+def by_scheme(evidence: Evidence) -> dict[str, StudyCase]:
     """Scheme -> sweep with the time step of the thesis."""
     found = {str(m.values[SCHEME]): m for m in evidence.study(STUDY)}
     return {name: found[name] for name in NAMES if name in found}
 
 
-def reference(evidence: Evidence) -> SeriesMember:
+def reference(evidence: Evidence) -> StudyCase:
     """Sweep with alpha = -0.05 and a fraction of the time step of the thesis."""
     one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
     steps = FINER * one.case.expect(SweepCase).integrator.steps_per_cycle
     data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
-    return SeriesMember("reference", {}, data)
+    return StudyCase("reference", {}, data)
 
 
 def c113(evidence: Evidence) -> Verdict:

@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from reproduction.evidence import Evidence
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.convergence import first_bending
-from wroll_fem.plotting.study import PRESSURE, SeriesMember, is_sweep, read
+from wroll_fem.plotting.study import PRESSURE, StudyCase, is_sweep, read
 
 PRELOAD_STUDY = {"free": "preload", "clamped": "preload_clamped"}
 """Base condition of the layer -> study of sweeps over the preload."""
 
 
-def sweeps(evidence: Evidence, base: str) -> list[SeriesMember]:
+def sweeps(evidence: Evidence, base: str) -> list[StudyCase]:
     """Sweeps with one base condition, in order of increasing preload.
 
     Raises
@@ -34,7 +34,7 @@ def bound(evidence: Evidence, interface: str, base: str) -> float:
 
 
 def beside(
-    evidence: Evidence, said: Callable[[Sequence[SeriesMember]], str], found: Callable[[str], Sequence[SeriesMember]]
+    evidence: Evidence, said: Callable[[Sequence[StudyCase]], str], found: Callable[[str], Sequence[StudyCase]]
 ) -> str:
     """Results for the free base, on which claims are judged, and for the clamped base, as text.
 

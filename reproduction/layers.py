@@ -15,7 +15,7 @@ from reproduction.verdict import Verdict
 from reproduction.words import kpa, numbers
 from wroll_fem.analyses.shared.preflight import interface_pressures
 from wroll_fem.errors import InputError
-from wroll_fem.plotting.study import SeriesMember, is_sweep, read
+from wroll_fem.plotting.study import StudyCase, is_sweep, read
 from wroll_fem.results.interface_slip import slipping_area_fraction, surface
 from wroll_fem.typing import FloatArray
 
@@ -23,7 +23,7 @@ AMPLITUDE = "excitation.amplitude"
 DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped"}
 """Base condition of the layers -> study of dwells at 150 Hz."""
 
-Members = Sequence[SeriesMember]
+Members = Sequence[StudyCase]
 
 
 class Slip(NamedTuple):
@@ -35,12 +35,12 @@ class Slip(NamedTuple):
     angle: float
 
 
-def dwells(evidence: Evidence, base: str = "free") -> list[SeriesMember]:
+def dwells(evidence: Evidence, base: str = "free") -> list[StudyCase]:
     """Dwells with one base condition, in order of increasing level."""
     return sorted(evidence.study(DWELL_STUDY[base]), key=lambda m: float(m.values[AMPLITUDE]))
 
 
-def level(member: SeriesMember) -> str:
+def level(member: StudyCase) -> str:
     """Level of a dwell as text, "1 g"."""
     return f"{member.values[AMPLITUDE] / GRAVITY:.3g} g"
 
@@ -50,13 +50,13 @@ def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:
     return beside(evidence, said, lambda base: dwells(evidence, base))
 
 
-def areas(member: SeriesMember) -> FloatArray:
+def areas(member: StudyCase) -> FloatArray:
     """Area of each interface that slips at any time, m^2."""
     total = member.data["area"].values.sum(axis=-1)
     return np.asarray(slipping_area_fraction(member.data).values * total)
 
 
-def largest(member: SeriesMember) -> Slip:
+def largest(member: StudyCase) -> Slip:
     """Largest relative displacement of a dwell."""
     best = Slip(0, 0.0, 0.0, 0.0)
     for k in range(member.data.sizes["interface"]):
@@ -69,7 +69,7 @@ def largest(member: SeriesMember) -> Slip:
     return best
 
 
-def top(member: SeriesMember) -> float:
+def top(member: StudyCase) -> float:
     """Height of the highest slipping point, m; 0 if there is none."""
     slipped = member.data["slipped"].values.astype(bool).any(axis=0)
     return float(member.data["z_m"].values[slipped].max(initial=0.0))

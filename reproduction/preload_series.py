@@ -11,10 +11,10 @@ from reproduction.evidence import Evidence
 from reproduction.lab_studies import beside, sweeps
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, listed, monotone, rank_correlation
-from wroll_fem.plotting.study import SeriesMember, friction_work, natural_frequency, read
+from wroll_fem.plotting.study import StudyCase, friction_work, natural_frequency, read
 from wroll_fem.signals.base_motion import chirp_law
 
-Members = Sequence[SeriesMember]
+Members = Sequence[StudyCase]
 
 
 def both_bases(evidence: Evidence, said: Callable[[Members], str]) -> str:

@@ -12,7 +12,7 @@ from reproduction.evidence import Evidence
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import PRESSURE, SeriesMember, natural_frequency
+from wroll_fem.plotting.study import PRESSURE, StudyCase, natural_frequency
 from wroll_fem.plotting.two_dof import plot_two_dof
 from wroll_fem.signals.transmissibility import magnitude
 from wroll_fem.two_dof import TwoMasses
@@ -29,7 +29,7 @@ def lab_values(evidence: Evidence) -> tuple[float, float]:
     return float(material.rho), float(material.E)
 
 
-def with_lab_density(evidence: Evidence) -> list[SeriesMember]:
+def with_lab_density(evidence: Evidence) -> list[StudyCase]:
     """Cases of the finite-element map with the density of the lab roll."""
     rho = lab_values(evidence)[0]
     return [m for m in evidence.study(SPACE_STUDY) if float(m.values[DENSITY]) == rho]
@@ -41,7 +41,7 @@ def plot_both_models(evidence: Evidence) -> Axes:
     members = [m for m in with_lab_density(evidence) if float(m.values[MODULUS]) == modulus]
     if not members:
         raise InputError(f"study {SPACE_STUDY} has no case of the lab roll", remedy="see its run folders")
-    alone = natural_frequency(SeriesMember("mandrel", {}, evidence.result("lab_mandrel")))
+    alone = natural_frequency(StudyCase("mandrel", {}, evidence.result("lab_mandrel")))
     size = (1.55 * style.WIDTH, 4.8)
     _, (left, right) = plt.subplots(1, 2, figsize=size, dpi=style.DPI, layout="constrained", sharey=True)
     style.axes(left)
@@ -69,7 +69,7 @@ def plot_both_models(evidence: Evidence) -> Axes:
     return left
 
 
-def peak_of(member: SeriesMember) -> tuple[float, float]:
+def peak_of(member: StudyCase) -> tuple[float, float]:
     """Resonance frequency (Hz) and peak of a case."""
     return float(member.data.attrs["f_n_hz"]), float(member.data.attrs["peak_transmissibility"])
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from reproduction.evidence import Evidence
 from reproduction.explicit import ZETA
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.two_dof import PeriodicSolver, TwoMasses, integrate_to_steady_state, response_map
 from wroll_fem.two_dof.time import dwell
 from wroll_fem.typing import FloatArray
@@ -113,7 +113,7 @@ def over_stiffness(evidence: Evidence) -> dict[float, float]:
     return {float(k2): float(v) for k2, v in zip(data["k2"], data["zeta"].max("friction_capacity"), strict=True)}
 
 
-def largest_damping(members: Sequence[SeriesMember], *keys: str) -> dict[tuple[float, ...], float]:
+def largest_damping(members: Sequence[StudyCase], *keys: str) -> dict[tuple[float, ...], float]:
     """Values of given keys -> largest half-power damping of the cases with these values."""
     found: dict[tuple[float, ...], float] = {}
     for member in members:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from scipy.stats import spearmanr
 
-from wroll_fem.plotting.study import PRESSURE, SeriesMember
+from wroll_fem.plotting.study import PRESSURE, StudyCase
 
 SLACK = 0.005
 """Tolerated violation of monotonicity due to numerical noise, relative to the range (note 10 of the checklist)."""
@@ -23,12 +23,12 @@ def numbers(values: Iterable[float], form: str, joined: str = ", ") -> str:
     return joined.join(f"{value:{form}}" for value in values)
 
 
-def listed(members: Iterable[SeriesMember], value: Callable[[SeriesMember], float], form: str) -> str:
+def listed(members: Iterable[StudyCase], value: Callable[[StudyCase], float], form: str) -> str:
     """One value of every case of a study, as text."""
     return numbers((value(m) for m in members), form)
 
 
-def kpa(member: SeriesMember) -> str:
+def kpa(member: StudyCase) -> str:
     """External pressure of a case as text, "17.8 kPa"."""
     return f"{member.values[PRESSURE] / 1e3:.3g} kPa"
 

@@ -125,6 +125,7 @@ copy() { # file of this machine, at the same path inside the chroot
 }
 bind /proc
 bind /dev
+bind /dev/pts # terminals for the tests of the progress bars
 if [ -f "$root/.mirror" ]; then bind "$(cat "$root/.mirror")"; fi # an archive on a disk of this machine
 copy /etc/resolv.conf
 copy /etc/hosts

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
     from wroll_fem.jobs.grid import load_grid
     from wroll_fem.plotting import names as plot
-    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.plotting.study import StudyCase
     from wroll_fem.report import write_report
     from wroll_fem.result import Result
     from wroll_fem.results.dataset import save_dataset as save_result
@@ -92,7 +92,7 @@ _HOMES = {
     "analyses": "case_warnings estimate",
     "analyses.slip_model": "SlipModel",
     "jobs.grid": "load_grid",
-    "plotting.study": "SeriesMember",
+    "plotting.study": "StudyCase SeriesMember=StudyCase",
     "results.dataset": "save_result=save_dataset",
     "report": "write_report",
     "signals.damping": "half_power",
@@ -113,11 +113,11 @@ __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
     "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal",
     "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload",
-    "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "SeriesMember", "Sine", "SlipModel",
-    "SmoothedCoulomb", "SmoothedFriction", "Solver", "System", "Winding", "WrollError", "__version__", "batch_table",
-    "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case", "load_grid",
-    "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model", "summarise",
-    "transmissibility", "two_dof", "write_report",
+    "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "Sine", "SlipModel",
+    "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding", "WrollError", "__version__",
+    "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case",
+    "load_grid", "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model",
+    "summarise", "transmissibility", "two_dof", "write_report",
 ]  # fmt: skip
 
 

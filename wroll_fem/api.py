@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from wroll_fem.analyses.slip_model import SlipModel
     from wroll_fem.jobs.batch import Outcome
-    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.plotting.study import StudyCase
 
 ShowProgress = bool | Progress | None
 
@@ -209,7 +209,7 @@ def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
 
 def run_series(
     case: Case, keys: Mapping[str, Sequence[Any]], *, reference: Case | None = None, progress: ShowProgress = None
-) -> list[SeriesMember]:
+) -> list[StudyCase]:
     """Run every combination of dotted keys in memory, one after the other, for the figures of a study.
 
     Parameters
@@ -223,7 +223,7 @@ def run_series(
 
     Returns
     -------
-    list of SeriesMember
+    list of StudyCase
         Name, `values` (dotted key -> value) and `data` (the result) of every case; the reference is last.
 
     Raises
@@ -237,15 +237,15 @@ def run_series(
     -----
     For longer studies use `run_grid`, which runs cases in parallel processes and keeps finished cases.
     """
-    from wroll_fem.plotting.study import SeriesMember, shown
+    from wroll_fem.plotting.study import StudyCase, shown
 
     members = []
     for combination in itertools.product(*keys.values()):
         values = dict(zip(keys, combination, strict=True))
         members.append((", ".join(shown(key, value) for key, value in values.items()), values, case.changed(values)))
-    done = [SeriesMember(name, values, run(one, progress=progress)) for name, values, one in members]
+    done = [StudyCase(name, values, run(one, progress=progress)) for name, values, one in members]
     if reference is not None:
-        done.append(SeriesMember(REFERENCE, {}, run(reference, progress=progress), reference=True))
+        done.append(StudyCase(REFERENCE, {}, run(reference, progress=progress), reference=True))
     return done
 
 
@@ -312,12 +312,12 @@ def batch_table(out: str | Path) -> xr.Dataset:
         raise InputError(f"cannot be read ({error})", file=str(source), remedy="run the batch again") from None
 
 
-def load_series(grid: Grid | str | Path, out: str | Path) -> list[SeriesMember]:
+def load_series(grid: Grid | str | Path, out: str | Path) -> list[StudyCase]:
     """Read the finished cases of a batch, for the figures of a study.
 
     Returns
     -------
-    list of SeriesMember
+    list of StudyCase
         Cases in the order of the grid, without unfinished cases and outdated results.
 
     Raises

@@ -11,17 +11,17 @@ import xarray as xr
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.series import FIGURES
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.plotting.style import save_figure
 
 PRESSURES, COEFFICIENTS, LEVELS = (1e5, 2e4, 5e4), (0.45, 0.15), (5.0, 2.5)
 
 
-def member(p: float, mu: float, level: float | None) -> SeriesMember:
+def member(p: float, mu: float, level: float | None) -> StudyCase:
     values = {"preload.pressure": p, "contact.friction.mu": mu} | ({"excitation.amplitude": level} if level else {})
     zeta = np.nan if (p, mu) == (2e4, 0.15) else 1e-6 * p * mu * (level or 1.0)
     attrs = {"f_n_hz": 100.0 + 1e-4 * p + mu, "zeta": zeta, "peak_transmissibility": 9.0, "skewness": 0.0}
-    return SeriesMember(f"{p}{mu}{level}", values, xr.Dataset(attrs=attrs))
+    return StudyCase(f"{p}{mu}{level}", values, xr.Dataset(attrs=attrs))
 
 
 def test_every_case_has_its_point_in_the_panel_of_its_level(tmp_path: Path) -> None:
@@ -51,4 +51,4 @@ def test_one_level_is_one_column_and_other_keys_are_refused() -> None:
     first = FIGURES["damping_over_preload"]([member(p, mu, None) for p in PRESSURES for mu in COEFFICIENTS])
     assert len(first.figure.axes) == 2
     with pytest.raises(InputError, match=r"over preload\.pressure and contact\.friction\.mu"):
-        FIGURES["damping_over_preload"]([SeriesMember("a", {"preload.pressure": 1e4}, xr.Dataset())])
+        FIGURES["damping_over_preload"]([StudyCase("a", {"preload.pressure": 1e4}, xr.Dataset())])

@@ -23,7 +23,7 @@ from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.series import FIGURES
-from wroll_fem.plotting.study import SeriesMember, friction_work, read, shown, undamped_curve
+from wroll_fem.plotting.study import StudyCase, friction_work, read, shown, undamped_curve
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.signals.transmissibility import magnitude
 
@@ -42,9 +42,9 @@ def _close() -> Iterator[None]:
     plt.close("all")
 
 
-def reference() -> SeriesMember:
+def reference() -> StudyCase:
     data = xr.Dataset({"mode_frequency": ("mode", [150.0, 900.0]), "tip_participation": ("mode", [1.4, -0.3])})
-    return SeriesMember("reference", {}, data, reference=True)
+    return StudyCase("reference", {}, data, reference=True)
 
 
 def steady(data: xr.Dataset) -> xr.Dataset:
@@ -53,11 +53,11 @@ def steady(data: xr.Dataset) -> xr.Dataset:
     return estimated(data[names].drop_dims("time", errors="ignore") * 0.97)
 
 
-def by_preload(runs: dict[float, xr.Dataset], **extra: object) -> list[SeriesMember]:
-    return [SeriesMember(f"p{p:g}", {"preload.pressure": p, **extra}, data) for p, data in runs.items()]
+def by_preload(runs: dict[float, xr.Dataset], **extra: object) -> list[StudyCase]:
+    return [StudyCase(f"p{p:g}", {"preload.pressure": p, **extra}, data) for p, data in runs.items()]
 
 
-def draw(name: str, members: list[SeriesMember], tmp_path: Path) -> Axes:
+def draw(name: str, members: list[StudyCase], tmp_path: Path) -> Axes:
     ax = FIGURES[name](members)
     assert save_figure(ax, tmp_path / "figure.png").stat().st_size > 10_000
     return ax
@@ -80,7 +80,7 @@ def test_preload_family_draws_every_curve_from_blue_to_red_and_the_mandrel_dashe
     runs: dict[float, xr.Dataset], tmp_path: Path
 ) -> None:
     members = by_preload(runs, **{"coil.base": "free"}) + [reference()]
-    held = SeriesMember("held", {"preload.pressure": 1e4, "coil.base": "clamped"}, sweep(f_n=140.0))
+    held = StudyCase("held", {"preload.pressure": 1e4, "coil.base": "clamped"}, sweep(f_n=140.0))
     ax = draw("transmissibility_over_preload", [*members, held], tmp_path)
     panels = ax.figure.axes
     assert [p.get_legend().get_title().get_text() for p in panels] == ["free base", "clamped base"]
@@ -121,7 +121,7 @@ def test_steady_state_curves_are_dashed_in_the_colour_of_their_sweep(
 def test_elastic_slip_family_has_a_panel_per_preload(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:
     key = "contact.friction.elastic_slip"
     members = [
-        SeriesMember(f"{p:g} {slip:g}", {"preload.pressure": p, key: slip}, data)
+        StudyCase(f"{p:g} {slip:g}", {"preload.pressure": p, key: slip}, data)
         for p in (1e3, 1e5)
         for slip, data in zip((1e-6, 1e-7, 1e-4), runs.values(), strict=True)
     ]
@@ -135,9 +135,7 @@ def test_elastic_slip_family_has_a_panel_per_preload(runs: dict[float, xr.Datase
 
 def test_integrators_are_compared_by_their_peaks(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:
     schemes = ("transient_fidelity", "no_damping", "quasi_static")
-    members = [
-        SeriesMember(s, {"integrator.scheme": s}, d) for s, d in zip(schemes, reversed(runs.values()), strict=True)
-    ]
+    members = [StudyCase(s, {"integrator.scheme": s}, d) for s, d in zip(schemes, reversed(runs.values()), strict=True)]
     peaks = [read(m).peak for m in members]
     said = sentence(draw("integrators", members, tmp_path))
     assert f"lie within {100 * (max(peaks[:2]) / min(peaks[:2]) - 1):.1f} %" in said
@@ -186,11 +184,11 @@ def test_damping_over_frequency_has_a_point_per_preload(
 def test_friction_over_preload_says_the_direction_that_the_data_have(
     runs: dict[float, xr.Dataset], tmp_path: Path
 ) -> None:
-    work = {p: friction_work(SeriesMember("", {}, data)) for p, data in runs.items()}
+    work = {p: friction_work(StudyCase("", {}, data)) for p, data in runs.items()}
     order = sorted(runs, key=work.__getitem__)
     for values, word in ((order, "rises"), (order[::-1], "falls"), ([*order[1:], order[0]], "changes both ways")):
         members = [
-            SeriesMember("", {"preload.pressure": p}, runs[source]) for p, source in zip(PRESSURES, values, strict=True)
+            StudyCase("", {"preload.pressure": p}, runs[source]) for p, source in zip(PRESSURES, values, strict=True)
         ]
         ax = draw("friction_over_preload", members, tmp_path)
         expected = [[1e-3 * p, 1e3 * work[source]] for p, source in zip(PRESSURES, values, strict=True)]
@@ -202,7 +200,7 @@ def test_friction_over_preload_says_the_direction_that_the_data_have(
 
 def test_friction_over_damping_prints_pearsons_correlation(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:
     members = by_preload(runs, **{"coil.base": "free"})
-    held = SeriesMember("held", {"preload.pressure": 1e4, "coil.base": "clamped"}, sweep(f_n=140.0))
+    held = StudyCase("held", {"preload.pressure": 1e4, "coil.base": "clamped"}, sweep(f_n=140.0))
     ax = draw("friction_over_damping", [*members, held], tmp_path)
     work, zeta = [friction_work(m) for m in members], [read(m).zeta for m in members]
     assert f"r = {np.corrcoef(work, zeta)[0, 1]:.2f};" in sentence(ax)
@@ -233,7 +231,7 @@ def test_mesh_friction_measures_against_the_finest_of_the_last_line(
     runs: dict[float, xr.Dataset], tmp_path: Path
 ) -> None:
     data = dict(zip(((1, 10), (1, 20), (6, 10), (6, 20)), [*runs.values(), sweep(slip_limit=21.0)], strict=True))
-    members = [SeriesMember("", {"mesh.grading": g, "mesh.axial": n}, d) for (g, n), d in data.items()]
+    members = [StudyCase("", {"mesh.grading": g, "mesh.axial": n}, d) for (g, n), d in data.items()]
     ax = draw("mesh_friction", members, tmp_path)
     peaks = [read(m).peak for m in members]
     worst = max(range(4), key=lambda k: abs(peaks[k] / peaks[3] - 1))
@@ -249,7 +247,7 @@ def test_mesh_frequency_shades_one_per_cent_around_the_finest(tmp_path: Path) ->
     for around, axial, f in ((16, 5, 143.0), (16, 10, 149.0), (30, 5, 150.5), (30, 10, 148.0)):
         data = modes()
         data["mode_frequency"][:] = data["mode_frequency"].values * f / 148.3
-        members.append(SeriesMember("", {"mesh.circumferential": around, "mesh.axial": axial}, data))
+        members.append(StudyCase("", {"mesh.circumferential": around, "mesh.axial": axial}, data))
     ax = draw("mesh_frequency", members, tmp_path)
     np.testing.assert_allclose(curves(ax)["elements around 16"], [[5, 143.0], [10, 149.0]])
     band = ax.patches[0].get_bbox()
@@ -261,7 +259,7 @@ def test_mesh_frequency_shades_one_per_cent_around_the_finest(tmp_path: Path) ->
 # ---- slip ------------------------------------------------------------------------------------------
 
 
-def levels(interfaces: int = 3) -> list[SeriesMember]:
+def levels(interfaces: int = 3) -> list[StudyCase]:
     """3 g, 1 g, 2 g: the threshold of slip falls as the level rises."""
     members = []
     for level in (3, 1, 2):
@@ -270,7 +268,7 @@ def levels(interfaces: int = 3) -> list[SeriesMember]:
         for name in ("peak_slip_axial", "peak_slip_hoop"):
             data[name] = level * data[name]
         data["slipped"] = data["max_slip"] > 1.2e-6
-        members.append(SeriesMember(f"{level}g", {"excitation.amplitude": 9.80665 * level}, data))
+        members.append(StudyCase(f"{level}g", {"excitation.amplitude": 9.80665 * level}, data))
     return members
 
 
@@ -338,7 +336,7 @@ def test_values_are_said_as_people_say_them(key: str, value: object, text: str) 
 
 def test_a_reading_of_the_results_goes_before_that_of_the_curve(runs: dict[float, xr.Dataset]) -> None:
     data = runs[1e4].assign_attrs(f_n_hz=123.0, peak_transmissibility=4.0, zeta=None, skewness=None)
-    found = read(SeriesMember("", {}, data))
+    found = read(StudyCase("", {}, data))
     assert (found.f_n, found.peak) == (123.0, 4.0)
     assert np.isnan(found.zeta)
 
@@ -346,7 +344,7 @@ def test_a_reading_of_the_results_goes_before_that_of_the_curve(runs: dict[float
 @pytest.mark.parametrize("name", sorted(FIGURES))
 def test_a_figure_names_the_keys_it_misses(name: str, runs: dict[float, xr.Dataset]) -> None:
     with pytest.raises(InputError, match=r"needs cases over \w+"):
-        FIGURES[name]([SeriesMember("", {"mesh.file": "a.msh"}, runs[1e4])])
+        FIGURES[name]([StudyCase("", {"mesh.file": "a.msh"}, runs[1e4])])
 
 
 def test_the_undamped_curve_of_the_modes_is_that_of_the_matrices() -> None:
@@ -367,7 +365,7 @@ def test_the_undamped_curve_of_the_modes_is_that_of_the_matrices() -> None:
         dynamic = (system.stiffness - (2 * np.pi * f) ** 2 * system.mass).tocsc()
         motion = spla.spsolve(dynamic, (2 * np.pi * f) ** 2 * (system.mass @ system.influence))
         exact.append(abs(1.0 + system.probes["tip"] @ motion))
-    np.testing.assert_allclose(undamped_curve(SeriesMember("", {}, data), frequency), exact, rtol=1e-2)
+    np.testing.assert_allclose(undamped_curve(StudyCase("", {}, data), frequency), exact, rtol=1e-2)
 
 
 def test_a_ringing_curve_is_marked_and_gives_no_damping(runs: dict[float, xr.Dataset], tmp_path: Path) -> None:

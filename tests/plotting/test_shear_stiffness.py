@@ -8,7 +8,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, bending_mode, crossing
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.structure.mode_shapes import main_bending
 
 
@@ -26,7 +26,7 @@ def member(bending, *, lower=(), values=None, reference=False):
         },
         coords={"component": ["x", "y", "z"]},
     )
-    return SeriesMember("case", values or {}, data, reference=reference)
+    return StudyCase("case", values or {}, data, reference=reference)
 
 
 def test_bending_is_the_pair_with_most_mass_wherever_it_stands():
@@ -35,7 +35,7 @@ def test_bending_is_the_pair_with_most_mass_wherever_it_stands():
     assert bending_mode(low) == (72.0, 4)  # torsion, the ovalling pair and a bending mode without mass lie below
     assert bending_mode(member(97.0)) == (97.0, 1)
     assert main_bending(["torsion"], np.zeros((1, 3))) is None
-    torsion = SeriesMember("loose", {}, low.data.isel(mode=[0]))
+    torsion = StudyCase("loose", {}, low.data.isel(mode=[0]))
     with pytest.raises(InputError, match="the modes of loose include no bending mode; increase it"):
         bending_mode(torsion)
 

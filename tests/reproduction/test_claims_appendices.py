@@ -14,7 +14,7 @@ from support.fake_evidence import judges
 from reproduction import Evidence, elastic_slip, estimators, integrators, kapton_friction, regularised_sign, shear_tests
 from reproduction.verdict import EXPERIMENT, MET, NOT_MET, THESIS_ERROR
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.tribology import RateAndState
 
 QUICK = {
@@ -33,11 +33,11 @@ def test_what_needs_no_run_is_judged_on_the_spot(name: str, evidence: Evidence) 
 # ---- appendices A to D ---------------------------------------------------------------------------
 
 
-def over_slip(peaks: Sequence[float], frequencies: Sequence[float]) -> list[SeriesMember]:
+def over_slip(peaks: Sequence[float], frequencies: Sequence[float]) -> list[StudyCase]:
     found = []
     for slip, peak, f_n in zip((1e-7, 1e-4, 1e-6, 1e-5), peaks, frequencies, strict=True):
         data = xr.Dataset(attrs={"f_n_hz": f_n, "peak_transmissibility": peak, "zeta": 0.01, "skewness": 0.0})
-        found.append(SeriesMember("m", {elastic_slip.SLIP: slip, "preload.pressure": 1.0e3}, data))
+        found.append(StudyCase("m", {elastic_slip.SLIP: slip, "preload.pressure": 1.0e3}, data))
     return found
 
 
@@ -75,7 +75,7 @@ def test_schemes_are_compared_by_their_peaks(evidence: Evidence, monkeypatch: py
     for peaks, word in (((19.4, 19.3, 19.0, 4.7), MET), ((19.4, 19.3, 18.0, 4.7), NOT_MET),
                         ((19.4, 19.3, 19.0, 9.6), NOT_MET)):  # fmt: skip
         members = [
-            SeriesMember("m", {integrators.SCHEME: name}, xr.Dataset(attrs={"f_n_hz": 1.0, "peak_transmissibility": t}))
+            StudyCase("m", {integrators.SCHEME: name}, xr.Dataset(attrs={"f_n_hz": 1.0, "peak_transmissibility": t}))
             for name, t in zip(integrators.NAMES, peaks, strict=True)
         ]
         monkeypatch.setattr(evidence, "study", lambda _, members=members: members)

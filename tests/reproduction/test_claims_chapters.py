@@ -14,7 +14,7 @@ from support.synthetic_roll import contact_points
 from reproduction import Evidence, friction_rate, lab_model, layers, preload_series
 from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from reproduction.words import monotone, numbers, rank_correlation, table
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 
 # ---- real evidence -------------------------------------------------------------------------------
 
@@ -66,7 +66,7 @@ GOOD = {
 """A series that meets C64 to C70, one value per preload."""
 
 
-def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float = 1.0) -> SeriesMember:
+def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, skewness: float = 1.0) -> StudyCase:
     """A chirp from 100 to 200 Hz in 10 s; nine tenths of the friction work come around f_n, the rest at the start."""
     time = np.linspace(0.0, 10.0, 20001)
     frequency = 100.0 * 2.0 ** (time / 10.0)
@@ -183,7 +183,7 @@ def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_
 # ---- layers --------------------------------------------------------------------------------------
 
 
-def dwelt(strength: Sequence[float]) -> list[SeriesMember]:
+def dwelt(strength: Sequence[float]) -> list[StudyCase]:
     """Dwells at 1, 2, 3 g whose relative displacements are multiples of one field; it slips where it exceeds 1 um."""
     found = []
     for g, factor in zip((1, 2, 3), strength, strict=True):

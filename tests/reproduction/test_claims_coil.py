@@ -12,14 +12,14 @@ from support.fake_evidence import FakeEvidence, bending_at, member, reference
 
 from reproduction import Evidence, coil_slip, coiled_stiff, design_map
 from reproduction.verdict import MET, NOT_MET
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 
 # ---- the coil without slip -----------------------------------------------------------------------
 
 STIFFNESS = (1e4, 1e5, 1e7, 1e8, 1.8e8, 3.2e8, 5.6e8, 1e9)
 
 
-def scan(frequencies: Sequence[float], mass_alone: float = 50.0) -> list[SeriesMember]:
+def scan(frequencies: Sequence[float], mass_alone: float = 50.0) -> list[StudyCase]:
     shear = "coil__material__G_r_theta"
     found = [member(bending_at(f), **{shear: G}) for G, f in zip(STIFFNESS, frequencies, strict=True)]
     return [*reversed(found), reference(bending_at(mass_alone))]
@@ -41,7 +41,7 @@ RISING = (72.0, 72.1, 74.0, 80.0, 84.0, 89.0, 94.0, 98.0)
         ("C17", scan((15.0, *RISING[1:])), NOT_MET),
     ],
 )
-def test_scan_of_the_shear_stiffness(name: str, members: list[SeriesMember], word: str, tmp_path: Path) -> None:
+def test_scan_of_the_shear_stiffness(name: str, members: list[StudyCase], word: str, tmp_path: Path) -> None:
     evidence = FakeEvidence(tmp_path, {"shear_stiffness": members})
     assert coiled_stiff.GROUP.judges[name](evidence).word == word
 

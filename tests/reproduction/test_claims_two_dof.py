@@ -13,7 +13,7 @@ from support.fake_evidence import judges
 
 from reproduction import Evidence, two_dof, two_dof_figures, two_dof_study
 from reproduction.verdict import MET, NOT_MET
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 
 # ---- chapter 5 -----------------------------------------------------------------------------------
 
@@ -107,13 +107,13 @@ class SameAgain:
         return type("Motion", (), {"transmissibility": float(tops)})
 
 
-def modulus_study(zeta: Sequence[float]) -> list[SeriesMember]:
+def modulus_study(zeta: Sequence[float]) -> list[StudyCase]:
     """Three moduli at two preloads; the second preload is the worse, and the last cannot be read."""
     found = []
     for modulus, value in zip((2.8e9, 5.6e9, 1.12e10), zeta, strict=True):
         for pressure, share in ((1e4, 1.0), (1e5, 0.5 if modulus < 1e10 else np.nan)):
             values = {"coil.material.E": modulus, "preload.pressure": pressure}
-            found.append(SeriesMember("m", values, xr.Dataset(attrs={"zeta": share * value})))
+            found.append(StudyCase("m", values, xr.Dataset(attrs={"zeta": share * value})))
     return found
 
 
@@ -155,7 +155,7 @@ def test_arrangements_are_told_apart(
 # ---- figures -------------------------------------------------------------------------------------
 
 
-def layer_space() -> list[SeriesMember]:
+def layer_space() -> list[StudyCase]:
     """Two densities, two moduli and two preloads of the lab roll: the stiffer damps more, mass does nothing."""
     frequency = np.linspace(80.0, 340.0, 50)
     found = []
@@ -167,7 +167,7 @@ def layer_space() -> list[SeriesMember]:
             {"frequency": frequency}, {"f_n_hz": f_n, "peak_transmissibility": abs(T).max(), "zeta": zeta},
         )  # fmt: skip
         values = {"coil.material.rho": rho, "coil.material.E": modulus, "preload.pressure": pressure}
-        found.append(SeriesMember("m", values, data))
+        found.append(StudyCase("m", values, data))
     return found
 
 

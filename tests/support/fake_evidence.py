@@ -10,7 +10,7 @@ import xarray as xr
 
 from reproduction import Evidence, Verdict
 from reproduction.reproduce import claim_groups
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 
 
 def judges(*chapters: str) -> dict[str, Callable[[Evidence], Verdict]]:
@@ -24,17 +24,17 @@ class FakeEvidence(Evidence):
     def __init__(
         self,
         folder: Path,
-        studies: Mapping[str, list[SeriesMember]] | None = None,
+        studies: Mapping[str, list[StudyCase]] | None = None,
         summaries: Mapping[str, dict] | None = None,
         answer: Callable[..., xr.Dataset] | None = None,
     ) -> None:
         super().__init__(folder, workers=1)
         self.given, self.summaries, self.answer = dict(studies or {}), summaries or {}, answer
 
-    def study(self, name: str) -> list[SeriesMember]:
+    def study(self, name: str) -> list[StudyCase]:
         return self.given[name]
 
-    def summary(self, study: str, member: SeriesMember) -> dict:
+    def summary(self, study: str, member: StudyCase) -> dict:
         return self.summaries[member.name]
 
     def results(self, cases: Sequence[Sequence[str]]) -> list[xr.Dataset]:
@@ -64,9 +64,9 @@ def bending_at(frequency: float, **more: object) -> xr.Dataset:
     return xr.Dataset(data, coords={"component": ["x", "y", "z"]}, attrs=more)
 
 
-def member(data: xr.Dataset, name: str = "m", **values: object) -> SeriesMember:
-    return SeriesMember(name, {key.replace("__", "."): value for key, value in values.items()}, data)
+def member(data: xr.Dataset, name: str = "m", **values: object) -> StudyCase:
+    return StudyCase(name, {key.replace("__", "."): value for key, value in values.items()}, data)
 
 
-def reference(data: xr.Dataset) -> SeriesMember:
-    return SeriesMember("reference", {}, data, reference=True)
+def reference(data: xr.Dataset) -> StudyCase:
+    return StudyCase("reference", {}, data, reference=True)

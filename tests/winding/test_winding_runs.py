@@ -21,7 +21,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.jobs.run import run_case
 from wroll_fem.plotting.series import FIGURES
-from wroll_fem.plotting.study import SeriesMember
+from wroll_fem.plotting.study import StudyCase
 from wroll_fem.plotting.style import save_figure
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
@@ -165,7 +165,7 @@ def test_figures_of_the_studies(study: str, tmp_path: Path) -> None:
     from wroll_fem.analyses import run_analysis
 
     grid = load_grid(CONFIGS / "studies" / f"{study}.yaml")
-    members = [SeriesMember(m.name, m.values, run_analysis(m.case, progress=SilentProgress())) for m in grid.members]
+    members = [StudyCase(m.name, m.values, run_analysis(m.case, progress=SilentProgress())) for m in grid.members]
     for name in grid.figures:
         ax = FIGURES[name](members)
         assert len(ax.get_lines()) >= 2

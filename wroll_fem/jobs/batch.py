@@ -25,7 +25,7 @@ from wroll_fem.results.summary import netcdf_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.plotting.study import StudyCase
 
 STOP_SECONDS = 30.0
 """Longest wait for running cases to save checkpoints after an interrupt, s."""
@@ -282,7 +282,7 @@ def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
     return xr.Dataset(data, coords={"case_number": ("case", np.arange(1, len(rows) + 1))})
 
 
-def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[SeriesMember]:
+def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[StudyCase]:
     """Read the finished cases of a grid from the folder of its batch, in the order of the grid.
 
     Parameters
@@ -294,7 +294,7 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Seri
     -----
     A folder whose results are those of another case (another hash) does not count.
     """
-    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.plotting.study import StudyCase
     from wroll_fem.results.dataset import load_dataset
 
     out = Path(out)
@@ -303,7 +303,7 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Seri
         done = _found(member, out, retry=False)
         if done is not None and done.status != "failed":
             data = load_dataset(RunFolder(out / member.name).results_file, lazy=lazy)
-            series.append(SeriesMember(member.name, member.values, data, reference=member.name == REFERENCE))
+            series.append(StudyCase(member.name, member.values, data, reference=member.name == REFERENCE))
     return series
 
 

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import (
     MARKERS,
-    SeriesMember,
+    StudyCase,
     axis_label,
     friction_work,
-    grid_members,
+    grid_cases,
     lines_of,
     read,
     shown,
@@ -24,7 +24,7 @@ from wroll_fem.plotting.study import (
 AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
 
 
-def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
+def plot_friction_convergence(members: Sequence[StudyCase]) -> Axes:
     """Plot f_n, peak, zeta and friction work over the number of axial elements, one line per grading.
 
     Raises
@@ -33,10 +33,10 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
         If no case has a value of `mesh.axial`.
     """
     key = AXIAL
-    grid = grid_members(members, "mesh_friction", key)
+    grid = grid_cases(members, "mesh_friction", key)
     line = GRADING if len(values_of(grid, GRADING)) > 1 else None
     figure, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 6.0), dpi=style.DPI, layout="constrained", sharex=True)
-    readings: list[tuple[str, Callable[[SeriesMember], float]]] = [
+    readings: list[tuple[str, Callable[[StudyCase], float]]] = [
         ("Resonance $f_n$ (Hz)", lambda m: read(m).f_n),
         ("Peak transmissibility (–)", lambda m: read(m).peak),
         ("Damping ratio ζ (%)", lambda m: 100 * read(m).zeta),
@@ -65,7 +65,7 @@ def plot_friction_convergence(members: Sequence[SeriesMember]) -> Axes:
     return panels[0, 0]
 
 
-def first_bending(member: SeriesMember) -> float:
+def first_bending(member: StudyCase) -> float:
     """Frequency of the first bending mode of a modal analysis, Hz.
 
     Raises
@@ -78,7 +78,7 @@ def first_bending(member: SeriesMember) -> float:
     return float(member.data["mode_frequency"].values[bending][0])
 
 
-def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_frequency_convergence(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the first bending frequency over the axial element count, one line per circumferential element count.
 
     The shaded band, +-1 % around the finest mesh, is the criterion of the thesis.
@@ -88,7 +88,7 @@ def plot_frequency_convergence(members: Sequence[SeriesMember], ax: Axes | None 
     InputError
         If no case has values of `mesh.axial` and `mesh.circumferential`.
     """
-    grid = grid_members(members, "mesh_frequency", AXIAL, AROUND)
+    grid = grid_cases(members, "mesh_frequency", AXIAL, AROUND)
     ax = style.axes(ax, 4.2)
     finest = max(grid, key=lambda m: (m.values[AXIAL] * m.values[AROUND], m.values[AXIAL]))
     limit = first_bending(finest)

@@ -1,6 +1,6 @@
 """Public figure functions, for example `wf.plot.slip_map(result)`.
 
-Each function takes a Dataset; a figure of a study takes a list of `SeriesMember`. A figure of one panel also takes the
+Each function takes a Dataset; a figure of a study takes a list of `StudyCase`. A figure of one panel also takes the
 `ax` to draw in. Functions return the `ax` and open no window. `save(ax, path)` writes the figure at 150 dpi and closes
 it.
 """
@@ -45,7 +45,7 @@ from wroll_fem.plotting.winding import plot_winding as winding
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from wroll_fem.plotting.study import SeriesMember
+    from wroll_fem.plotting.study import StudyCase
 
 _OLD = {
     "save_figure": "save",
@@ -66,7 +66,7 @@ globals().update(FIGURES)  # figures of a study, by the names that a grid file g
 __all__ += FIGURES
 
 
-def study_figure(name: str, members: Sequence[SeriesMember]) -> Axes:
+def study_figure(name: str, members: Sequence[StudyCase]) -> Axes:
     """Draw the figure of a study that has a given name in grid files (key `figure`).
 
     Raises

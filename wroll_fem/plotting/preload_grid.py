@@ -13,9 +13,9 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.study import (
     MARKERS,
     PRESSURE,
-    SeriesMember,
+    StudyCase,
     axis_label,
-    grid_members,
+    grid_cases,
     having,
     percent,
     read,
@@ -27,7 +27,7 @@ from wroll_fem.plotting.study import (
 FRICTION, LEVEL = "contact.friction.mu", "excitation.amplitude"
 
 
-def plot_damping_over_preload(members: Sequence[SeriesMember]) -> Axes:
+def plot_damping_over_preload(members: Sequence[StudyCase]) -> Axes:
     """Plot damping and frequency over preload, one line per friction coefficient, one column per excitation level.
 
     Parameters
@@ -45,7 +45,7 @@ def plot_damping_over_preload(members: Sequence[SeriesMember]) -> Axes:
     InputError
         When no case has these keys.
     """
-    grid = grid_members(members, "damping_over_preload", PRESSURE, FRICTION)
+    grid = grid_cases(members, "damping_over_preload", PRESSURE, FRICTION)
     levels = values_of(grid, LEVEL) or [None]
     size = (max(style.WIDTH, 1.2 + 3.4 * len(levels)), 5.6)
     _, panels = plt.subplots(

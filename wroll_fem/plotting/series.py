@@ -27,10 +27,10 @@ from wroll_fem.plotting.study import (
     LAYER_BASE,
     MARKERS,
     PRESSURE,
-    SeriesMember,
+    StudyCase,
     axis_label,
     friction_work,
-    grid_members,
+    grid_cases,
     having,
     is_sweep,
     lines_of,
@@ -54,7 +54,7 @@ def _colours(count: int) -> list[Any]:
     return list(_BLUE_TO_RED(np.linspace(0.0, 1.0, count))) if count > 1 else [style.BLUE]
 
 
-def _base_key(members: Sequence[SeriesMember]) -> str | None:
+def _base_key(members: Sequence[StudyCase]) -> str | None:
     """Key of the base condition of the layers if the study varies it, else None."""
     return LAYER_BASE if any(LAYER_BASE in m.values for m in members) else None
 
@@ -68,11 +68,11 @@ def _panels(count: int, height: float) -> list[Axes]:
 
 
 def plot_curves(
-    members: Sequence[SeriesMember],
+    members: Sequence[StudyCase],
     *,
     colour: str,
     panel: str | None = None,
-    sentence: Callable[[Sequence[SeriesMember]], str] | None = None,
+    sentence: Callable[[Sequence[StudyCase]], str] | None = None,
     figure: str = "curves",
 ) -> Axes:
     """Plot transmissibility curves of a study: one colour per value of a key, one panel per value of another.
@@ -95,7 +95,7 @@ def plot_curves(
         If no case has the keys, or a case has no curve.
     """
     keys = [colour] + ([panel] if panel is not None else [])
-    grid = grid_members(members, figure, *keys)
+    grid = grid_cases(members, figure, *keys)
     values = values_of(grid, colour)
     panel_values = values_of(grid, panel) if panel is not None else [None]
     panels = _panels(len(panel_values), 3.9 if len(panel_values) == 1 else 3.1)
@@ -118,7 +118,7 @@ def plot_curves(
     return panels[0]
 
 
-def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Sequence[Any]) -> float:
+def _draw_curves(ax: Axes, members: Sequence[StudyCase], key: str, values: Sequence[Any]) -> float:
     """Draw one panel of `plot_curves`; returns the largest value of its curves."""
     top = 0.0
     swept = any(is_sweep(m) for m in members)
@@ -141,7 +141,7 @@ def _draw_curves(ax: Axes, members: Sequence[SeriesMember], key: str, values: Se
     return top
 
 
-def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | None) -> str:
+def _range_of_resonance(grid: Sequence[StudyCase], key: str, panel: str | None) -> str:
     """Title, one clause per panel: "Free base: resonance rises from 133.6 Hz (10 kPa) to 158.5 Hz (300 kPa)"."""
     parts = []
     for panel_value in values_of(grid, panel) if panel is not None else [None]:
@@ -158,11 +158,11 @@ def _range_of_resonance(grid: Sequence[SeriesMember], key: str, panel: str | Non
     return text[:1].upper() + text[1:]
 
 
-def _by_pressure(members: Sequence[SeriesMember]) -> list[SeriesMember]:
+def _by_pressure(members: Sequence[StudyCase]) -> list[StudyCase]:
     return sorted(members, key=lambda m: m.values[PRESSURE])
 
 
-def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
+def _agreement(grid: Sequence[StudyCase]) -> list[str]:
     """Largest difference between the peaks of sweep and steady state of the same case, as text; empty without pairs."""
     peaks: dict[str, list[float]] = {}
     for m in grid:
@@ -176,7 +176,7 @@ def _agreement(grid: Sequence[SeriesMember]) -> list[str]:
 
 
 def plot_damping_over_frequency(
-    members: Sequence[SeriesMember], ax: Axes | None = None, *, line: str | None = None
+    members: Sequence[StudyCase], ax: Axes | None = None, *, line: str | None = None
 ) -> Axes:
     """Plot zeta over f_n, one point per preload, one line per value of a key (Figs 4.5 and 5.8).
 
@@ -194,7 +194,7 @@ def plot_damping_over_frequency(
     InputError
         If no case has the keys.
     """
-    grid = grid_members(members, "damping_over_frequency", PRESSURE, *([line] if line is not None else []))
+    grid = grid_cases(members, "damping_over_frequency", PRESSURE, *([line] if line is not None else []))
     line = line if line is not None else _base_key(grid)
     ax = style.axes(ax, 4.4)
     said = []
@@ -235,7 +235,7 @@ def plot_damping_over_frequency(
     return ax
 
 
-def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_friction_over_preload(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the friction work of a sweep over the preload, one line per base condition (Fig 4.7).
 
     Raises
@@ -243,7 +243,7 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
     InputError
         If no case has a value of `preload.pressure`.
     """
-    grid = [m for m in grid_members(members, "friction_over_preload", PRESSURE) if is_sweep(m)]
+    grid = [m for m in grid_cases(members, "friction_over_preload", PRESSURE) if is_sweep(m)]
     ax = style.axes(ax, 4.2)
     said = []
     line = _base_key(grid)
@@ -270,7 +270,7 @@ def plot_friction_over_preload(members: Sequence[SeriesMember], ax: Axes | None 
     return ax
 
 
-def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_friction_over_damping(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the friction work of a sweep over zeta, one point per preload (Fig 4.8); clamped bases are left out.
 
     Raises
@@ -278,7 +278,7 @@ def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None 
     InputError
         If fewer than two sweeps have a damping estimate.
     """
-    grid = [m for m in grid_members(members, "friction_over_damping", PRESSURE) if is_sweep(m)]
+    grid = [m for m in grid_cases(members, "friction_over_damping", PRESSURE) if is_sweep(m)]
     grid = _by_pressure([m for m in having(grid, LAYER_BASE, "free") if np.isfinite(read(m).zeta)])
     if len(grid) < 2:
         problem = "the figure friction_over_damping needs two sweeps with a damping estimate"
@@ -302,7 +302,7 @@ def plot_friction_over_damping(members: Sequence[SeriesMember], ax: Axes | None 
     return ax
 
 
-def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
+def plot_friction_along_sweep(members: Sequence[StudyCase]) -> Axes:
     """Plot tip acceleration and friction work along the sweep at the lowest and the highest preload (Fig 4.6).
 
     Raises
@@ -310,7 +310,7 @@ def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
     InputError
         If no case has a value of `preload.pressure`.
     """
-    grid = [m for m in grid_members(members, "friction_along_sweep", PRESSURE) if is_sweep(m)]
+    grid = [m for m in grid_cases(members, "friction_along_sweep", PRESSURE) if is_sweep(m)]
     grid = _by_pressure(having(grid, LAYER_BASE, "free"))
     drawing = plt.figure(figsize=(style.WIDTH, 7.2), dpi=style.DPI, layout="constrained")
     pair = [grid[0], grid[-1]]
@@ -326,11 +326,11 @@ def plot_friction_along_sweep(members: Sequence[SeriesMember]) -> Axes:
     return first[0]
 
 
-def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
+def plot_integrators(members: Sequence[StudyCase]) -> Axes:
     """Plot the transmissibility of one case with several integration schemes (Fig B.3)."""
     key = "integrator.scheme"
 
-    def sentence(grid: Sequence[SeriesMember]) -> str:
+    def sentence(grid: Sequence[StudyCase]) -> str:
         peaks = {m.values[key]: read(m).peak for m in grid}
         hht = {name: peak for name, peak in peaks.items() if name != "quasi_static"}
         text = f"Peaks of the HHT schemes lie within {100 * (max(hht.values()) / min(hht.values()) - 1):.1f} %"
@@ -341,10 +341,10 @@ def plot_integrators(members: Sequence[SeriesMember]) -> Axes:
     return plot_curves(members, colour=key, sentence=sentence, figure="integrators")
 
 
-def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
+def plot_friction_laws(members: Sequence[StudyCase]) -> Axes:
     """Plot transmissibility curves per preload, one panel per friction law: constant and rate-dependent (Fig E.25)."""
 
-    def sentence(grid: Sequence[SeriesMember]) -> str:
+    def sentence(grid: Sequence[StudyCase]) -> str:
         files = values_of(grid, "case")
         worst = 0.0
         for value in values_of(grid, PRESSURE):
@@ -356,11 +356,11 @@ def plot_friction_laws(members: Sequence[SeriesMember]) -> Axes:
     return plot_curves(members, colour=PRESSURE, panel="case", sentence=sentence, figure="friction_laws")
 
 
-def _preload(members: Sequence[SeriesMember]) -> Axes:
+def _preload(members: Sequence[StudyCase]) -> Axes:
     return plot_curves(members, colour=PRESSURE, panel=_base_key(members), figure="transmissibility_over_preload")
 
 
-FIGURES: dict[str, Callable[[Sequence[SeriesMember]], Axes]] = {
+FIGURES: dict[str, Callable[[Sequence[StudyCase]], Axes]] = {
     "transmissibility_over_preload": _preload,
     "damping_over_frequency": plot_damping_over_frequency,
     "damping_over_preload": plot_damping_over_preload,

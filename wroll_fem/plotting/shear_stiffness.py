@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import SeriesMember, grid_members, having, shown, values_of
+from wroll_fem.plotting.study import StudyCase, grid_cases, having, shown, values_of
 from wroll_fem.structure.mode_shapes import main_bending
 from wroll_fem.typing import FloatArray
 
@@ -17,7 +17,7 @@ SHEAR, MODULUS = "coil.material.G_r_theta", "coil.material.E_theta"
 _LOW_MASS = 0.1  # a mode below bending with less than this share of bending's effective mass is "discarded"
 
 
-def bending_mode(member: SeriesMember) -> tuple[float, int]:
+def bending_mode(member: StudyCase) -> tuple[float, int]:
     """Frequency (Hz) and number of the bending mode with the largest effective mass.
 
     The lowest mode has the number 1; a degenerate pair counts once.
@@ -36,14 +36,14 @@ def bending_mode(member: SeriesMember) -> tuple[float, int]:
     return float(frequency[index]), 1 + int(np.count_nonzero(np.diff(below, prepend=0.0) > 1e-5 * below))
 
 
-def _curve(group: Sequence[SeriesMember]) -> tuple[FloatArray, FloatArray, list[int]]:
+def _curve(group: Sequence[StudyCase]) -> tuple[FloatArray, FloatArray, list[int]]:
     """Shear stiffness (Pa, ascending), bending frequency (Hz) and mode number of each case."""
     ordered = sorted(group, key=lambda m: m.values[SHEAR])
     found = [bending_mode(m) for m in ordered]
     return np.array([m.values[SHEAR] for m in ordered]), np.array([f for f, _ in found]), [n for _, n in found]
 
 
-def _reference(members: Sequence[SeriesMember], figure: str, what: str) -> float:
+def _reference(members: Sequence[StudyCase], figure: str, what: str) -> float:
     found = [bending_mode(m)[0] for m in members if m.reference]
     if not found:
         raise InputError(f"the figure {figure} compares with {what}", key="reference", remedy=f"add the case of {what}")
@@ -65,7 +65,7 @@ def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
     return float(np.exp(np.log(x[k - 1]) + share * np.log(x[k] / x[k - 1])))
 
 
-def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_shear_stiffness(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the bending frequency, relative to a coil of mass alone, over the shear stiffness (Fig. 2.13).
 
     Open symbols: bending is not the lowest mode.
@@ -75,7 +75,7 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
     InputError
         If there are fewer than two finished cases, or no reference.
     """
-    grid = grid_members(members, "shear_stiffness", SHEAR)
+    grid = grid_cases(members, "shear_stiffness", SHEAR)
     mass_alone = _reference(members, "shear_stiffness", "the coil as mass without stiffness")
     ax = style.axes(ax, 4.2)
     x, f, number = _curve(grid)
@@ -105,7 +105,7 @@ def plot_shear_stiffness(members: Sequence[SeriesMember], ax: Axes | None = None
     return ax
 
 
-def plot_shear_stiffness_band(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_shear_stiffness_band(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the bending frequency over shear stiffness for each in-plane modulus, and of the mandrel alone (Fig. 2.17).
 
     Open symbols: bending is not the lowest mode.
@@ -115,7 +115,7 @@ def plot_shear_stiffness_band(members: Sequence[SeriesMember], ax: Axes | None =
     InputError
         If there is no finished case, or no reference.
     """
-    grid = grid_members(members, "shear_stiffness_band", SHEAR, MODULUS)
+    grid = grid_cases(members, "shear_stiffness_band", SHEAR, MODULUS)
     mandrel = _reference(members, "shear_stiffness_band", "the mandrel alone")
     ax = style.axes(ax, 4.2)
     curves = {shown(MODULUS, value): _curve(having(grid, MODULUS, value)) for value in values_of(grid, MODULUS)}

@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap, Normalize
 
 from wroll_fem.plotting import style
 from wroll_fem.plotting.slip import in_small_unit, interface_name
-from wroll_fem.plotting.study import SeriesMember, grid_members, shown
+from wroll_fem.plotting.study import StudyCase, grid_cases, shown
 from wroll_fem.results.dataset import label
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
 from wroll_fem.typing import FloatArray
@@ -20,9 +20,9 @@ from wroll_fem.typing import FloatArray
 AMPLITUDE = "excitation.amplitude"
 
 
-def _levels(members: Sequence[SeriesMember], figure: str) -> list[SeriesMember]:
+def _levels(members: Sequence[StudyCase], figure: str) -> list[StudyCase]:
     """Cases in order of increasing excitation."""
-    return sorted(grid_members(members, figure, AMPLITUDE), key=lambda m: m.values[AMPLITUDE])
+    return sorted(grid_cases(members, figure, AMPLITUDE), key=lambda m: m.values[AMPLITUDE])
 
 
 def _unrolled(ax: Axes, *, left: bool, bottom: bool) -> None:
@@ -34,7 +34,7 @@ def _unrolled(ax: Axes, *, left: bool, bottom: bool) -> None:
         ax.spines[side].set_visible(True)
 
 
-def plot_slip_extent(members: Sequence[SeriesMember]) -> Axes:
+def plot_slip_extent(members: Sequence[StudyCase]) -> Axes:
     """Plot where interfaces slipped at any time, one row per excitation level, one column per interface (Fig 4.10).
 
     Parameters
@@ -99,7 +99,7 @@ def _share(fraction: float) -> str:
     return "0 %" if fraction == 0.0 else f"{100 * fraction:.0f} %" if fraction >= 0.01 else "< 1 %"
 
 
-def _extent_sentence(rows: Sequence[SeriesMember], fractions: FloatArray) -> str:
+def _extent_sentence(rows: Sequence[StudyCase], fractions: FloatArray) -> str:
     parts = []
     for m, fraction in zip(rows, fractions, strict=True):
         slipping = int(np.count_nonzero(fraction))
@@ -112,7 +112,7 @@ def _extent_sentence(rows: Sequence[SeriesMember], fractions: FloatArray) -> str
     return textwrap.fill(text, 100)
 
 
-def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) -> Axes:
+def plot_slip_vectors(members: Sequence[StudyCase], max_arrows: int = 330) -> Axes:
     """Plot the largest relative displacements at the lowest excitation as arrows of one scale (Fig 4.11).
 
     Parameters
@@ -180,7 +180,7 @@ def plot_slip_vectors(members: Sequence[SeriesMember], max_arrows: int = 330) ->
 
 
 def _vector_sentence(
-    m: SeriesMember,
+    m: StudyCase,
     hoop: Sequence[FloatArray],
     axial: Sequence[FloatArray],
     theta: Sequence[FloatArray],

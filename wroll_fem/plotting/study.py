@@ -38,7 +38,7 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
 
 
 @dataclass(frozen=True)
-class SeriesMember:
+class StudyCase:
     """One finished case of a study.
 
     Attributes
@@ -59,12 +59,12 @@ class SeriesMember:
     reference: bool = False
 
 
-def read(member: SeriesMember) -> Resonance:
+def read(member: StudyCase) -> Resonance:
     """Resonance and damping in the results of a case."""
     return resonance(member.data)
 
 
-def natural_frequency(member: SeriesMember) -> float:
+def natural_frequency(member: StudyCase) -> float:
     """Natural frequency (Hz) of the mode with the largest tip participation in a modal analysis.
 
     Raises
@@ -76,7 +76,7 @@ def natural_frequency(member: SeriesMember) -> float:
     return float(member.data["mode_frequency"].values[np.abs(member.data["tip_participation"].values).argmax()])
 
 
-def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
+def undamped_curve(member: StudyCase, frequency: FloatArray) -> FloatArray:
     """(n,) undamped |T| at frequencies (n,) in Hz, from the modes of a modal analysis.
 
     Raises
@@ -88,7 +88,7 @@ def undamped_curve(member: SeriesMember, frequency: FloatArray) -> FloatArray:
     return undamped(frequency, member.data["mode_frequency"].values, member.data["tip_participation"].values)
 
 
-def friction_work(member: SeriesMember) -> float:
+def friction_work(member: StudyCase) -> float:
     """Friction work of the whole run, J.
 
     Raises
@@ -100,7 +100,7 @@ def friction_work(member: SeriesMember) -> float:
     return float(member.data["friction_energy"].values[-1])
 
 
-def is_sweep(member: SeriesMember) -> bool:
+def is_sweep(member: StudyCase) -> bool:
     """Whether the case is a sweep in time, with a transmissibility."""
     return "time" in member.data.dims and "transmissibility_real" in member.data
 
@@ -127,7 +127,7 @@ def axis_label(key: str) -> str:
     return f"{name[0].upper()}{name[1:]}" + (f" ({unit})" if unit else "")
 
 
-def grid_members(members: Sequence[SeriesMember], figure: str, *keys: str) -> list[SeriesMember]:
+def grid_cases(members: Sequence[StudyCase], figure: str, *keys: str) -> list[StudyCase]:
     """Cases of the grid that have values of all keys, without the reference.
 
     Raises
@@ -144,14 +144,14 @@ def grid_members(members: Sequence[SeriesMember], figure: str, *keys: str) -> li
     return found
 
 
-def values_of(members: Sequence[SeriesMember], key: str) -> list[Any]:
+def values_of(members: Sequence[StudyCase], key: str) -> list[Any]:
     """Distinct values of a key: numbers in ascending order, others in the order of the cases."""
     unique = {json.dumps(m.values[key]): m.values[key] for m in members if key in m.values}
     found = list(unique.values())
     return sorted(found) if all(isinstance(value, int | float) for value in found) else found
 
 
-def having(members: Sequence[SeriesMember], key: str, value: Any) -> list[SeriesMember]:
+def having(members: Sequence[StudyCase], key: str, value: Any) -> list[StudyCase]:
     """Cases with this value of a key, and cases without the key."""
     return [m for m in members if key not in m.values or m.values[key] == value]
 
@@ -175,9 +175,9 @@ def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
     return "falls" if np.all(steps < allowed) else "changes both ways"
 
 
-def lines_of(members: Sequence[SeriesMember], key: str | None) -> dict[str, list[SeriesMember]]:
+def lines_of(members: Sequence[StudyCase], key: str | None) -> dict[str, list[StudyCase]]:
     """Group cases into lines by the value of a key, with sweeps and steady-state curves apart; label -> cases."""
-    groups: dict[str, list[SeriesMember]] = {}
+    groups: dict[str, list[StudyCase]] = {}
     for value in values_of(members, key) if key is not None else [None]:
         for m in having(members, key, value) if key is not None else members:
             text = shown(key, value) if key is not None else ""

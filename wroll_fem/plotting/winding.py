@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import MARKERS, SeriesMember, axis_label, grid_members, shown, values_of
+from wroll_fem.plotting.study import MARKERS, StudyCase, axis_label, grid_cases, shown, values_of
 from wroll_fem.results.pressure_profile import middle_slope
 
 TENSION, MODULUS = "winding.tension_newton", "winding.web.radial_modulus"
@@ -83,7 +83,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
     return upper
 
 
-def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_soft_and_hard(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot pressure, divided by winding tension, over the radius, one line per radial modulus (Fig 2.4).
 
     Raises
@@ -91,7 +91,7 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
     InputError
         If no case has a radial modulus in the grid, or a Dataset holds no wound roll.
     """
-    grid = grid_members(members, "winding_hardness", MODULUS)
+    grid = grid_cases(members, "winding_hardness", MODULUS)
     for m in grid:
         style.require(m.data, (*_STRESS, "radial_modulus_pa"), "figure of soft and hard rolls")
     grid.sort(key=lambda m: -float(m.data["radial_modulus_pa"].mean()))
@@ -115,7 +115,7 @@ def plot_soft_and_hard(members: Sequence[SeriesMember], ax: Axes | None = None) 
     return ax
 
 
-def _law(member: SeriesMember) -> str:
+def _law(member: StudyCase) -> str:
     """Radial modulus of a case as text."""
     modulus: Mapping[str, Any] = member.values[MODULUS]
     if modulus["law"] == "constant":
@@ -126,7 +126,7 @@ def _law(member: SeriesMember) -> str:
     return "measured table"
 
 
-def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None = None) -> Axes:
+def plot_pressure_over_tension(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
     """Plot the pressure at the mandrel over the winding tension, with the hoop bound (Fig 4.3).
 
     Raises
@@ -134,7 +134,7 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
     InputError
         If no case has a winding tension in the grid, or a Dataset holds no wound roll.
     """
-    grid = sorted(grid_members(members, "winding_tension", TENSION), key=lambda m: float(m.values[TENSION]))
+    grid = sorted(grid_cases(members, "winding_tension", TENSION), key=lambda m: float(m.values[TENSION]))
     for m in grid:
         style.require(m.data, _STRESS, "figure of pressure over tension")
     lines: list[Any] = [key for key in _varied(grid) if key != TENSION]
@@ -174,7 +174,7 @@ def plot_pressure_over_tension(members: Sequence[SeriesMember], ax: Axes | None 
     return ax
 
 
-def _varied(grid: Sequence[SeriesMember]) -> list[str]:
+def _varied(grid: Sequence[StudyCase]) -> list[str]:
     return [key for key in grid[0].values if len(values_of(grid, key)) > 1]
 
 

@@ -1,4 +1,4 @@
-"""A roll with rotational symmetry and springs in its interfaces, one circumferential block at a time."""
+"""A roll with rotational symmetry and springs in its interfaces: its circumferential blocks, tested to be uncoupled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Committed state of the contact, and its trial evaluation."""
+"""Committed state of the contact, and its trial evaluation: tractions, and tangents with a least stiffness."""
 
 from __future__ import annotations
 
