@@ -35,7 +35,9 @@ LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 LOOSE = {"__init__", "api", "cli", "errors", "progress", "typing", "result", "roll"}
 """Modules at the top: the doors, and what every room uses."""
 
-MANY_FILES = {"case": "one file per section of the case file", "plotting": "one file per figure"}
+MANY_FILES = {
+    "analyses": "one file per analysis", "case": "one file per section of the case file", "plotting": "one file per figure",
+}  # fmt: skip
 """Rooms with more than 15 files beside each other, and why."""
 
 DOLFINX_VERSIONS = {"jobs/environment.py", "results/provenance.py"}

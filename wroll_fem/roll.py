@@ -237,6 +237,25 @@ class Roll:
         """Compute the static preload of the layers: interface pressure and friction traction."""
         return self.run("preload", out=out, progress=progress)
 
+    def run_buckling(
+        self,
+        modal: Modal | None = None,
+        *,
+        output: Output | None = None,
+        out: str | Path | None = None,
+        progress: ShowProgress = None,
+    ) -> Result:
+        """Compute the factors of the preload at which the roll buckles, and the buckling modes.
+
+        Parameters
+        ----------
+        modal, output
+            Case sections; None gives the default. `modal` has the number of modes and the springs of the interfaces.
+        out, progress
+            As of `wroll_fem.run`.
+        """
+        return self.run("buckling", modal=modal, output=output, out=out, progress=progress)
+
     def run_modal_transient(
         self,
         excitation: SineExcitation,

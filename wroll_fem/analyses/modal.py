@@ -14,52 +14,21 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.estimates import estimate_modes
+from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
+from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
+from wroll_fem.analyses.shared.springs import linear_springs
 from wroll_fem.case.kinds import ModalCase, RollModalCase, StructureModalCase
-from wroll_fem.case.structural import OnRoll
-from wroll_fem.dynamics.statics.contact_springs import stick_springs
-from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.body import Body
 from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
-TIE_FACTOR = 100.0
-"""Factor on the normal penalty for bonded interfaces, in all directions; frequencies agree with tied ones to 1e-4."""
-
-
 DENSE_MODES = 500
 """Largest number of DOFs for which modes of matrices from a file are computed by a dense eigensolver."""
-
-
-def interface_springs(
-    case: RollModalCase | StructureModalCase, system: System, state: ContactState | None = None
-) -> FloatArray:
-    """Springs (3 n_points,) of the contact degrees of freedom in a linear analysis, Pa/m.
-
-    Parameters
-    ----------
-    case
-        Its `modal.interface` selects the springs. frictionless: bilateral normal contact only; bonded: no relative
-        motion; stuck: normal penalty and stick stiffness mu p / gamma* of the preloaded interface.
-    system
-        System of the case.
-    state
-        Preload state for stuck; None computes it.
-    """
-    kn, n = system.laws.kn, system.n_points
-    bonded = isinstance(case, OnRoll) and case.coil.model == "bonded"
-    kind = "bonded" if bonded else case.modal.interface
-    if kind == "frictionless":
-        return np.concatenate([np.zeros(2 * n), kn])
-    if kind == "bonded":
-        return TIE_FACTOR * np.concatenate([np.repeat(kn, 2), kn])
-    return stick_springs(system, solve_preload(system, steps=case.preload_steps) if state is None else state)
 
 
 def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
@@ -83,13 +52,22 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
 
     with progress.stage("mesh and matrices", 2) as stage:
         bodies = build_bodies(case, symmetric=False)
+        roll = prestressed_roll(case, bodies)
+        bodies = bodies if roll is None else roll.bodies
         stage.update(1)
         system = build_system(case, bodies)
         stage.update(2, f"{system.n_dofs} DOFs")
+    state, factor = None, None
+    if roll is not None:
+        with progress.stage("geometric stiffness", 1) as stage:
+            system, state = contact_state(case, roll, system)
+            springs = linear_springs(case, system, state) if system.interfaces else np.zeros(0)
+            system, factor = add_geometric_stiffness(case, roll, system, state, springs)
+            stage.update(1, f"buckling load: {factor:.4g} x preload")
     with progress.stage("modes", 2) as stage:
         stiffness = system.stiffness
         if system.interfaces:
-            stiffness = sp.csr_matrix(system.with_interface_springs(interface_springs(case, system)))
+            stiffness = sp.csr_matrix(system.with_interface_springs(linear_springs(case, system, state)))
         stage.update(1, "matrices ready")
         # one more than wanted: half a pair at the end would have an arbitrary direction
         more = min(case.modal.count + 1, system.n_dofs)
@@ -112,15 +90,14 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
                 effective_mass_fractions(system.mass, influence, vectors, total),
             ),
             "tip_participation": ("mode", tip_participation(system, vectors)),
-            "mode_shape": (("mode", "node", "component"), _shapes(bodies, vectors)),
-            "node_position": (("node", "component"), np.vstack([part for body in bodies for part in _parts(body)])),
-            "cell_nodes": (("cell", "corner"), _cells(bodies)),
-            **_solid_cells(bodies),
+            **shape_variables(bodies, vectors),
         },
         coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
     )
     dataset = with_probes(dataset, system, vectors)
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": total}
+    if factor is not None and np.isfinite(factor):
+        dataset.attrs["buckling_load_factor"] = factor
     return annotate(dataset)
 
 
@@ -145,7 +122,7 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
     """Compute frequency and effective mass of the undamped modes of matrices from a file."""
     stuck = case.modal.interface == "stuck"
     system, state = prepare(case, progress) if stuck else read_structure(case)
-    springs = interface_springs(case, system, state) if system.interfaces else np.zeros(0)
+    springs = linear_springs(case, system, state) if system.interfaces else np.zeros(0)
     stiffness, mass = sp.csr_matrix(system.with_interface_springs(springs)), system.mass
     count = min(case.modal.count, system.n_dofs)
     with progress.stage("modes", 1) as stage:
@@ -174,49 +151,6 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
     dataset = with_probes(dataset, system, vectors)
     dataset.attrs |= {"dofs": system.n_dofs, "interface_points": system.n_points, "mass_total_kg": moved}
     return annotate(dataset)
-
-
-def _shapes(bodies: list[Body], vectors: FloatArray) -> FloatArray:
-    """Mode shapes (n_modes, n_nodes, 3): nodal displacements, largest 1."""
-    ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
-    parts = []
-    for body, part in zip(bodies, np.split(vectors, ends), strict=True):
-        parts.append((body.expand @ part).reshape(-1, 6, vectors.shape[1])[:, :3])
-        if body.solid is not None:
-            parts.append((body.solid.expand @ part).reshape(-1, 3, vectors.shape[1]))
-    shapes = np.moveaxis(np.vstack(parts), 2, 0)
-    largest = np.linalg.norm(shapes, axis=2).max(axis=1)
-    return np.asarray(shapes / largest[:, None, None])
-
-
-def _parts(body: Body) -> list[FloatArray]:
-    """Nodes of a body, followed by the nodes of its solid coil."""
-    return [body.nodes] if body.solid is None else [body.nodes, body.solid.nodes]
-
-
-def _starts(bodies: list[Body]) -> list[int]:
-    """Index of the first node of each body in the list of all nodes."""
-    return np.concatenate([[0], np.cumsum([sum(map(len, _parts(body))) for body in bodies])]).tolist()
-
-
-def _cells(bodies: list[Body]) -> np.ndarray:
-    """Quads (n, 9) of the shells and of the outer surface of the solid coil."""
-    quads = []
-    for body, start in zip(bodies, _starts(bodies), strict=False):
-        quads.append(body.cells + start)
-        if body.solid is not None:
-            quads.append(body.solid.skin + start + len(body.nodes))
-    return np.vstack(quads)
-
-
-def _solid_cells(bodies: list[Body]) -> dict[str, tuple[tuple[str, str], np.ndarray]]:
-    """Variable with the hexahedra of the solid coil; empty without a solid coil."""
-    cells = [
-        body.solid.cells + start + len(body.nodes)
-        for body, start in zip(bodies, _starts(bodies), strict=False)
-        if body.solid is not None
-    ]
-    return {"solid_cell_nodes": (("solid_cell", "solid_corner"), np.vstack(cells))} if cells else {}
 
 
 _RUNS = {"three_dimensional": run_three_dimensional, "fourier": run_fourier_modal}

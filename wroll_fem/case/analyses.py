@@ -14,6 +14,7 @@ MODULES: dict[str, str] = {
     "modal": "wroll_fem.analyses.modal",
     "modal_transient": "wroll_fem.analyses.modal_transient",
     "preload": "wroll_fem.analyses.preload",
+    "buckling": "wroll_fem.analyses.buckling",
     "winding": "wroll_fem.analyses.winding",
     "design_map": "wroll_fem.analyses.design_map",
     "two_dof": "wroll_fem.analyses.two_dof",

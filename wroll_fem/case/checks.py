@@ -262,6 +262,26 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
         )  # fmt: skip
 
 
+def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
+    """Refuse the geometric stiffness of a preload where the model has none, or no contact to compute the preload with.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    key = "preload.geometric_stiffness"
+    if coil.model == "solid" or mesh.discretisation == "fourier":
+        what = "a solid coil" if coil.model == "solid" else "a roll of Fourier elements"
+        raise validation_error(
+            f"is a property of shells; {what} has no preload", key=key, value=True,
+            remedy="leave it out, or use coil.model: layers with mesh.discretisation: three_dimensional",
+        )  # fmt: skip
+    if coil.model == "layers" and not contact:
+        remedy = "add it (between matched interfaces): the preload acts through the contact"
+        raise validation_error("required section is missing", key="contact", show_value=False, remedy=remedy)
+
+
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
     """Check that the softest coil is softer than the coil of the case and that all mandrels of the map are tubes.
 

@@ -209,6 +209,25 @@ class StructurePreloadCase(PreloadCase, OnStructure):
 
 
 @case_kind
+class BucklingCase(OnRoll):
+    """Linear buckling under the preload."""
+
+    analysis: Literal["buckling"] = Field(description=ANALYSIS)
+    preload: Preload = Field(description=PRELOAD)
+
+    @property
+    def has_geometric_stiffness(self) -> bool:
+        """Always: the analysis is about it."""
+        return True
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        if key == "structure":
+            return "contains only matrices, without stresses", "describe the roll by geometry, mandrel and coil"
+        return super()._refusal(key)
+
+
+@case_kind
 class WindingCase(Case):
     """Stress in the wound roll: pressure between the wraps and friction capacity.
 

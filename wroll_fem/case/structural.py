@@ -11,6 +11,7 @@ from wroll_fem.case.checks import (
     check_base,
     check_direction_of_file,
     check_fourier,
+    check_geometric_stiffness,
     check_interfaces,
     check_pressures,
     check_probes,
@@ -106,12 +107,19 @@ class OnRoll(StructuralCase, RollSections):
         if self.winding is not None:
             check_winding_size(self.winding, self.geometry, self.coil)
         check_fourier(self.coil, self.mesh, self.analysis)
+        if self.has_geometric_stiffness:
+            check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None)
         super()._check()
 
     @property
     def preload_steps(self) -> int:
         """Load steps of the static preload."""
         return DEFAULT_STEPS if self.preload is None else self.preload.steps
+
+    @property
+    def has_geometric_stiffness(self) -> bool:
+        """Whether the structure has the geometric stiffness of its preload."""
+        return self.preload is not None and self.preload.geometric_stiffness
 
     @property
     def wound(self) -> Winding | None:

@@ -169,8 +169,8 @@ class ShellModel:
 
     # ---- kinematics ----------------------------------------------------------------------------------------------
 
-    def _tangents(self) -> tuple[Any, Any]:
-        """Tangent basis P (3 x 2) and unit normal of the curved cell."""
+    def tangents(self) -> tuple[Any, Any]:
+        """Tangent basis P = [e1 e2] (3 x 2) and unit normal e1 x e2 of the curved cell."""
         J = ufl.Jacobian(self.mesh)
         t1, t2 = J[:, 0], J[:, 1]
         e1 = t1 / ufl.sqrt(ufl.dot(t1, t1))
@@ -178,11 +178,11 @@ class ShellModel:
         e2 = ufl.cross(n, e1)
         return ufl.transpose(ufl.as_matrix([[e1[i] for i in range(3)], [e2[i] for i in range(3)]])), n
 
-    def _strains(self, q: Any) -> tuple[Any, Any, Any, Any]:
+    def strains(self, q: Any) -> tuple[Any, Any, Any, Any]:
         """Strains eps, kappa, gamma and omega of the module's docstring for q = [u, theta]."""
-        u, theta = _split(q)
+        u, theta = split(q)
         d = self.director
-        P, n = self._tangents()
+        P, n = self.tangents()
         grad_u, grad_d = ufl.grad(u), ufl.grad(d)
         slope = ufl.cross(theta, d)
         eps = ufl.sym(P.T * grad_u * P)
@@ -192,15 +192,35 @@ class ShellModel:
         omega = ufl.dot(theta, n) - (in_plane[1, 0] - in_plane[0, 1]) / 2
         return eps, kappa, gamma, omega
 
+    def resultants(self, q: Any) -> tuple[Any, Any, Any]:
+        """Membrane forces N (N/m), moments M (N) and shear forces Q (N/m) of a motion q, for the section in `use`."""
+        c = self._constants
+        eps, kappa, gamma, _ = self.strains(q)
+        return (
+            c["membrane"] * plane_stress(eps, c["nu"]),
+            c["bending"] * plane_stress(kappa, c["nu"]),
+            c["shear"] * gamma,
+        )
+
+    def integral(self, mixed: Any, full: Any = None) -> Any:
+        """Integral over the mid-surface of membrane and shear terms (`mixed`) and of bending terms (`full`)."""
+        dx, dx_reduced, alpha = self._dx(_FULL), self._dx(_REDUCED), self._alpha
+        total = alpha * mixed * dx + (1 - alpha) * mixed * dx_reduced
+        return total if full is None else total + full * dx
+
+    def area_integral(self, density: Any) -> Any:
+        """Integral over the mid-surface with 3 x 3 points."""
+        return density * self._dx(_FULL)
+
     # ---- forms, compiled once --------------------------------------------------------------------------------------
 
     @cached_property
     def _stiffness_form(self) -> Any:
         c, alpha = self._constants, self._alpha
-        eps, kappa, gamma, omega = self._strains(ufl.TrialFunction(self.space))
-        eps_v, kappa_v, gamma_v, omega_v = self._strains(ufl.TestFunction(self.space))
-        N = c["membrane"] * _plane_stress(eps, c["nu"])
-        M = c["bending"] * _plane_stress(kappa, c["nu"])
+        eps, kappa, gamma, omega = self.strains(ufl.TrialFunction(self.space))
+        eps_v, kappa_v, gamma_v, omega_v = self.strains(ufl.TestFunction(self.space))
+        N = c["membrane"] * plane_stress(eps, c["nu"])
+        M = c["bending"] * plane_stress(kappa, c["nu"])
         Q = c["shear"] * gamma
         dx, dx_reduced = self._dx(_FULL), self._dx(_REDUCED)
 
@@ -212,8 +232,8 @@ class ShellModel:
 
     @cached_property
     def _mass_form(self) -> Any:
-        u, theta = _split(ufl.TrialFunction(self.space))
-        v, phi = _split(ufl.TestFunction(self.space))
+        u, theta = split(ufl.TrialFunction(self.space))
+        v, phi = split(ufl.TestFunction(self.space))
         c, dx = self._constants, self._dx(_FULL)
         translation = c["mass"] * ufl.inner(u, v) * dx
         rotation = c["rotary"] * ufl.inner(theta, phi) * dx
@@ -221,13 +241,13 @@ class ShellModel:
 
     @cached_property
     def _load_form(self) -> Any:
-        v, _ = _split(ufl.TestFunction(self.space))
+        v, _ = split(ufl.TestFunction(self.space))
         return compat.compile_form(ufl.inner(self._load, v) * self._dx(_FULL))
 
     # ---- assembly --------------------------------------------------------------------------------------------------
 
-    def stiffness(self, section: ShellSection) -> sp.csr_matrix:
-        """(6 n_nodes, 6 n_nodes) unconstrained stiffness, N/m."""
+    def use(self, section: ShellSection) -> None:
+        """Make material and thickness those of `section`."""
         t, G = section.thickness, section.E / (2 * (1 + section.nu))
         plane = section.E / (1 - section.nu**2)
         values = {
@@ -240,13 +260,17 @@ class ShellModel:
         for name, value in values.items():
             self._constants[name].value = value
         self._alpha.x.array[:] = np.minimum(1.0, t**2 / self._area_of_cell)
-        return self._reorder(compat.assemble_csr(self._stiffness_form))
+
+    def stiffness(self, section: ShellSection) -> sp.csr_matrix:
+        """(6 n_nodes, 6 n_nodes) unconstrained stiffness, N/m."""
+        self.use(section)
+        return self.reorder(compat.assemble_csr(self._stiffness_form))
 
     def mass(self, section: ShellSection) -> sp.csr_matrix:
         """(6 n_nodes, 6 n_nodes) consistent mass, kg, with a rotary inertia of rho t^3 / 12 about all three axes."""
         self._constants["mass"].value = section.mass_per_area
         self._constants["rotary"].value = section.rho * section.thickness**3 / 12
-        return self._reorder(compat.assemble_csr(self._mass_form))
+        return self.reorder(compat.assemble_csr(self._mass_form))
 
     def area_load(self, density: FloatArray) -> FloatArray:
         """(6 n_nodes,) consistent nodal forces, N, of a traction with nodal values `density` (n_nodes, 3), Pa."""
@@ -258,17 +282,19 @@ class ShellModel:
         """Area of the meshed mid-surface, m^2."""
         return float(self._area_of_cell.sum())
 
-    def _reorder(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
+    def reorder(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
+        """Symmetric matrix over node-major degrees of freedom, from one in dolfinx's order."""
         ordered = matrix[self.dof_order][:, self.dof_order]
         ordered = (ordered + ordered.T) * 0.5
         return drop_small(ordered.tocsr())
 
 
-def _split(q: Any) -> tuple[Any, Any]:
+def split(q: Any) -> tuple[Any, Any]:
+    """Displacement u and rotation theta of the six components of a field q."""
     return ufl.as_vector([q[0], q[1], q[2]]), ufl.as_vector([q[3], q[4], q[5]])
 
 
-def _plane_stress(strain: Any, nu: Any) -> Any:
+def plane_stress(strain: Any, nu: Any) -> Any:
     """(1 - nu) strain + nu tr(strain) I, to be multiplied by E t / (1 - nu^2) or E t^3 / 12 (1 - nu^2)."""
     return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
 

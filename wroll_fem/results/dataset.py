@@ -115,6 +115,8 @@ FIELDS: dict[str, Field] = {
     "memory_change": Field("1", "change of the elastic slip per cycle over its largest"),
     # modes
     "mode_frequency": Field("Hz", "natural frequency"),
+    "load_factor": Field("1", "buckling load over preload"),
+    "critical_pressure": Field("Pa", "total external pressure at buckling"),
     "mode_kind": Field("1", "kind of the mode"),
     "mode_harmonic": Field("1", "circumferential wave number of the mode"),
     "mode_residual": Field("1", "relative residual of the eigenpair"),

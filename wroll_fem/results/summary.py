@@ -99,6 +99,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "viscous_work_per_cycle_j": Entry("J", "energy dissipated by viscous damping per cycle"),
         "memory_change": _number("", "change of the elastic slip per cycle, over its largest"),
     },
+    "Buckling (buckling, modal with geometric stiffness)": {
+        "buckling_load_factor": _number(
+            "", "buckling load over preload", "lowest factor of the preload at which the roll buckles", "{:.4g}"
+        ),
+        "buckling_pressure_pa": Entry("Pa", "total external pressure at buckling", console="{:.4g} Pa"),
+        "buckling_wave_number": _number("", "circumferential waves of the buckling mode", console="{:d}"),
+    },
     "Interfaces": {
         "interface_pressure_mean_pa": Entry(
             "Pa", "mean interface pressure", "after the preload, area mean", console="{:.4g} Pa"

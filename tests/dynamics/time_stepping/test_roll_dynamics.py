@@ -14,8 +14,8 @@ import scipy.linalg as la
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis, summarise
-from wroll_fem.analyses.modal import TIE_FACTOR
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.springs import TIE_FACTOR
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState

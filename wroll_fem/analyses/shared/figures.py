@@ -70,6 +70,13 @@ def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return [slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
 
 
+def _mode_values(dataset: xr.Dataset) -> tuple[list[float], list[int], list[str]]:
+    """Frequency or buckling load of each mode, its decimals and its unit."""
+    name, digits, unit = ("load_factor", 3, "x preload") if "load_factor" in dataset else ("mode_frequency", 1, "Hz")
+    values = dataset[name].values.tolist()
+    return values, [digits] * len(values), [unit] * len(values)
+
+
 def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the first ten mode shapes; matrices from a file have none."""
     from wroll_fem.plotting.names import mode_shapes as draw
@@ -77,10 +84,8 @@ def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
     if "mode_shape" not in dataset or find_spec("pyvista") is None:
         return []
     first = dataset.isel(mode=slice(10))
-    titles = [
-        f"{float(f):.1f} Hz  {kind}"
-        for f, kind in zip(first["mode_frequency"].values, first["mode_kind"].values, strict=True)
-    ]
+    values = zip(*_mode_values(first), first["mode_kind"].values, strict=True)
+    titles = [f"{value:.{digits}f} {unit}  {kind}" for value, digits, unit, kind in values]
     nodes, cells, shapes = (first[name].values for name in ("node_position", "cell_nodes", "mode_shape"))
     return [draw(nodes, cells, shapes, titles, folder / "mode_shapes.png")]
 
@@ -128,10 +133,12 @@ def write_modes(dataset: xr.Dataset, folder: Path) -> list[Path]:
         return []
     import meshio
 
-    names = zip(dataset["mode_frequency"].values, dataset["mode_kind"].values, strict=True)
+    names = zip(*_mode_values(dataset), dataset["mode_kind"].values, strict=True)
     shapes = {
-        f"mode_{k:02d}_{float(f):.1f}Hz_{kind}": shape
-        for k, ((f, kind), shape) in enumerate(zip(names, dataset["mode_shape"].values, strict=True), start=1)
+        f"mode_{k:02d}_{value:.{digits}f}{unit.replace(' ', '_')}_{kind}": shape
+        for k, ((value, digits, unit, kind), shape) in enumerate(
+            zip(names, dataset["mode_shape"].values, strict=True), start=1
+        )
     }
     cells = [("quad9", dataset["cell_nodes"].values)]
     if "solid_cell_nodes" in dataset:

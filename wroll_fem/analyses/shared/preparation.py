@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
+from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -37,10 +38,14 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
     if isinstance(case, OnRoll):
         with progress.stage("mesh and matrices", 2) as stage:
             bodies = build_bodies(case)
+            roll = prestressed_roll(case, bodies)
+            bodies = bodies if roll is None else roll.bodies
             stage.update(1, "bodies assembled")
             system = build_system(case, bodies)
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
         state, steps = None, case.preload_steps
+        if roll is not None and (not system.interfaces or case.contact is None):
+            system, state = contact_state(case, roll, system)
     elif isinstance(case, OnStructure):
         with progress.stage("matrices", 1) as stage:
             system, state = read_structure(case)
@@ -55,6 +60,10 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
         progress.info(
             f"interface {name}: pressure {mean / 1e3:.4g} kPa (mean), {low / 1e3:.4g} to {high / 1e3:.4g} kPa"
         )
+    if isinstance(case, OnRoll) and roll is not None:
+        with progress.stage("geometric stiffness", 1) as stage:
+            system, factor = add_geometric_stiffness(case, roll, system, state)
+            stage.update(1, f"buckling load: {factor:.4g} x preload")
     return system, state
 
 
