@@ -36,8 +36,10 @@ LOOSE = {"__init__", "api", "cli", "errors", "progress", "typing", "result", "ro
 """Modules at the top: the doors, and what every room uses."""
 
 MANY_FILES = {
-    "analyses": "one file per analysis", "case": "one file per section of the case file", "plotting": "one file per figure",
-}  # fmt: skip
+    "analyses": "one file per analysis",
+    "case": "one file per section of the case file",
+    "plotting": "one file per figure",
+}
 """Rooms with more than 15 files beside each other, and why."""
 
 DOLFINX_VERSIONS = {"jobs/environment.py", "results/provenance.py"}
