@@ -96,6 +96,39 @@ class SilentProgress:
         self.warnings.append(text)
 
 
+class KeptWarnings:
+    """Progress that passes everything on to another one and keeps the warnings.
+
+    Parameters
+    ----------
+    inner
+        Receiver of reports and messages.
+
+    Attributes
+    ----------
+    warnings
+        Warnings in their order, each once.
+    """
+
+    def __init__(self, inner: Progress) -> None:
+        self._inner = inner
+        self.warnings: list[str] = []
+
+    def stage(self, name: str, total: float, unit: str = "") -> AbstractContextManager[Stage]:
+        """Open a stage of the other progress."""
+        return self._inner.stage(name, total, unit)
+
+    def info(self, text: str) -> None:
+        """Pass information on."""
+        self._inner.info(text)
+
+    def warning(self, text: str) -> None:
+        """Pass a warning on and keep it; one that is already known is left out."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+            self._inner.warning(text)
+
+
 def draws_bars(stream: TextIO) -> bool:
     """Whether a stream is a terminal that can redraw lines and whose foreground process is this one."""
     if not stream.isatty() or os.environ.get("TERM", "dumb").lower() in ("", "dumb", "unknown"):

@@ -46,7 +46,7 @@ def estimate(case: Case) -> dict[str, Any]:
 
 
 def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
-    """Run the analysis of a case.
+    """Run the analysis of a case; the results hold all warnings, those before the run included.
 
     Parameters
     ----------
@@ -65,16 +65,22 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     ConvergenceError
         If a step does not converge; attribute ``partial`` has the results up to that step, if there are any.
     """
-    from wroll_fem.analyses.shared.self_contained import described
+    from wroll_fem.analyses.shared.doubts import doubts
+    from wroll_fem.analyses.shared.self_contained import described, with_warnings
+    from wroll_fem.progress import KeptWarnings
 
     analysis = find_analysis(case.analysis)
     saved = {"checkpoint": checkpoint, "resume": resume} if analysis.resumable else {}
+    kept = KeptWarnings(progress)
     try:
-        return described(analysis.run(case, progress=progress, **saved), case)
+        dataset = described(analysis.run(case, progress=kept, **saved), case)
     except ConvergenceError as error:
         if error.partial is not None:
-            error.partial = described(error.partial, case)
+            error.partial = with_warnings(described(error.partial, case), [*case_warnings(case), *kept.warnings])
         raise
+    for text in doubts(summarise(dataset), case):
+        kept.warning(text)
+    return with_warnings(dataset, [*case_warnings(case), *kept.warnings])
 
 
 def summarise(dataset: xr.Dataset, case: Case | None = None) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from wroll_fem.results.summary import SUMMARY
 
 
 def summary_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Lines of the main results, then one line per mode; missing values are left out."""
+    """Lines of the main results, one line per mode, one per warning; missing values are left out."""
     found: list[tuple[str, str]] = []
     for key, entry in SUMMARY.items():
         value = summary.get(key)
@@ -21,4 +21,5 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
         kind = kinds[number - 1] if number <= len(kinds) else ""
         found.append((f"mode {number}", f"{frequency:.2f} Hz  {kind}".rstrip()))
     width = max((len(name) for name, _ in found), default=0)
-    return [f"{name:<{width}}  {text}" for name, text in found]
+    warnings = [f"warning: {text}" for text in summary.get("warnings") or []]
+    return [f"{name:<{width}}  {text}" for name, text in found] + warnings

@@ -168,7 +168,7 @@ def run_warnings(
     found: list[tuple[str, bool]] = []
     if status != "complete":
         found.append((f"The run is {_STATUS.get(status, status)}; numbers may be missing or partial.", True))
-    for kind, words in messages:
+    for kind, words in (*messages, *(("warning", text) for text in summary.get("warnings") or [])):
         if (words, kind == "error") not in found:
             found.append((words, kind == "error"))
     gap = open_balance(summary)
@@ -198,9 +198,9 @@ def metrics(summary: Mapping[str, Any]) -> html.Markup:
     """Tables of summary.json: scalar values, interfaces, modes."""
     if not summary:
         return html.paragraph("There is no summary.json: the run is not complete.")
-    lists = {key: value for key, value in summary.items() if isinstance(value, list)}
+    lists = {key: value for key, value in summary.items() if isinstance(value, list) and key != "warnings"}
     head = ("quantity", "value", "in summary.json")
-    single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in lists and k != "analysis"]
+    single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in (*lists, "analysis", "warnings")]
     parts = [html.table(head, [row for row in single if row[2] not in GROUPS[EFFORT]], numbers=(1,))]
     for title, first, names in (("Interface", "interface", _OF_INTERFACES), ("Mode", "mode", _OF_MODES)):
         columns = {name: lists.pop(name) for name in names if name in lists}

@@ -50,6 +50,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
     "Every run": {
         "analysis": Entry("", "analysis", "value of `analysis` in the case"),
         "mass_total_kg": Entry("kg", "mass in motion"),
+        "warnings": Entry("", "warnings", "before, during and at the end of the run, each with its remedy"),
     },
     "Resonance of a curve (sweep, harmonic)": {
         "f_n_hz": _number("Hz", "resonance frequency f_n", "frequency of the peak", "{:.2f} Hz"),

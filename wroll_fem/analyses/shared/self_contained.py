@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,11 @@ def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
         attrs["output_every"] = case.output.every
     attrs |= _wound_pressure(case)
     return dataset.assign_attrs(attrs | dataset.attrs)
+
+
+def with_warnings(dataset: xr.Dataset, warnings: Sequence[str]) -> xr.Dataset:
+    """Copy whose attribute `warnings` holds the warnings, one a line; a repeated one counts once."""
+    return dataset.assign_attrs(warnings="\n".join(dict.fromkeys(warnings)))
 
 
 def completed(dataset: xr.Dataset) -> xr.Dataset:

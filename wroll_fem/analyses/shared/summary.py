@@ -14,7 +14,10 @@ from wroll_fem.structure.mode_shapes import main_bending
 
 def attributes(dataset: xr.Dataset) -> dict[str, Any]:
     """Summary entries from the attributes of the Dataset."""
-    return {name: dataset.attrs[name] for name in SUMMARY if name in dataset.attrs}
+    found = {name: dataset.attrs[name] for name in SUMMARY if name in dataset.attrs}
+    if "warnings" in found:
+        found["warnings"] = [text for text in str(found["warnings"]).split("\n") if text]
+    return found
 
 
 def interfaces(dataset: xr.Dataset) -> dict[str, Any]:

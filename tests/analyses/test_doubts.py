@@ -1,0 +1,55 @@
+"""Doubts about finished results, and where the warnings of a run stand."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.analyses.shared.doubts import doubts
+from wroll_fem.jobs.console import summary_lines
+from wroll_fem.jobs.run import run_case
+from wroll_fem.progress import KeptWarnings, SilentProgress
+
+OSCILLATOR = CONFIGS / "oscillator.yaml"
+FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20", "output.figures=false"]
+
+
+def test_warnings_of_a_run_stand_in_the_summary_in_the_results_and_at_the_end(tmp_path: Path) -> None:
+    progress = SilentProgress()
+    case = wf.load_case(OSCILLATOR, [*FAST, "integrator.scheme=moderate_dissipation", "integrator.alpha=-0.41421"])
+    run_case(case, tmp_path / "run", progress=progress)
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["warnings"] == list(dict.fromkeys(progress.warnings))
+    assert any("numerically" in text for text in summary["warnings"])  # before the run
+    assert any("oct/min" in text for text in summary["warnings"])  # during the run
+    assert wf.summarise(wf.load_result(tmp_path / "run"))["warnings"] == summary["warnings"]
+    assert summary_lines(summary)[-len(summary["warnings"]) :] == [f"warning: {text}" for text in summary["warnings"]]
+
+
+def test_a_run_without_warnings_has_an_empty_list() -> None:
+    case = wf.load_case(CONFIGS / "winding_lab.yaml")
+    assert wf.summarise(wf.run(case, progress=SilentProgress()))["warnings"] == []
+
+
+def test_a_warning_is_passed_on_once() -> None:
+    inner = SilentProgress()
+    kept = KeptWarnings(inner)
+    for text in ("a", "b", "a"):
+        kept.warning(text)
+    with kept.stage("stage", 1.0):
+        kept.info("information")
+    assert kept.warnings == inner.warnings == ["a", "b"]
+    assert (inner.stages, inner.infos) == (["stage"], ["information"])
+
+
+@pytest.mark.parametrize(("file", "remedy"), [("oscillator", "steps_per_cycle"), ("lab_harmonic", "harmonic.samples")])
+def test_an_open_energy_balance_is_a_doubt(file: str, remedy: str) -> None:
+    case = wf.load_case(CONFIGS / f"{file}.yaml")
+    assert doubts({"energy_balance_error": 0.0049}, case) == []
+    [text] = doubts({"energy_balance_error": 0.0051}, case)
+    assert "energy balance error is 0.51 %" in text
+    assert remedy in text

@@ -1,0 +1,41 @@
+"""Doubts about finished results: limits that the numbers of a run exceed, each as one warning with its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wroll_fem.case import Case
+
+ENERGY_ERROR = 0.005
+"""Energy balance error above which no number of a run is trustworthy, relative to the largest input."""
+
+
+def doubts(summary: Mapping[str, Any], case: Case) -> list[str]:
+    """Warnings about the results of a finished run.
+
+    Parameters
+    ----------
+    summary
+        Entries of summary.json.
+    case
+        Case of the run.
+    """
+    return [text for check in CHECKS for text in check(summary, case)]
+
+
+def _energy(summary: Mapping[str, Any], case: Case) -> list[str]:
+    gap = summary.get("energy_balance_error")
+    if gap is None or gap <= ENERGY_ERROR:
+        return []
+    remedy = (
+        "raise harmonic.samples and harmonic.max_periods"
+        if case.analysis in ("harmonic", "backbone")
+        else "raise integrator.steps_per_cycle or use solver.method: condensed"
+    )
+    return [f"the energy balance error is {100 * gap:.2g} % of the input: the numbers are doubtful; {remedy}"]
+
+
+CHECKS = (_energy,)
+"""Functions of the summary and the case that return warnings."""
