@@ -58,6 +58,8 @@ class ConvergenceError(WrollError):
 
     Attributes
     ----------
+    problem
+        The message alone.
     partial
         What was computed until then, None when nothing was. Of an analysis it is a Dataset, the one that the
         successful analysis would give, shorter. Within `dynamics.periodic` it is the curve so far (HarmonicCurve or
@@ -75,12 +77,16 @@ class ConvergenceError(WrollError):
         residual_history: Sequence[float],
         advice: str,
     ):
-        self.time_s, self.iterations = time_s, iterations
+        self.problem, self.time_s, self.iterations = message, time_s, iterations
         self.residual_history, self.advice = list(residual_history), advice
         self.partial: Any = None
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
         when = "" if time_s is None else f" at t = {time_s:.6g} s"
         super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")
+
+
+class ReductionError(ConvergenceError):
+    """A reduced model cannot follow the motion within its tolerance; the exact solver of the problem can."""
 
 
 def require_positive(owner: object, names: Sequence[str], *, section: str = "") -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,9 @@ from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
+from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
-from wroll_fem.errors import ConvergenceError
+from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.signals.base_motion import base_motion
 
 if TYPE_CHECKING:
@@ -26,8 +27,12 @@ if TYPE_CHECKING:
 
 
 LARGE_REDUCTION_ERROR = 0.01
-"""Error estimate of the reduced model above which the run warns; below 0.004 for the lab roll at 10 to 300 kPa."""
+"""Error estimate of the reduced model above which the run falls back to `condensed`, or warns where that would take too
+long; below 0.004 for the lab roll at 10 to 300 kPa. Five times `solver.reduction_tolerance` if that is more."""
 
+FALLBACK_SIZE = 2000
+"""Contact degrees of freedom above which a run that could go on as reduced does not fall back to condensed: a step of
+condensed then takes seconds where many points change their state."""
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
 FIGURES = (
@@ -69,39 +74,47 @@ def time_history(
     integrator, solver = case.integrator, case.solver
     scheme = Scheme.named(integrator.scheme, integrator.alpha)
     options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
-    with progress.stage("set-up" if solver.method == "full" else "condensation", 1) as stage:
-        stepper = make_stepper(
-            system, state, method=solver.method, scheme=scheme, options=options, dt=case.time_step,
-            reduction_tolerance=solver.reduction_tolerance,
-        )  # fmt: skip
-        stage.update(1)
-    _remarks(stepper, progress)
-    try:
-        history = simulate(
-            system,
-            state,
-            motion,
-            dt=case.time_step,
-            scheme=scheme,
-            options=options,
-            progress=progress,
-            checkpoint=None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume),
-            every=case.output.every,
-            stepper=stepper,
-        )
-    except ConvergenceError as error:
-        partial = error.partial
-        if partial is not None:
-            error.partial = _described(partial, case)
-        raise
+    saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
+    small = 3 * system.n_points <= FALLBACK_SIZE
+    limit = max(LARGE_REDUCTION_ERROR, 5.0 * solver.reduction_tolerance)
+
+    def integrated(method: str, saving: Checkpointing | None) -> xr.Dataset:
+        with progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
+            stepper = make_stepper(
+                system, state, method=method, scheme=scheme, options=options, dt=case.time_step,
+                reduction_tolerance=solver.reduction_tolerance, largest_error=limit if small else np.inf,
+            )  # fmt: skip
+            stage.update(1)
+        _remarks(stepper, progress)
+        try:
+            found = simulate(
+                system, state, motion, dt=case.time_step, scheme=scheme, options=options, progress=progress,
+                checkpoint=saving, every=case.output.every, stepper=stepper,
+            )  # fmt: skip
+        except ConvergenceError as error:
+            if error.partial is not None:
+                error.partial = _described(error.partial, case, method)
+            raise
+        return _described(found, case, method)
+
+    method, reason = solver.method, "an earlier part of this run found the reduced model too inaccurate"
+    fell_back = method == "reduced" and saved_method(saving) == "condensed"
+    if not fell_back:
+        try:
+            history = integrated(method, saving)
+        except ReductionError as error:
+            fell_back, reason = True, error.problem
+            saving = None if saving is None else replace(saving, resume=False)
+    if fell_back:
+        progress.warning(f"{reason}: the run falls back to solver.method: condensed, which is exact and slower")
+        history = integrated("condensed", saving)
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
-    if estimate > LARGE_REDUCTION_ERROR:
+    if estimate > limit:
         progress.warning(
-            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide so widely that "
-            "the errors of peak and damping can be several per cent; compare with solver.method: condensed, or "
-            "lower solver.reduction_tolerance"
+            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide widely; "
+            "compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
         )
-    return _described(history, case)
+    return history
 
 
 def _remarks(stepper: Stepper, progress: Progress) -> None:
@@ -120,7 +133,7 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
         )
 
 
-def _described(dataset: xr.Dataset, case: SweepCase | DwellCase) -> xr.Dataset:
+def _described(dataset: xr.Dataset, case: SweepCase | DwellCase, method: str) -> xr.Dataset:
     excitation = case.excitation
     direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
     attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": direction}
@@ -132,4 +145,4 @@ def _described(dataset: xr.Dataset, case: SweepCase | DwellCase) -> xr.Dataset:
         }
     else:
         attrs["frequency_hz"] = excitation.frequency
-    return dataset.assign_attrs(attrs | {"amplitude_m_s2": excitation.amplitude, "method": case.solver.method})
+    return dataset.assign_attrs(attrs | {"amplitude_m_s2": excitation.amplitude, "method": method})

@@ -25,9 +25,9 @@ from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import RECORDS
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, simulate
+from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
-from wroll_fem.errors import ConvergenceError
+from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.base_motion import Dwell
@@ -211,6 +211,61 @@ def test_records_have_the_columns_of_the_exact_stepper() -> None:
     for name in ("kinetic_energy", "strain_energy", "contact_energy", "friction_energy", "input_work"):
         column = RECORDS.index(name)
         np.testing.assert_allclose(left[:, column], right[:, column], atol=5e-3 * np.abs(right[:, column]).max())
+
+
+def coarse(method: str, *overrides: str) -> list[str]:
+    return [f"solver.method={method}", "mesh={circumferential: 8, axial: 3}", "output.figures=false", *overrides]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "reason"),
+    [
+        (["preload.pressure=0"], "an interface carries no pressure"),
+        (["preload.pressure=100"], "the error of the reduced model reaches"),
+        (["contact.friction.mu=0"], "neither friction nor a support holds a layer"),
+    ],
+)
+def test_a_roll_that_cannot_be_reduced_falls_back_to_condensed(overrides: list[str], reason: str) -> None:
+    progress = SilentProgress()
+    case = load_case(CONFIGS / "tiny.yaml", coarse("reduced", *overrides))
+    history = run_analysis(case, progress=progress)
+    [warning] = [text for text in progress.warnings if "falls back to solver.method: condensed" in text]
+    assert reason in warning
+    right = run_analysis(load_case(CONFIGS / "tiny.yaml", coarse("condensed", *overrides)), progress=SilentProgress())
+    np.testing.assert_array_equal(history["tip_displacement"].values, right["tip_displacement"].values)
+    assert history.attrs["method"] == "condensed"
+
+
+def test_the_estimate_of_contact_that_opens_bounds_the_error() -> None:
+    loose = ("preload.pressure=1.0e3",)
+    run = stepper(*prepared(*loose))
+    history = simulate(*prepared(*loose), STRONG, dt=DT, scheme=HHT, stepper=run)
+    assert float(history["open_fraction"].max()) > 0.1
+    assert tip_error(history, exact(*loose)) < history.attrs["reduction_error_estimate"]
+
+
+def test_a_run_above_its_largest_error_is_refused_and_resumes_as_condensed(tmp_path: Path) -> None:
+    system, preload = prepared("preload.pressure=1.0e3")
+    run = ReducedStepper(system, preload, HHT, NewtonOptions(), dt=DT, largest_error=1e-2)
+    with pytest.raises(ReductionError, match="the error of the reduced model reaches"):
+        simulate(system, preload, STRONG, dt=DT, scheme=HHT, stepper=run)
+    assert saved_method(None) is None
+    saving = Checkpointing(tmp_path / "state.npz", resume=True)
+    assert saved_method(saving) is None
+    exact_run = CondensedStepper(system, preload, HHT, NewtonOptions(), dt=DT)
+    short = Dwell(30.0, 150.0, 1.0, ramp_cycles=1.0)
+    with pytest.MonkeyPatch.context() as patch:
+
+        def interrupted(*arguments: object) -> np.ndarray:
+            raise KeyboardInterrupt
+
+        patch.setattr(exact_run, "advance", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulate(
+                system, preload, short, dt=DT, scheme=HHT, stepper=exact_run,
+                checkpoint=Checkpointing(tmp_path / "state.npz"),
+            )  # fmt: skip
+    assert saved_method(saving) == "condensed"
 
 
 def five_layers(pressure: float, method: str) -> xr.Dataset:

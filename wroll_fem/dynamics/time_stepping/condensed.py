@@ -43,6 +43,7 @@ from wroll_fem.typing import FloatArray
 class CondensedStepper(Stepper):
     """Time stepping in condensed coordinates; see `Stepper`."""
 
+    name = "condensed"
     state: CondensedState
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):

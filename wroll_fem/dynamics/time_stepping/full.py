@@ -42,6 +42,7 @@ class FullState(NamedTuple):
 class FullStepper(Stepper):
     """Sparse Newton on all DOFs; shares only the contact law with the condensed path."""
 
+    name = "full"
     state: FullState
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions):

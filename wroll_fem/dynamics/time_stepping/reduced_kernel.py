@@ -75,6 +75,7 @@ class ReducedState(NamedTuple):
         misses, and of the motion
     largest : (1,) largest squared energy norm of the motion so far
     training : (1,) CPU seconds spent on residual checks, enrichment and steps done again
+    opened : (1,) largest change of the share of open points since the preload
     """
 
     motion: Motion
@@ -86,6 +87,7 @@ class ReducedState(NamedTuple):
     motion_norm: FloatArray
     largest: FloatArray
     training: FloatArray
+    opened: FloatArray
 
 
 class ResidualChecks(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -79,11 +80,13 @@ class Checkpointing:
 
 def make_stepper(
     system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float,
-    reduction_tolerance: float = 2e-3,
+    reduction_tolerance: float = 2e-3, largest_error: float = np.inf,
 ) -> Stepper:  # fmt: skip
     """Stepper by the name of `solver.method`: "reduced", "condensed" or "full"."""
     if method == "reduced":
-        return ReducedStepper(system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance)
+        return ReducedStepper(
+            system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error
+        )
     if method == "condensed":
         return CondensedStepper(system, preload, scheme, options, dt=dt)
     if method == "full":
@@ -158,6 +161,15 @@ def simulate(
     return run.dataset(system, preload, times, base, motion)
 
 
+def saved_method(checkpoint: Checkpointing | None) -> str | None:
+    """Method (`solver.method`) with which a checkpoint that is to be resumed was written; None if there is none."""
+    if checkpoint is None or not checkpoint.resume:
+        return None
+    with suppress(OSError, ValueError, KeyError), np.load(checkpoint.path) as data:  # `load` reports a damaged file
+        return str(data["method"])
+    return None
+
+
 @dataclass
 class _Run:
     """Progress of a time history: stepper, records (steps, columns), kept slip fields, CPU seconds in the steps."""
@@ -209,6 +221,7 @@ class _Run:
         with replacing(path) as file, file.open("wb") as stream:
             np.savez(
                 stream,
+                method=self.stepper.name,
                 fingerprint=fingerprint,
                 done=self.done,
                 seconds=self.seconds,

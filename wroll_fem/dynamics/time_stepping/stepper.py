@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol, cast
+from typing import Any, ClassVar, Protocol, cast
 
 import numpy as np
 
@@ -64,6 +64,9 @@ class Stepper(ABC):
     Motions are relative to the base and to the preload state. Subclasses keep everything that depends on the history
     in the arrays of `state`, so that a checkpoint restores a run bit by bit.
     """
+
+    name: ClassVar[str]
+    """Value of `solver.method` that chooses it."""
 
     state: Any
     """Named tuple of arrays with the fields of `CommonState`; its arrays are updated in place."""
