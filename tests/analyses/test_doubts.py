@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.paths import CONFIGS
 
@@ -53,3 +54,22 @@ def test_an_open_energy_balance_is_a_doubt(file: str, remedy: str) -> None:
     [text] = doubts({"energy_balance_error": 0.0051}, case)
     assert "energy balance error is 0.51 %" in text
     assert remedy in text
+
+
+def test_a_dwell_that_is_not_steady_is_marked() -> None:
+    words = ["solver.method=condensed", "mesh={circumferential: 8, axial: 2}", "output.figures=false"]
+    progress = SilentProgress()
+    case = wf.load_case(CONFIGS / "tiny.yaml", words)
+    summary = wf.summarise(wf.run(case, progress=progress))
+    assert summary["steady_drift"] > 0.02
+    assert "steady_drift" in summary["steady_doubt"]
+    assert any("steady_magnitude is doubtful" in text for text in summary["warnings"])
+
+
+def test_a_sweep_that_misses_the_resonance_gives_none() -> None:
+    progress = SilentProgress()
+    case = wf.load_case(OSCILLATOR, [*FAST, "excitation.f_start=20"])
+    summary = wf.summarise(wf.run(case, progress=progress))
+    assert np.isnan([summary["f_n_hz"], summary["zeta"], summary["peak_transmissibility"]]).all()
+    assert "no resonance inside" in summary["half_power_reason"]
+    assert any("no resonance inside" in text for text in summary["warnings"])

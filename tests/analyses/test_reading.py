@@ -65,7 +65,22 @@ def test_a_mode_outside_the_band_is_no_reading() -> None:
     assert read.warnings == ["rational fraction gives no damping: the fitted mode, 150 Hz, lies outside the band"]
     attrs = read.as_attrs("")
     assert np.isnan(attrs["zeta"])
+    assert np.isnan(attrs["f_n_hz"])
     assert "zeta_error" not in attrs
+
+
+@pytest.mark.parametrize("method", ESTIMATORS)
+def test_a_maximum_in_phase_with_the_base_is_no_resonance(method: str) -> None:
+    above = np.linspace(400.0, 420.0, 401)
+    ripples = (0.74 + 0.1 * np.exp(-(((above - 413.4) / 3.0) ** 2))).astype(complex)
+    read = estimate_damping(above, ripples, method)
+    attrs = read.as_attrs("")
+    assert np.isnan([attrs["f_n_hz"], attrs["zeta"], attrs["peak_transmissibility"]]).all()
+    assert "has a phase of 0 degrees" in attrs["half_power_reason"]
+    [warning] = read.warnings
+    assert "no resonance inside" in warning or "gives no damping" in warning
+    heavy = estimate_damping(F, single_dof_transmissibility(F, 150.0, 0.25), method)
+    assert heavy.shape.resonant
 
 
 def test_few_points_are_read_by_half_power_alone() -> None:

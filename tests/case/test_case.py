@@ -374,3 +374,16 @@ def test_loading_a_case_imports_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code, str(SWEEP)], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("file", "steps", "reason"),
+    [("tiny.yaml", 2, "sampled at its zeros"), ("lab_sweep.yaml", 8, "cannot be demodulated")],
+)
+def test_steps_that_do_not_sample_the_motion_are_refused_whatever_is_allowed(
+    file: str, steps: int, reason: str
+) -> None:
+    words = ["solver.allow_coarse=true"]
+    with pytest.raises(InputError, match=reason):
+        load_case(CONFIGS / file, [*words, f"integrator.steps_per_cycle={steps}"])
+    assert load_case(CONFIGS / file, [*words, f"integrator.steps_per_cycle={steps + 1}"])

@@ -10,7 +10,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
-from wroll_fem.signals.damping import half_power, sweep_warning
+from wroll_fem.signals.damping import half_power, least_damping, sweep_warning
 
 
 def curve(r, zeta):
@@ -139,5 +139,41 @@ def test_too_fast_sweep_is_named_with_the_rate_that_would_do():
     assert limit == pytest.approx(312.0 * 0.01**2 * 150.0)
     assert sweep_warning(Chirp(5.0, 130.0, 170.0, 0.24 * limit), read) is None
     assert "to 1.2 or less" in (sweep_warning(Chirp(5.0, 130.0, 170.0, 0.5 * limit), read) or "")
-    unreadable = half_power(frequency[:1990], curve(frequency[:1990] / 150.0, 0.01))
-    assert sweep_warning(Chirp(5.0, 130.0, 170.0, 10 * limit), unreadable) is None
+    outside = half_power(frequency[:1990], curve(frequency[:1990] / 150.0, 0.01))
+    assert (
+        sweep_warning(Chirp(5.0, 130.0, 170.0, 10 * limit), outside) is None
+    )  # no resonance, which has its own reason
+
+
+@pytest.mark.parametrize("band", [(130.0, 150.5), (149.5, 170.0), (149.5, 150.5)])
+def test_too_fast_sweep_is_named_without_half_power_points(band):
+    frequency = np.linspace(*band, 801)
+    read = half_power(frequency, curve(frequency / 150.0, 0.01))
+    assert read.resonant
+    assert not read.complete
+    assert least_damping(read) == pytest.approx(0.01, rel=0.02)
+    limit = sweep_rate_limit(150.0, 0.01)
+    assert sweep_warning(Chirp(5.0, *band, 0.2 * limit), read) is None
+    assert "as a half-power point is missing" in (sweep_warning(Chirp(5.0, *band, 0.3 * limit), read) or "")
+
+
+@pytest.mark.parametrize("band", [(155.0, 170.0), (120.0, 145.0), (10.0, 20.0)])
+def test_a_band_without_a_maximum_has_no_resonance(band):
+    frequency = np.linspace(*band, 801)
+    read = half_power(frequency, curve(frequency / 150.0, 0.01))
+    attrs = read.as_attrs()
+    assert not read.resonant
+    assert np.isnan([attrs["f_n_hz"], attrs["peak_transmissibility"], attrs["zeta"]]).all()
+    assert "no resonance inside" in attrs["half_power_reason"]
+
+
+def test_a_ripple_on_a_slope_is_no_resonance():
+    frequency = np.linspace(120.0, 145.0, 801)
+    x = np.linspace(0.0, 1.0, 801)
+    slope = 5.0 - 4.0 * (x - 0.08) ** 2  # highest point inside, by 0.5 %
+    k = int(np.argmax(slope))
+    assert 0 < k < 800
+    assert slope[k] / max(slope[0], slope[-1]) < 1.01
+    read = half_power(frequency, slope)
+    assert not read.resonant
+    assert "rises" in read.reason

@@ -12,7 +12,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.signals.base_motion import base_motion
-from wroll_fem.signals.transmissibility import dwell_response
+from wroll_fem.signals.transmissibility import dwell_response, unsteadiness
 
 if TYPE_CHECKING:
     from wroll_fem.case import DwellCase
@@ -46,7 +46,13 @@ def run_dwell(
         tip = history["tip_acceleration"] + history["base_acceleration"]
         cycles = min(STEADY_CYCLES, steady)
         response = dwell_response(history["time"].values, tip.values, motion, cycles=cycles)  # type: ignore[arg-type]
-        history.attrs |= {f"steady_{key}": value for key, value in response.items()}
+        doubt = unsteadiness(response)
+        history.attrs |= {f"steady_{key}": value for key, value in response.items()} | {"steady_doubt": doubt}
+        if doubt:
+            progress.warning(
+                f"the dwell is not steady: over the last {cycles} cycles {doubt}; steady_magnitude is doubtful: raise "
+                "excitation.cycles, and if the residual stays, it is of harmonics"
+            )
     return history
 
 

@@ -100,7 +100,8 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     seconds = time.process_time() - started
     dataset = _described(curve_dataset(system, trained.curve), case)
     read = read_response(dataset, case.output.damping)
-    missed = missed_harmonic(condensation, 2.0 * np.pi * read.shape.f_n, settings.harmonics)
+    resonance = 2.0 * np.pi * read.shape.f_n
+    missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
     for text in (*read.warnings, memory_remark(dataset), missed):
         if text:
             progress.warning(text)

@@ -94,8 +94,8 @@ def _curves(
         "zeta_error": (line, np.array([d.zeta_error for d in damping])),
         "zeta_lower_bound": (line, np.array([lower_bound(d) for d in damping])),
         "zeta_method": (line, np.array([d.method for d in damping])),
-        "omega_peak": (line, np.array([r.f_n for r in shapes])),
-        "peak_transmissibility": (line, np.array([r.peak for r in shapes])),
+        "omega_peak": (line, np.array([r.f_n if r.resonant else np.nan for r in shapes])),
+        "peak_transmissibility": (line, np.array([r.peak if r.resonant else np.nan for r in shapes])),
         "omega_low": (line, np.array([r.f_low for r in shapes])),
         "omega_high": (line, np.array([r.f_high for r in shapes])),
         "skewness": (line, np.array([r.skewness for r in shapes])),
@@ -143,6 +143,7 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
         return [float(v) if np.isfinite(v) else None for v in dataset[name].values]
 
     peaks = dataset["peak_transmissibility"]
+    lowest = int(np.nanargmin(peaks.values)) if peaks.notnull().any() else None
     summary: dict[str, Any] = {
         "friction_capacity_n": dataset["friction_capacity"].values.tolist(),
         "zeta": listed("zeta"),
@@ -151,7 +152,8 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
         "omega_peak_rad_s": listed("omega_peak"),
         "peak_transmissibility": listed("peak_transmissibility"),
         "skewness": listed("skewness"),
-        "friction_capacity_lowest_peak_n": float(peaks["friction_capacity"][int(peaks.values.argmin())]),
+        "friction_capacity_lowest_peak_n": None if lowest is None else float(peaks["friction_capacity"][lowest]),
+        "half_power_reason": dataset["reading_note"].values.tolist(),
     }
     if dataset["zeta"].notnull().any():
         at = int(np.nanargmax(dataset["zeta"].values))

@@ -22,6 +22,12 @@ from wroll_fem.case.two_dof import TwoDof
 FEWEST_STEPS_PER_CYCLE = 20
 """Lowest accepted number of steps per cycle; fewer give a period error above 0.8 % and miss slip reversals."""
 
+FEWEST_OF_DWELL = 3, "the base motion would be sampled at its zeros"
+"""Fewest steps per cycle of a dwell whatever is allowed, and why: two samples per cycle of a sine are both zero."""
+
+FEWEST_OF_SWEEP = 9, "the response of a sweep cannot be demodulated"
+"""The same of a sweep: the demodulation needs more than 8 samples per cycle at the end of the sweep."""
+
 WITH_CURVE = ("sweep", "harmonic", "two_dof")
 """Analyses with a curve over frequency, from which damping can be estimated."""
 
@@ -176,7 +182,7 @@ def check_pressures(preload: Preload, layers: int) -> None:
 
 
 def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integrator, solver: Solver) -> None:
-    """Refuse too few time steps per cycle, unless `solver.allow_coarse` accepts them.
+    """Refuse too few time steps per cycle; `solver.allow_coarse` accepts down to the fewest that sample the motion.
 
     Raises
     ------
@@ -184,6 +190,12 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
         If the check fails.
     """
     steps = integrator.steps_per_cycle
+    fewest, reason = FEWEST_OF_DWELL if excitation.kind == "dwell" else FEWEST_OF_SWEEP
+    if steps < fewest:
+        raise validation_error(
+            reason, key="integrator.steps_per_cycle", value=steps,
+            remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more ({fewest} with solver.allow_coarse)",
+        )  # fmt: skip
     if solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
         return
     f = excitation.highest_frequency_hz

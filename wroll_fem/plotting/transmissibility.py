@@ -19,6 +19,8 @@ _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")
 
 
 def _box(read: Resonance) -> str:
+    if not np.isfinite(read.f_n):
+        return "no resonance in the band"
     lines = [f"$f_n$ = {read.f_n:.2f} Hz", f"$T_{{pk}}$ = {read.peak:.2f}"]
     lines.append(rf"$\zeta$ = {100 * read.zeta:.2f} % ({read.method})" if read.damped else r"$\zeta$: no estimate")
     if np.isfinite(read.skewness):
@@ -57,8 +59,10 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         top = max(top, min(float(np.nanmax(spectrum)), 1.6 * top))
         ax.plot(frequency, spectrum, color=style.GREY, lw=1.0, ls=":", label="spectrum ratio (FFT)")
     ax.plot(frequency, size, color=style.BLUE, lw=1.8, label="demodulated envelope")
-    ax.plot(read.f_n, read.peak, "o", color=style.RED, ms=5, zorder=5)
-    ax.axvline(read.f_n, color=style.RED, lw=0.8, ls="--", zorder=1)
+    resonant = bool(np.isfinite(read.f_n))
+    if resonant:
+        ax.plot(read.f_n, read.peak, "o", color=style.RED, ms=5, zorder=5)
+        ax.axvline(read.f_n, color=style.RED, lw=0.8, ls="--", zorder=1)
     level = read.peak / np.sqrt(2.0)
     ends = [f for f in (read.f_low, read.f_high) if np.isfinite(f)]
     if ends:
@@ -89,7 +93,8 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         if np.isfinite(read.skewness):
             lean = "leans right" if read.skewness > 0.1 else "leans left" if read.skewness < -0.1 else "is symmetric"
             found += f"; the peak {lean}"
-    style.title(ax, f"Peak transmissibility {read.peak:.1f} at {read.f_n:.1f} Hz; {found}")
+    head = f"Peak transmissibility {read.peak:.1f} at {read.f_n:.1f} Hz; {found}"
+    style.title(ax, head if resonant else f"No resonance: {read.reason}")
     return ax
 
 
@@ -126,7 +131,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
         style.require(dataset, _PARTS, "transmissibility curve")
         read = reads[name] = resonance(dataset)
         damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.damped else r"no $\zeta$"
-        text = f"{name}: {read.f_n:.1f} Hz, {damping}"
+        text = f"{name}: {read.f_n:.1f} Hz, {damping}" if np.isfinite(read.f_n) else f"{name}: no resonance"
         ax.plot(dataset["frequency"].values, magnitude(dataset).values, color=colour, lw=1.6, ls=dash, label=text)
         ax.plot(read.f_n, read.peak, "o", color=colour, ms=4.5, mec="black", mew=0.5)
     ax.set_ylim(bottom=0.0)
@@ -134,6 +139,10 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     ax.set_xlabel(label("frequency"))
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(fontsize=8, framealpha=0.9)
+    reads = {name: read for name, read in reads.items() if np.isfinite(read.f_n)}
+    if not reads:
+        style.title(ax, "No resonance in any band")
+        return ax
     low, high = min(reads, key=lambda n: reads[n].f_n), max(reads, key=lambda n: reads[n].f_n)
     text = f"Resonance at {reads[low].f_n:.1f} Hz ({low})"
     if low != high:

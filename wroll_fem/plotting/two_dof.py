@@ -77,6 +77,8 @@ def plot_two_dof(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 def _sentence(dataset: xr.Dataset) -> str:
     peaks, at = dataset["peak_transmissibility"], dataset["omega_peak"].values
+    if not np.isfinite(at).all():
+        return "Response at each friction capacity; some bands hold no peak"
     lowest = peaks.isel(friction_capacity=int(peaks.values.argmin()))
     said = f"Peaks move from {at[0]:.3f} to {at[-1]:.3f} rad/s with the friction capacity"
     if peaks.size < 3:

@@ -175,7 +175,7 @@ def run_warnings(
     if gap is not None:
         found.append((f"The energy balance error is {gap:.2%} of the input (energy_balance_error).", True))
     drift = summary.get("steady_drift")
-    if isinstance(drift, float) and drift > _DRIFT:
+    if isinstance(drift, float) and drift > _DRIFT and not summary.get("steady_doubt"):
         found.append((f"The response is not steady: it still changes by {drift:.1%} (steady_drift).", True))
     cuts = summary.get("step_cuts")
     if cuts:

@@ -53,12 +53,17 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "warnings": Entry("", "warnings", "before, during and at the end of the run, each with its remedy"),
     },
     "Resonance of a curve (sweep, harmonic)": {
-        "f_n_hz": _number("Hz", "resonance frequency f_n", "frequency of the peak", "{:.2f} Hz"),
+        "f_n_hz": _number(
+            "Hz", "resonance frequency f_n", "frequency of the peak; `null` without a maximum in the band", "{:.2f} Hz"
+        ),
         "zeta": _share(
             "damping ratio zeta",
             "(f2 - f1)/(2 f_n) by default; `null` where a half-power point lies outside the band", "{:.4f}",
         ),
         "zeta_method": Entry("", "method of zeta", "estimator (`output.damping`) and curve"),
+        "half_power_reason": Entry(
+            "", "reason for a missing reading", "why f_n or zeta is `null`, or what makes zeta doubtful; else empty"
+        ),
         "zeta_error": _share("standard error of zeta", "of estimators that have one"),
         "zeta_lower_bound": _share("zeta, lower end of its error bar"),
         "zeta_misfit": _share("distance of fit and curve, over the peak"),
@@ -77,6 +82,9 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "steady_amplitude_m_s2": _number("m/s²", "steady tip acceleration (0-peak)"),
         "steady_residual": _share("residual harmonics and transients over the fundamental"),
         "steady_drift": _share("change of the fundamental within the window"),
+        "steady_doubt": Entry(
+            "", "doubt about the steady response", "reason, where drift or residual exceed 2 %; else empty"
+        ),
     },
     "Energy over the whole motion (sweep, dwell)": {
         "energy_balance_error": _share(

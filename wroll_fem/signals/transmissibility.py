@@ -50,6 +50,8 @@ the peak. It is part of the response and is not filtered; use a slower sweep.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -60,6 +62,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
 from wroll_fem.typing import ComplexArray, FloatArray
+
+STEADY = 0.02
+"""Drift and residual of a dwell, over its fundamental, above which its response is not taken as steady."""
 
 SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
@@ -342,6 +347,22 @@ def dwell_response(
         "residual": float(np.sqrt(2.0 * np.mean(left**2)) / size) if size > 0.0 else 0.0,
         "drift": abs(late - early) / size if size > 0.0 else 0.0,
     }
+
+
+def unsteadiness(response: Mapping[str, float]) -> str:
+    """Why the response of a dwell is not its steady response; empty where drift and residual are below `STEADY`.
+
+    Parameters
+    ----------
+    response
+        Result of `dwell_response`.
+    """
+    reasons = []
+    if response["drift"] > STEADY:
+        reasons.append(f"the fundamental still changes by {100 * response['drift']:.2g} % (steady_drift)")
+    if response["residual"] > STEADY:
+        reasons.append(f"harmonics and transients have {100 * response['residual']:.2g} % of it (steady_residual)")
+    return " and ".join(reasons)
 
 
 def undamped(frequency: FloatArray, natural: FloatArray, participation: FloatArray) -> FloatArray:

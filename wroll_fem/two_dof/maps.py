@@ -294,7 +294,7 @@ def _peak_of_design(
     band = np.geomspace(BAND[0] * free[0], BAND[1] * free[1], points)
     with threadpool_limits(1, "blas"):
         read = peak_half_power(solver, band)
-    return read.zeta, read.f_n, read.peak
+    return (read.zeta, read.f_n, read.peak) if read.resonant else (np.nan, np.nan, np.nan)
 
 
 def design_space(

@@ -34,6 +34,10 @@ ESTIMATORS: dict[str, Estimator] = {
 FEWEST_POINTS = 8
 """Number of points needed by an estimator with error bars; half power without error bars needs five."""
 
+LEAST_QUADRATURE = 0.2
+"""Least |Im T| / |T| at a resonance: 0.25 for one degree of freedom with a damping ratio of 1, 0.9 with 0.2. Away from
+resonances the response is in phase or in antiphase with the base, and its maxima are ripples."""
+
 LOOSE_FIT = 0.05
 """Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
 
@@ -109,7 +113,7 @@ def estimate_damping(
     -------
     CurveDamping
         If there is no damping ratio, zeta is nan, `damping.reason` gives the cause, and f_n is that of the highest
-        point.
+        point. If that point is no resonance (`shape.resonant`), f_n is nan as well.
 
     Raises
     ------
@@ -128,6 +132,21 @@ def estimate_damping(
         found = no_estimate(
             method.replace("_", " "), f"{f.size} points are too few; at least {FEWEST_POINTS} are needed"
         )
+    if shape.resonant and np.iscomplexobj(values):
+        shape = _in_quadrature(shape, f, values)
+    if not shape.resonant:
+        return CurveDamping(shape, no_estimate(found.method, shape.reason if found.found else found.reason))
     if not isfinite(found.f_n):
         found = replace(found, f_n=shape.f_n)
     return CurveDamping(shape, found)
+
+
+def _in_quadrature(shape: HalfPower, f: npt.NDArray[np.float64], values: npt.NDArray[Any]) -> HalfPower:
+    """Shape, without a resonance if the response at its highest point is in phase or in antiphase with the base."""
+    at = values[int(np.argmin(np.abs(f - shape.f_n)))]
+    if abs(at.imag) >= LEAST_QUADRATURE * abs(at):
+        return shape
+    return shape.without_resonance(
+        f"the highest point, at {shape.f_n:.5g} Hz, has a phase of {np.degrees(np.angle(at)):.0f} degrees, a resonance "
+        "about -90: no resonance inside"
+    )
