@@ -73,3 +73,24 @@ def test_a_sweep_that_misses_the_resonance_gives_none() -> None:
     assert np.isnan([summary["f_n_hz"], summary["zeta"], summary["peak_transmissibility"]]).all()
     assert "no resonance inside" in summary["half_power_reason"]
     assert any("no resonance inside" in text for text in summary["warnings"])
+
+
+def test_a_periodic_motion_far_from_resonance_has_a_balance_and_no_resonance() -> None:
+    """Nothing slips there: friction work and input are rounding, and their ratio was 126 %."""
+    words = [
+        "mesh={circumferential: 8, axial: 2}", "harmonic={harmonics: 1, samples: 32}", "excitation.f_start=10",
+        "excitation.f_end=20", "output.figures=false",
+    ]  # fmt: skip
+    summary = wf.summarise(wf.run(wf.load_case(CONFIGS / "lab_harmonic.yaml", words), progress=SilentProgress()))
+    assert summary["energy_balance_error"] < 1e-4
+    assert summary["work_quadrature_error"] < 1e-2
+    assert np.isnan(summary["f_n_hz"])
+    assert "upper end of the band" in summary["half_power_reason"]
+
+
+def test_the_balance_of_a_period_is_the_identity_and_the_quadrature_has_its_own_name() -> None:
+    case = wf.load_case(OSCILLATOR, ["analysis=harmonic", "excitation.amplitude=3", "output.figures=false"])
+    errors = [wf.summarise(wf.run(case.changed(f"harmonic.samples={n}"), progress=SilentProgress())) for n in (64, 256)]
+    assert all(found["energy_balance_error"] < 1e-5 for found in errors)
+    assert errors[1]["work_quadrature_error"] < 0.2 * errors[0]["work_quadrature_error"]
+    assert errors[0]["work_quadrature_error"] > 1e-5

@@ -15,7 +15,14 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
-from wroll_fem.dynamics.periodic.datasets import PeriodicMotion, at_one_motion, cycle_balance_error, per_motion
+from wroll_fem.dynamics.periodic.datasets import (
+    PeriodicMotion,
+    at_one_motion,
+    cycle_balance_error,
+    least_work,
+    per_motion,
+    quadrature_error,
+)
 from wroll_fem.dynamics.periodic.enrichment import trained_backbone
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.system.system import System
@@ -61,6 +68,7 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
         "dofs": system.n_dofs,
         "interface_points": system.n_points,
         "memory_change": float(max(m.memory for m in motions)),
+        "least_work_per_cycle_j": least_work(motions),
         "method": "extended periodic motion, harmonic balance",
     }
     return annotate(dataset)
@@ -106,6 +114,7 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
             "energy_balance_error": cycle_balance_error(dataset),
+            "work_quadrature_error": quadrature_error(dataset),
         }
     )
 

@@ -14,7 +14,7 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case.structural import OnStructure
-from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error
+from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
@@ -113,6 +113,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
             "energy_balance_error": cycle_balance_error(dataset),
+            "work_quadrature_error": quadrature_error(dataset),
         }
     )
 

@@ -10,10 +10,9 @@ from wroll_fem.results.summary import SUMMARY, unit_of
 
 
 def open_balance(summary: Mapping[str, Any]) -> float | None:
-    """Energy balance error if it exceeds its limit (0.1 % of a time history, 1 % of a cycle), else None."""
+    """Energy balance error if it exceeds 0.1 %, else None."""
     gap = summary.get("energy_balance_error")
-    limit = 1e-2 if summary.get("input_work_per_cycle_j") not in (None, "") else 1e-3
-    return float(gap) if gap not in (None, "") and float(gap) > limit else None
+    return float(gap) if gap not in (None, "") and float(gap) > 1e-3 else None
 
 
 def shown(name: str, value: Any) -> str:

@@ -89,8 +89,8 @@ GROUPS: dict[str, dict[str, Entry]] = {
     "Energy over the whole motion (sweep, dwell)": {
         "energy_balance_error": _share(
             "energy balance error",
-            "largest violation of the energy identity over the largest input; of a period for harmonic, backbone and "
-            "two_dof",
+            "largest violation of the energy identity over the largest input; of a period for harmonic and backbone "
+            "(input = interface + viscous work) and for two_dof",
             "{:.2%}",
         ),
         "input_work_j": Entry("J", "work put in by the base motion"),
@@ -105,6 +105,10 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "friction_work_per_cycle_j": Entry("J", "energy dissipated by friction per cycle"),
         "modulation_work_per_cycle_j": Entry("J", "work of the pressure-dependent stick stiffness per cycle"),
+        "work_quadrature_error": _share(
+            "quadrature error of the friction work",
+            "input less friction, modulation and viscous work over the largest input; falls with `harmonic.samples`",
+        ),
         "viscous_work_per_cycle_j": Entry("J", "energy dissipated by viscous damping per cycle"),
         "memory_change": _number("", "change of the elastic slip per cycle, over its largest"),
     },
