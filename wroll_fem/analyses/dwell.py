@@ -11,6 +11,7 @@ from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLE
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.estimates import estimate_history
+from wroll_fem.analyses.shared.time_step import dwell_step_error
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.transmissibility import dwell_response, unsteadiness
 
@@ -53,7 +54,10 @@ def run_dwell(
                 f"the dwell is not steady: over the last {cycles} cycles {doubt}; steady_magnitude is doubtful: raise "
                 "excitation.cycles, and if the residual stays, it is of harmonics"
             )
-    return history
+    error, text = dwell_step_error(case, history)
+    if text:
+        progress.warning(text)
+    return history.assign_attrs(time_step_error=error)
 
 
 ANALYSIS = Analysis(

@@ -11,6 +11,7 @@ import xarray as xr
 
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.analyses.shared.time_step import steps_per_cycle, time_step
 from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -74,6 +75,7 @@ def time_history(
     integrator, solver = case.integrator, case.solver
     scheme = Scheme.named(integrator.scheme, integrator.alpha)
     options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
+    dt = time_step(case)
     saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
     small = 3 * system.n_points <= FALLBACK_SIZE
     limit = max(LARGE_REDUCTION_ERROR, 5.0 * solver.reduction_tolerance)
@@ -81,14 +83,14 @@ def time_history(
     def integrated(method: str, saving: Checkpointing | None) -> xr.Dataset:
         with progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
             stepper = make_stepper(
-                system, state, method=method, scheme=scheme, options=options, dt=case.time_step,
+                system, state, method=method, scheme=scheme, options=options, dt=dt,
                 reduction_tolerance=solver.reduction_tolerance, largest_error=limit if small else np.inf,
             )  # fmt: skip
             stage.update(1)
         _remarks(stepper, progress)
         try:
             found = simulate(
-                system, state, motion, dt=case.time_step, scheme=scheme, options=options, progress=progress,
+                system, state, motion, dt=dt, scheme=scheme, options=options, progress=progress,
                 checkpoint=saving, every=case.output.every, stepper=stepper,
             )  # fmt: skip
         except ConvergenceError as error:
@@ -145,4 +147,6 @@ def _described(dataset: xr.Dataset, case: SweepCase | DwellCase, method: str) ->
         }
     else:
         attrs["frequency_hz"] = excitation.frequency
-    return dataset.assign_attrs(attrs | {"amplitude_m_s2": excitation.amplitude, "method": method})
+    return dataset.assign_attrs(
+        attrs | {"amplitude_m_s2": excitation.amplitude, "method": method, "steps_per_cycle": steps_per_cycle(case)}
+    )

@@ -12,6 +12,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.analyses.shared.figures import figure
+from wroll_fem.analyses.shared.time_step import sweep_step_error
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.damping import sweep_warning
 from wroll_fem.signals.estimators import estimate_damping
@@ -45,10 +46,11 @@ def run_sweep(
     dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
     read = estimate_damping(curve["frequency"].values, T, case.output.damping)
-    for text in (sweep_warning(motion, read.shape), *read.warnings):  # type: ignore[arg-type]
+    error, coarse = sweep_step_error(case, read.shape)
+    for text in (sweep_warning(motion, read.shape), *read.warnings, coarse):  # type: ignore[arg-type]
         if text:
             progress.warning(text)
-    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope"))
+    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope") | {"time_step_error": error})
 
 
 ANALYSIS = Analysis(

@@ -24,6 +24,7 @@ from pydantic_core import InitErrorDetails
 from wroll_fem.case.base import Section, validation_error
 from wroll_fem.case.checks import check_damping_method
 from wroll_fem.case.descriptions import sections
+from wroll_fem.case.integrator import DEFAULT_STEPS
 from wroll_fem.case.messages import input_error
 from wroll_fem.case.output import Output
 from wroll_fem.case.overrides import WITH_FILE, overridden, override_texts
@@ -206,6 +207,9 @@ class Case(Section):
         del data["output"]
         if self.output.damping != Output.model_fields["damping"].default:
             data["output"] = {"damping": self.output.damping}
+        integrator = data.get("integrator") or {}
+        if integrator.get("steps_per_cycle") == "auto" and self.analysis != "dwell":
+            integrator["steps_per_cycle"] = DEFAULT_STEPS  # what auto means there, and what was the default before it
         for key in _NOT_PHYSICS:
             data.get("solver", {}).pop(key, None)
         for section in WITH_FILE:

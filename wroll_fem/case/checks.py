@@ -189,7 +189,7 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
     PydanticCustomError
         If the check fails.
     """
-    steps = integrator.steps_per_cycle
+    steps = integrator.steps
     fewest, reason = FEWEST_OF_DWELL if excitation.kind == "dwell" else FEWEST_OF_SWEEP
     if steps < fewest:
         raise validation_error(

@@ -20,6 +20,7 @@ def example_case() -> RollDwellCase:
             "contact": {"friction": {"mu": 0.25, "elastic_slip": 1.0e-6}},
             "preload": {"pressure": 1.0e5},
             "excitation": {"kind": "dwell", "amplitude": 5.0, "frequency": 150.0, "cycles": 4.0, "ramp_cycles": 2.0},
+            "integrator": {"steps_per_cycle": 40},
             "mesh": {"circumferential": 12, "axial": 4},
         }
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, Section, Whole, validation_error
+from wroll_fem.case.base import Real, Section, _number, validation_error
+
+DEFAULT_STEPS = 40
+"""Steps per cycle where the case leaves them out and nothing asks for more."""
 
 SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}
 """Alpha of the named schemes (thesis, Table B.1); quasi_static is backward Euler, without alpha."""
@@ -31,9 +34,27 @@ class Integrator(Section):
         le=0,
         description="HHT parameter, dimensionless, between -0.41421 and 0 (0: no damping)",
     )
-    steps_per_cycle: Whole = Field(
-        default=40, ge=2, description="time steps per cycle of the highest excitation frequency (count)"
+    steps_per_cycle: Literal["auto"] | Annotated[int, Field(ge=2)] = Field(
+        default="auto",
+        description="time steps per cycle of the highest excitation frequency (count, 2 or more); auto: 40, and 60 to "
+        "160 for a dwell near the resonance of a roll, where HHT's period error would change the response by more "
+        "than 5 %",
     )
+
+    @field_validator("steps_per_cycle", mode="before")
+    @classmethod
+    def _count(cls, value: Any) -> Any:
+        if value == "auto":
+            return value
+        number = _number(value)
+        if not isinstance(number, int | float) or number != int(number) or number < 2:
+            raise validation_error("must be auto or a whole number from 2", remedy="write for example 80", value=value)
+        return int(number)
+
+    @property
+    def steps(self) -> int:
+        """Steps per cycle; `DEFAULT_STEPS` for auto, which the analysis of a dwell may raise."""
+        return DEFAULT_STEPS if self.steps_per_cycle == "auto" else self.steps_per_cycle
 
     @model_validator(mode="after")
     def _alpha_of_scheme(self) -> Self:

@@ -84,9 +84,9 @@ class StructuralCase(Case):
 
     @property
     def time_step(self) -> float:
-        """Time step, s: `integrator.steps_per_cycle` per cycle of the highest excitation frequency, else of 1 Hz."""
+        """Time step, s: `integrator.steps` per cycle of the highest excitation frequency, else of 1 Hz."""
         highest = 1.0 if self.excitation is None else self.excitation.highest_frequency_hz
-        return 1.0 / (highest * self.integrator.steps_per_cycle)
+        return 1.0 / (highest * self.integrator.steps)
 
 
 class OnRoll(StructuralCase, RollSections):

@@ -235,6 +235,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": _number("", "time steps", console="{:d}"),
+        "steps_per_cycle": _number("", "steps per cycle of the highest excitation frequency"),
+        "time_step_error": _share(
+            "estimated error by the time step",
+            "of a dwell: largest error of the tip's history over its largest displacement; of a sweep: of |T| over its "
+            "peak; `null` where no oscillator describes the history",
+            "{:.2%}",
+        ),
         "step_cuts": _number("", "step cuts", "halvings of steps that did not converge at once"),
         "newton_iterations_mean": _number("", "Newton iterations per step (mean)"),
         "branch_points": _number("", "branch points", "points of the curve"),

@@ -40,13 +40,15 @@ def estimate_modes(case: StructuralCase) -> dict[str, Any]:
 
 def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
     """As `estimate_roll`, with steps, step (s) and duration (s) of the time history."""
+    from wroll_fem.analyses.shared.time_step import time_step
     from wroll_fem.signals.base_motion import base_motion
 
     found = estimate_roll(case)
     seconds = found.pop("estimated_seconds", None)
     duration = base_motion(case.excitation).duration
-    steps = math.ceil(duration / case.time_step - 1e-9)
-    found |= {"steps": steps, "time_step_s": case.time_step, "duration_s": duration}
+    dt = time_step(case)
+    steps = math.ceil(duration / dt - 1e-9)
+    found |= {"steps": steps, "time_step_s": dt, "duration_s": duration}
     if seconds is None or not isinstance(case, OnRoll):
         return found
     around, method = case.mesh.circumferential, case.solver.method

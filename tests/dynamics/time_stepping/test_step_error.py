@@ -1,0 +1,127 @@
+"""Error of the time step: closed forms against integrated oscillators, exact solutions and finer runs of a roll."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from support.exact_systems import oscillator
+from support.paths import CONFIGS
+
+from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.shared.time_step import WANTED, steps_per_cycle
+from wroll_fem.case import load_case
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.time_stepping.full import FullStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
+from wroll_fem.dynamics.time_stepping.simulate import simulate
+from wroll_fem.dynamics.time_stepping.step_error import Oscillator, curve_error, fitted_oscillator, history_error
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.progress import SilentProgress
+from wroll_fem.signals.base_motion import Dwell
+
+TURN = 2.0 * np.pi
+SCHEMES = [Scheme.hht(-0.05), Scheme.named("no_damping"), Scheme.named("quasi_static")]
+
+
+def integrated(f_n: float, zeta: float, motion: Dwell, dt: float, scheme: Scheme) -> np.ndarray:
+    """History of the tip of one mass with a dashpot, by the full stepper."""
+    plain = oscillator(f_n)
+    system = dataclasses.replace(plain, damping=2.0 * zeta * TURN * f_n * plain.mass)
+    state = ContactState.unloaded(system)
+    stepper = FullStepper(system, state, scheme, NewtonOptions())
+    found = simulate(system, state, motion, dt=dt, scheme=scheme, stepper=stepper)
+    return np.asarray(found["tip_displacement"].values)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_filter_gives_the_steps_of_the_full_solver(scheme: Scheme) -> None:
+    motion, dt = Dwell(1.0, 9.0, 6.0, ramp_cycles=2.0), 1.0 / (9.0 * 40)
+    right = integrated(10.0, 0.02, motion, dt, scheme)
+    base = motion.acceleration(dt * np.arange(len(right)))
+    np.testing.assert_allclose(
+        Oscillator(10.0, 0.02).response(scheme, dt, base), right, atol=1e-9 * np.abs(right).max()
+    )
+
+
+def test_an_oscillator_whose_friction_never_slides_is_the_linear_one() -> None:
+    motion, dt, scheme = Dwell(1.0, 9.0, 8.0, ramp_cycles=2.0), 1.0 / (9.0 * 40), SCHEMES[0]
+    base = motion.acceleration(dt * np.arange(321))
+    linear = Oscillator(10.0, 0.01).response(scheme, dt, base)
+    stuck = Oscillator(10.0, 0.01, friction=0.4, slip=1e3).response(scheme, dt, base)
+    np.testing.assert_allclose(stuck, linear, atol=1e-9 * np.abs(linear).max())
+    sliding = Oscillator(10.0, 0.01, friction=0.4, slip=0.2 * np.abs(linear).max()).response(scheme, dt, base)
+    assert np.abs(sliding - linear).max() > 0.1 * np.abs(linear).max()
+
+
+@pytest.mark.parametrize("zeta", [0.003, 0.05])
+@pytest.mark.parametrize("driven", [8.0, 9.8, 10.0, 12.0])
+def test_the_error_of_a_dwell_is_that_against_the_exact_solution(driven: float, zeta: float) -> None:
+    """Sharp and broad peaks, below, at and above resonance; the reference is a Runge-Kutta solution to 1e-9."""
+    scheme, motion = Scheme.hht(-0.05), Dwell(1.0, driven, 15.0, ramp_cycles=3.0)
+    dt, w = 1.0 / (driven * 40), TURN * 10.0
+    found = integrated(10.0, zeta, motion, dt, scheme)
+    times = dt * np.arange(len(found))
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], -2.0 * zeta * w * y[1] - w**2 * y[0] - float(motion.acceleration(t))]
+
+    exact = solve_ivp(rates, (0.0, times[-1]), [0.0, 0.0], "DOP853", times, rtol=1e-9, atol=1e-13).y[0]
+    error = np.abs(found - exact).max() / np.abs(exact).max()
+    fitted, misfit = fitted_oscillator(scheme, dt, motion, found)
+    assert misfit < 1e-3
+    assert (fitted.frequency_hz, fitted.zeta) == pytest.approx((10.0, zeta), rel=0.02)
+    assert history_error(scheme, dt, motion, fitted) == pytest.approx(error, rel=0.1)
+
+
+def test_the_error_of_a_sharp_peak_is_its_shift() -> None:
+    """|T| falls fastest, by 0.385 of the peak per half-power half-width, and the period is 0.23 % longer."""
+    scheme, zeta = Scheme.hht(-0.05), 0.02
+    longer = numerical_damping(scheme, TURN / 40)[1]
+    dt = 1.0 / (10.0 * 40)
+    assert curve_error(scheme, dt, Oscillator(10.0, zeta)) == pytest.approx(0.385 * longer / zeta, rel=0.1)
+    assert curve_error(scheme, 0.5 * dt, Oscillator(10.0, zeta)) < 0.3 * curve_error(scheme, dt, Oscillator(10.0, zeta))
+
+
+@pytest.mark.parametrize(("frequency", "level"), [(120, 20.0), (150, 5.0), (156, 20.0)])
+def test_the_error_of_a_roll_that_slips_is_within_a_factor_of_two_of_a_ten_times_finer_run(
+    frequency: float, level: float
+) -> None:
+    dwell = f"excitation={{kind: dwell, amplitude: {level}, frequency: {frequency}, cycles: 20, ramp_cycles: 5}}"
+    words = [dwell, "solver.method=condensed", "mesh={circumferential: 8, axial: 3}", "output.figures=false"]
+    coarse, fine = (
+        run_analysis(
+            load_case(CONFIGS / "tiny.yaml", [*words, f"integrator.steps_per_cycle={steps}"]), progress=SilentProgress()
+        )
+        for steps in (40, 400)
+    )
+    right = fine["tip_displacement"].values[::10]
+    error = np.abs(coarse["tip_displacement"].values - right).max() / np.abs(right).max()
+    assert 0.5 < coarse.attrs["time_step_error"] / error < 2.0
+    assert fine.attrs["time_step_error"] < 0.03 * error
+    told = [text for text in summarise(coarse)["warnings"] if "the time step changes the history" in text]
+    assert bool(told) == (coarse.attrs["time_step_error"] > WANTED)
+
+
+def test_steps_that_are_left_out_are_chosen_by_the_error() -> None:
+    def steps(frequency: float, *words: str, cycles: int = 40, scheme: str = "hht") -> int:
+        dwell = f"excitation={{kind: dwell, amplitude: 5, frequency: {frequency}, cycles: {cycles}}}"
+        case = load_case(CONFIGS / "lab_dwell.yaml", [dwell, f"integrator={{scheme: {scheme}}}", *words])
+        return steps_per_cycle(case)  # type: ignore[arg-type]
+
+    assert steps(150.0) > 40  # near the resonance
+    assert steps(600.0) == 40
+    assert steps(150.0, "integrator.steps_per_cycle=40") == 40  # written keys stay
+    assert steps(150.0, scheme="no_damping") <= steps(150.0)
+    assert load_case(CONFIGS / "lab_sweep.yaml", ["integrator={scheme: hht}"]).time_step == pytest.approx(1 / 175 / 40)
+
+
+def test_the_hash_of_histories_with_chosen_steps_names_the_choice() -> None:
+    for file, same in (("lab_sweep", True), ("lab_modal", True), ("lab_dwell", False)):
+        left_out, written = (
+            load_case(CONFIGS / f"{file}.yaml", ["integrator={scheme: hht}", *words])
+            for words in ((), ("integrator.steps_per_cycle=40",))
+        )
+        assert (left_out.hash() == written.hash()) == same
