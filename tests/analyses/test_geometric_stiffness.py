@@ -140,3 +140,21 @@ def test_stuck_layers_buckle_later_than_frictionless_ones():
         for kind in ("stuck", "frictionless")
     )
     assert 1.5 * loose < stuck
+
+
+def test_all_methods_have_the_stiffness_of_the_preload():
+    """A short dwell near resonance with slip: the whole structure against its condensed and reduced forms."""
+    short = [
+        "analysis=dwell", "mesh.circumferential=8", "mesh.axial=2", "preload.pressure=1e5", "preload.steps=2",
+        "excitation={kind: dwell, amplitude: 60.0, frequency: 150, cycles: 1, ramp_cycles: 0.5}",
+        "integrator.steps_per_cycle=20", ON,
+    ]  # fmt: skip
+    tips = {}
+    for method in ("full", "condensed", "reduced"):
+        data = run(load_case(CONFIGS / "lab_dwell.yaml", [*short, f"solver.method={method}"]))
+        tips[method] = data["tip_displacement"].values
+    plain = run(load_case(CONFIGS / "lab_dwell.yaml", [*short[:-1], "solver.method=condensed"]))
+    largest = np.abs(tips["full"]).max()
+    np.testing.assert_allclose(tips["condensed"], tips["full"], atol=1e-6 * largest)
+    np.testing.assert_allclose(tips["reduced"], tips["full"], atol=1e-2 * largest)
+    assert np.abs(plain["tip_displacement"].values - tips["full"]).max() > 1e-3 * largest

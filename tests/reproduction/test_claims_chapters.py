@@ -99,8 +99,13 @@ def roll(folder: Path, **changed: Sequence[float]) -> FakeEvidence:
         )
     ]  # fmt: skip
     alone = reference(bending_at(150.5, mass_total_kg=0.18))
+    prestressed = [
+        member(sweep(3e5, f, 0.01, 60.0, 0.1).data, preload__pressure=3e5, preload__geometric_stiffness=on)
+        for on, f in ((False, 159.0), (True, 158.5))
+    ]
     summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
-    return FakeEvidence(folder, {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone]}, summaries)
+    studies = {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone], "prestress": prestressed}
+    return FakeEvidence(folder, studies, summaries)
 
 
 SERIES = {**preload_series.GROUP.judges, **{name: lab_model.GROUP.judges[name] for name in ("C59", "C60", "C76")}}
