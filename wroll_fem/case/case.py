@@ -44,6 +44,9 @@ K = TypeVar("K")
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
 """Solver keys that do not change any number of the results."""
 
+_OFF_BY_DEFAULT = (("preload", "geometric_stiffness"),)
+"""(Section, key) of switches that came later and are off by default."""
+
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
     "damping_ratio": ("modal damping", "modal_transient"),
@@ -200,8 +203,8 @@ class Case(Section):
     def hash(self) -> str:
         """Return the SHA-256 of everything that can change a number.
 
-        Files count by their content. Of `output` only the way to estimate damping counts, and its default not at all:
-        cases that do not name it keep the hash they had before it existed.
+        Files count by their content. Of `output` only the way to estimate damping counts. Its default does not count,
+        nor do switches that are off by default: cases that do not name them keep the hash they had before they existed.
         """
         data = with_former_keys(self.resolved())
         del data["output"]
@@ -210,6 +213,9 @@ class Case(Section):
         integrator = data.get("integrator") or {}
         if integrator.get("steps_per_cycle") == "auto" and self.analysis != "dwell":
             integrator["steps_per_cycle"] = DEFAULT_STEPS  # what auto means there, and what was the default before it
+        for section, key in _OFF_BY_DEFAULT:
+            if data.get(section, {}).get(key) is False:
+                del data[section][key]
         for key in _NOT_PHYSICS:
             data.get("solver", {}).pop(key, None)
         for section in WITH_FILE:

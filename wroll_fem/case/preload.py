@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import SparseSection, Switch, Whole, _number, validation_error
 
@@ -31,14 +31,6 @@ class Preload(SparseSection):
         description="add the stiffness of the preload to the structure: membrane stress of the shells, pressure that "
         "follows its surface, contact pressure between sliding surfaces; refused above the linear buckling load",
     )
-
-    @model_serializer(mode="wrap")
-    def _without_empty_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Serialise without empty keys, and without the geometric stiffness unless it is on."""
-        data = {key: value for key, value in dict(dump(self)).items() if value is not None}
-        if not self.geometric_stiffness:
-            data.pop("geometric_stiffness", None)
-        return data
 
     @field_validator("pressure", mode="before")
     @classmethod
