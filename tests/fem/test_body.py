@@ -236,26 +236,24 @@ def test_areas_sum_to_the_contact_cylinder(whole):
             assert (body.traces[side].areas > 0).all()
 
 
-def test_trace_averages_a_rigid_motion_into_its_local_components():
+def test_trace_has_the_local_components_of_a_rigid_motion_at_its_points():
     bodies = assemble_bodies(lab(*FREE, "mesh.circumferential=24"), symmetric=False)
     for body in bodies:
         for trace in body.traces.values():
             theta, z, r = trace.points.T
-            width = 2 * np.pi / 24
-            mean = 2 * (1 - np.cos(width)) / width**2  # of cos over the hat function of a vertex, relative to its value
             motions = rigid_motions(body.nodes, np.zeros(3))
-            inner_z = (z > 0.01) & (z < 0.29)  # the hats of the ends are one-sided: their mean height is not z
-            ex = np.column_stack([np.cos(theta) * mean, -np.sin(theta) * mean, 0 * theta])
-            np.testing.assert_allclose((trace.operator @ motions[:, 0]).reshape(-1, 3), ex, atol=1e-5)
-            ey = np.column_stack([np.sin(theta) * mean, np.cos(theta) * mean, 0 * theta])
-            np.testing.assert_allclose((trace.operator @ motions[:, 1]).reshape(-1, 3), ey, atol=1e-5)
-            ez = np.tile([0.0, 0.0, 1.0], (len(theta), 1))
-            np.testing.assert_allclose((trace.operator @ motions[:, 2]).reshape(-1, 3), ez, atol=1e-12)
-            about_x = np.column_stack([-z * np.sin(theta) * mean, -z * np.cos(theta) * mean, r * np.sin(theta) * mean])
-            got = (trace.operator @ motions[:, 3]).reshape(-1, 3)
-            np.testing.assert_allclose(got[inner_z], about_x[inner_z], atol=1e-5)
-            about_z = np.column_stack([0 * theta, r, 0 * theta])
-            np.testing.assert_allclose((trace.operator @ motions[:, 5]).reshape(-1, 3), about_z, atol=2e-6)
+            zero = 0 * theta
+            local = {
+                0: [np.cos(theta), -np.sin(theta), zero],
+                1: [np.sin(theta), np.cos(theta), zero],
+                2: [zero, zero, zero + 1.0],
+                3: [-z * np.sin(theta), -z * np.cos(theta), r * np.sin(theta)],
+                5: [zero, r, zero],
+            }
+            for column, components in local.items():
+                motion = (trace.operator @ motions[:, column]).reshape(-1, 3)
+                # around the circumference the points average to fourth order: 8e-5 with 24 cells
+                np.testing.assert_allclose(motion, np.column_stack(components), atol=1e-4)
 
 
 def test_rigid_motions_open_no_gap_and_no_slip():

@@ -13,8 +13,9 @@ from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
 from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
+from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import build_mesh, shell_layout
-from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices, ring_edges
+from wroll_fem.mesh.shells import CylinderMesh, ring_edges
 from wroll_fem.structure.body import Body, Trace
 from wroll_fem.typing import FloatArray, IntArray
 
@@ -215,8 +216,8 @@ def _traces(
     thickness: float,
     symmetric: bool,
 ) -> dict[str, Trace]:
-    vertices, points = canonical_vertices(part)
-    surface = SurfaceTrace(model, vertices)
+    contact = contact_points(part)
+    points, surface = contact.points, SurfaceTrace(model, contact.shapes)
     weight = np.ones(len(points))
     keep = np.ones(len(points), bool)
     if symmetric:

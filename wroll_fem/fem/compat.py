@@ -96,6 +96,19 @@ def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) ->
     return ufl.VectorElement("Lagrange", ufl_cell, degree, dim=components)
 
 
+def discontinuous(cell: str, degree: int, components: int = 1) -> Any:
+    """`lagrange` element whose functions are discontinuous from cell to cell, on a surface in space."""
+    if _BASIX_UFL:
+        import basix.ufl as basix_ufl
+
+        shape = (components,) if components > 1 else ()
+        return basix_ufl.element("Lagrange", cell, degree, shape=shape, discontinuous=True)
+    ufl_cell = ufl.Cell(cell, geometric_dimension=3)
+    if components == 1:
+        return ufl.FiniteElement("DQ", ufl_cell, degree)
+    return ufl.VectorElement("DQ", ufl_cell, degree, dim=components)
+
+
 def piecewise_constant(cell: str) -> Any:
     """Scalar element with one value per cell."""
     if _BASIX_UFL:

@@ -1,12 +1,13 @@
-"""Area-averaged displacement of the surfaces of a shell at its contact points (docs/theory.md, eq-jump).
+"""Displacement of the surfaces of a shell at its contact points (docs/theory.md, eq-jump).
 
-The contact points are the corner vertices of the quads. With the bilinear hat function N_k of vertex k on the
-mid-surface, the height xi of the surface above it and the cylindrical unit vectors e_c of the roll,
+With the shape function psi_k of the traction at point k (`wroll_fem.mesh.contact_points`), the height xi of the surface
+above the mid-surface and the cylindrical unit vectors e_c of the roll,
 
-    motion[k, c] = 1 / A_k  int N_k (u + xi theta x d) . e_c dA,     A_k = int N_k dA,
+    motion[k, c] = 1 / A_k  int psi_k (u + xi theta x d) . e_c dA,     A_k = int psi_k dA,
 
-so a traction that is uniform in the cylindrical frame does the same work at the points as on the surface. The two
-surfaces of an interface have the same points, in the same order, and the same areas.
+so tractions t_k at the points do the work of the traction sum_k t_k psi_k on the surface. The psi_k sum to 1: uniform
+tractions in the cylindrical frame are exact. The two surfaces of an interface have the same points, in the same order,
+and the same areas.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from dolfinx import fem
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import ShellModel
-from wroll_fem.typing import FloatArray, IntArray
+from wroll_fem.typing import FloatArray
 
 _DEGREE = 4
 
@@ -39,37 +40,44 @@ def cylinder_frame(x: Any) -> list[Any]:
 
 
 class SurfaceTrace:
-    """Averages of the displacement of a shell, weighted with the hat functions of its vertices.
+    """Averages of the displacement of a shell, weighted with the shape functions of its contact points.
 
     Parameters
     ----------
     model
         The shell.
-    vertices
-        (n_points,) corner nodes in the order of the contact points.
+    shapes
+        (9 n_cells, n_points) values of the shape functions at the nodes of each cell, as in `ContactPoints`.
     """
 
-    def __init__(self, model: ShellModel, vertices: IntArray):
-        self.model, self.vertices = model, vertices
-        hats = compat.function_space(model.mesh, compat.lagrange("quadrilateral", 1, components=3))
-        scalar_hats = compat.function_space(model.mesh, compat.lagrange("quadrilateral", 1))
-        block_of_node = np.full(len(model.nodes), -1, np.int64)
-        block_of_node[model.cell_nodes[:, :4].ravel()] = compat.cell_dofs(hats).ravel()
-        scalar_of_node = np.full(len(model.nodes), -1, np.int64)
-        scalar_of_node[model.cell_nodes[:, :4].ravel()] = compat.cell_dofs(scalar_hats).ravel()
-
+    def __init__(self, model: ShellModel, shapes: sp.csr_matrix):
+        self.model = model
+        vectors = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2, components=3))
+        scalars = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2))
         dx = ufl.Measure("dx", domain=model.mesh, metadata={"quadrature_degree": _DEGREE})
-        areas = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalar_hats) * dx))
-        self._mid_areas = areas[scalar_of_node[vertices]]
+        areas = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * dx))
+        self._mid_areas = np.asarray(self._of_dofs(scalars, shapes).T @ areas)
+        self._weights = sp.kron(self._of_dofs(vectors, shapes), sp.identity(3), format="csr")
 
-        weight = ufl.TestFunction(hats)
+        weight = ufl.TestFunction(vectors)
         q = ufl.TrialFunction(model.space)
         u, theta = ufl.as_vector([q[0], q[1], q[2]]), ufl.as_vector([q[3], q[4], q[5]])
         self._height = fem.Constant(model.mesh, 0.0)
         motion = u + self._height * ufl.cross(theta, model.director)
         frame = cylinder_frame(ufl.SpatialCoordinate(model.mesh))
         self._form = compat.compile_form(sum(weight[c] * ufl.dot(motion, frame[c]) for c in range(3)) * dx)
-        self._rows = (3 * block_of_node[vertices][:, None] + np.arange(3)).ravel()
+
+    def _of_dofs(self, space: fem.FunctionSpace, shapes: sp.csr_matrix) -> sp.csr_matrix:
+        """Rows of `shapes` in the order of the discontinuous degrees of freedom (blocks) of `space`."""
+        cells, found = self.model.cells, self.model.cell_nodes
+        cell_of_centre = np.empty(len(self.model.nodes), np.int64)
+        cell_of_centre[cells[:, 8]] = np.arange(len(cells))
+        cell = cell_of_centre[found[:, 8]]
+        local = np.empty_like(found)  # place of each node in the input cell
+        np.put_along_axis(local, found.argsort(axis=1), cells[cell].argsort(axis=1), axis=1)
+        rows = np.empty(found.size, np.int64)
+        rows[compat.cell_dofs(space).ravel()] = (9 * cell[:, None] + local).ravel()
+        return shapes[rows]
 
     def areas(self, scale: float) -> FloatArray:
         """(n_points,) tributary area of each point, m^2; `scale` is r_surface / r_mid-surface."""
@@ -78,7 +86,7 @@ class SurfaceTrace:
     def operator(self, height: float) -> sp.csr_matrix:
         """(3 n_points, 6 n_nodes) mean (normal, hoop, axial) displacement at a height (m) above the mid-surface."""
         self._height.value = height
-        moments = compat.assemble_csr(self._form)[self._rows][:, self.model.dof_order]
+        moments = self._weights.T @ compat.assemble_csr(self._form)[:, self.model.dof_order]
         averages = (sp.diags(np.repeat(1.0 / self._mid_areas, 3)) @ moments).tocsr()
         arm = np.tile(np.repeat([1.0, 1.0 / max(abs(height), 1e-300)], 3), len(self.model.nodes))
         entries = averages.tocoo()

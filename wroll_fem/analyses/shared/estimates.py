@@ -85,6 +85,6 @@ def _estimate(case: StructuralCase, *, half: bool) -> dict[str, Any]:
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
     dofs = 6 * nodes * shells + (6 * nodes * roll.mesh.radial if model == "solid" else 0)
-    points = columns * (along + 1) * (shells - 1) if model == "layers" else 0
+    points = columns * 2 * along * (shells - 1) if model == "layers" else 0
     seconds = 4.0 + (SECONDS_PER_SOLID_DOF if model == "solid" else 7e-5) * dofs
     return {"dofs": dofs, "interface_points": points, "estimated_seconds": seconds}
