@@ -132,7 +132,7 @@ def test_on_other_meshes_the_points_are_the_vertices_with_hat_functions() -> Non
 
 def bonded_frequencies(case, wave_number: int, count: int) -> np.ndarray:
     """Lowest frequencies (Hz) of one wave number, motions symmetric about the x-z plane."""
-    system = build_system(case, build_bodies(case, symmetric=True))
+    system = build_system(case, build_bodies(case, symmetric=True)).bonded()
     basis = next(s.basis for s in system.subspaces if s.harmonic == wave_number)
     stiffness, mass = ((basis.T @ m @ basis).toarray() for m in (system.stiffness, system.mass))
     return np.sqrt(la.eigh(stiffness, mass, eigvals_only=True, subset_by_index=(0, count - 1))) / (2 * np.pi)

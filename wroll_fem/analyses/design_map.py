@@ -11,6 +11,7 @@ import xarray as xr
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared.estimates import SECONDS_PER_FOURIER_DOF, fourier_dofs
 from wroll_fem.analyses.shared.figures import figure
+from wroll_fem.analyses.shared.resolution import fourier_remark
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.roll import RollSections
@@ -104,6 +105,8 @@ def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
                 )
                 designs.append(models.design(case, geometry))
         stage.update(len(designs) + 1, f"{len(designs)} mandrels")
+    if remark := fourier_remark(case):
+        progress.warning(remark)
     shape, dims = (len(radii), len(walls)), ("mandrel_radius", "mandrel_thickness")
     fields: dict[str, Any] = {
         name: (dims, np.array([getattr(design, name) for design in designs]).reshape(shape)) for name in _NUMBERS

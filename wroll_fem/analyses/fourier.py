@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from wroll_fem.analyses.shared.resolution import fourier_remark
 from wroll_fem.mesh.revolve import cartesian, revolve
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
@@ -35,6 +36,8 @@ def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
     with progress.stage("modes", 1) as stage:
         found = lowest_modes(roll, case.modal.count)
         stage.update(1, f"harmonics 0 to {max(mode.symmetry.wave_number for mode in found)}")
+    if remark := fourier_remark(case):
+        progress.warning(remark)
     listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.symmetry.wave_number else (False,))]
     listed = listed[: case.modal.count]
     fraction, share, tip = np.zeros((len(listed), 3)), np.zeros(len(listed)), np.zeros(len(listed))

@@ -17,6 +17,7 @@ from wroll_fem.analyses.shared.estimates import estimate_modes
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
+from wroll_fem.analyses.shared.resolution import frequency_remark
 from wroll_fem.analyses.shared.springs import linear_springs
 from wroll_fem.case.kinds import ModalCase, RollModalCase, StructureModalCase
 from wroll_fem.dynamics.system.system import System
@@ -78,6 +79,8 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
     vectors = align_pairs(hertz, pairs.vectors, system.mass, influence)[:, : case.modal.count]
     hertz, residuals = hertz[: case.modal.count], pairs.residuals[: case.modal.count]
     kinds = [classify_mode(bodies, vector) for vector in vectors.T]
+    if remark := frequency_remark(case, [k.kind for k in kinds], hertz.tolist()):
+        progress.warning(remark)
     total = sum(body.mass_total for body in bodies)
     dataset = xr.Dataset(
         {

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies, named_probes
+from wroll_fem.analyses.shared.resolution import fourier_remark, frequency_remark
 from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
 from wroll_fem.case.kinds import ModalTransientCase
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
@@ -98,6 +99,10 @@ class SlipModel:
         with progress.stage("modes and their stress", 1) as stage:
             modes = shear_modes(case)
             stage.update(1, f"{len(modes.frequencies_hz)} modes, {len(modes.volumes)} quadrature points")
+        fourier = case.mesh.discretisation == "fourier"
+        remark = fourier_remark(case) if fourier else frequency_remark(case, modes.kinds, modes.frequencies_hz.tolist())
+        if remark:
+            progress.warning(remark)
         return cls(case, modes, roll)
 
     def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:

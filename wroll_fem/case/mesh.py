@@ -16,11 +16,11 @@ class Mesh(Section):
     circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
     axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
     grading: Real = Field(
-        default=1.0, ge=1, description="ratio of element heights, tip to root, dimensionless; 1 is uniform"
+        default=8.0, ge=1, description="ratio of element heights, tip to root, dimensionless; 1 is uniform"
     )
     radial: Whole = Field(default=3, ge=1, description="elements through a solid coil (count)")
     radial_grading: Real = Field(
-        default=1.0,
+        default=10.0,
         ge=1,
         description="ratio of element thicknesses, outer surface to mandrel, dimensionless; 1 is uniform",
     )

@@ -31,6 +31,8 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     numpy.ndarray
         Solution z, in the shape of ``b``.
     """
+    if b.size == 0:  # a structure without interfaces
+        return b
     # gcrotmk with nothing recycled is GMRES. It solves its small problem by least squares; spla.gmres does not, and its
     # residual may grow by orders of magnitude where the map is nearly singular (scipy 1.10).
     operator = spla.LinearOperator((b.size, b.size), lambda v: apply(v.reshape(b.shape)).ravel(), dtype=float)

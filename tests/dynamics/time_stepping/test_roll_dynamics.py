@@ -15,12 +15,11 @@ from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
-from wroll_fem.analyses.shared.springs import TIE_FACTOR
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
-from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.system.system import TIE_FACTOR, System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import RECORDS

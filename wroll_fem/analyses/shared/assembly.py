@@ -85,14 +85,14 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     if len(bodies) == 1:
         return with_probes(System.from_bodies(bodies, direction=direction), bodies, points, direction)
     linear = isinstance(case, ModalCase) and case.modal.interface != "stuck"
-    contact, preload = case.contact, case.preload
-    if contact is None and not isinstance(case, ModalCase):
+    contact, preload, bonded = case.contact, case.preload, case.coil.model == "bonded"
+    if contact is None and not bonded and not isinstance(case, ModalCase):
         raise InputError(
             "required section is missing", key="contact",
             remedy=f"add it: analysis {case.analysis} includes contact between all shells (coil.model: solid is "
             "one body with the mandrel)",
         )  # fmt: skip
-    normal = Normal() if contact is None else contact.normal
+    normal = Normal() if contact is None or bonded else contact.normal
     system = System.from_bodies(
         bodies,
         direction=direction,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
+from wroll_fem.analyses.shared.resolution import system_remark
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -26,7 +28,8 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
     """Return the system of a case and its preload state; report the interface pressure.
 
     Used by every analysis that starts from the preloaded system, whether the case describes a roll
-    (mesh, assemble, preload) or matrices from a file (`structure`).
+    (mesh, assemble, preload) or matrices from a file (`structure`). Layers of `coil.model: bonded` are bonded by
+    springs in the stiffness: their system has no interfaces.
 
     Raises
     ------
@@ -43,9 +46,14 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
             stage.update(1, "bodies assembled")
             system = build_system(case, bodies)
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
+        bonded = case.coil.model == "bonded"
+        if remark := system_remark(case, system.bonded() if bonded else system):
+            progress.warning(remark)
         state, steps = None, case.preload_steps
-        if roll is not None and (not system.interfaces or case.contact is None):
+        if roll is not None and (not system.interfaces or case.contact is None or bonded):
             system, state = contact_state(case, roll, system)
+        elif bonded:
+            system = system.bonded()
     elif isinstance(case, OnStructure):
         with progress.stage("matrices", 1) as stage:
             system, state = read_structure(case)
@@ -62,8 +70,12 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
         )
     if isinstance(case, OnRoll) and roll is not None:
         with progress.stage("geometric stiffness", 1) as stage:
-            system, factor = add_geometric_stiffness(case, roll, system, state)
+            springs = system.tie_springs if bonded and system.interfaces else None
+            system, factor = add_geometric_stiffness(case, roll, system, state, springs)
             stage.update(1, f"buckling load: {factor:.4g} x preload")
+        if bonded:
+            system = system.bonded()
+            state = replace(ContactState.unloaded(system), displacement=state.displacement)
     return system, state
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.analyses.shared.springs import tied_springs
 from wroll_fem.contact.point import normals, per_dof, tangentials
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
@@ -61,16 +60,18 @@ def body_pressures(case: OnRoll, system: System) -> list[float]:
 
 
 def contact_state(case: OnRoll, roll: PrestressedRoll, system: System) -> tuple[System, ContactState]:
-    """System with its preload, and its static state: of the contact with friction, or bonded without `contact`.
+    """System with its preload, and its static state: of the contact with friction, or bonded.
 
-    The external pressure of a case without layers acts on the mandrel.
+    Interfaces are bonded without `contact`, and with `coil.model: bonded`. The external pressure of a case without
+    layers acts on the mandrel.
     """
     if not system.interfaces:
         force = body_pressures(case, system)[0] * roll.bodies[0].pressure_force
         system = replace(system, loads={**system.loads, "preload": force})
-    if not system.interfaces or case.contact is not None:
+    bonded = case.contact is None or case.coil.model == "bonded"
+    if not system.interfaces or not bonded:
         return system, solve_preload(system, steps=case.preload_steps)
-    springs = tied_springs(system)
+    springs = system.tie_springs
     u = factorise(system.with_interface_springs(springs)).solve(system.loads["preload"])
     jump, state = system.jump @ u, ContactState.unloaded(system)
     return system, replace(state, displacement=u, jump=jump, traction=springs * jump)

@@ -11,15 +11,6 @@ from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
-TIE_FACTOR = 100.0
-"""Factor on the normal penalty for bonded interfaces, in all directions; frequencies agree with tied ones to 1e-4."""
-
-
-def tied_springs(system: System) -> FloatArray:
-    """(3 n_points,) springs that bond the interfaces, Pa/m."""
-    kn = system.laws.kn
-    return TIE_FACTOR * np.concatenate([np.repeat(kn, 2), kn])
-
 
 def linear_springs(case: OnRoll | OnStructure, system: System, state: ContactState | None = None) -> FloatArray:
     """Springs (3 n_points,) of the contact degrees of freedom in a linear analysis, Pa/m.
@@ -39,5 +30,5 @@ def linear_springs(case: OnRoll | OnStructure, system: System, state: ContactSta
     if kind == "frictionless":
         return np.concatenate([np.zeros(2 * system.n_points), system.laws.kn])
     if kind == "bonded":
-        return tied_springs(system)
+        return system.tie_springs
     return stick_springs(system, solve_preload(system, steps=case.preload_steps) if state is None else state)

@@ -1,0 +1,116 @@
+"""Whether a mesh resolves the modes of a roll without friction: its frequencies against those of finer elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wroll_fem.case.roll import RollSections
+from wroll_fem.case.structural import OnRoll
+
+if TYPE_CHECKING:
+    from wroll_fem.dynamics.system.system import System
+    from wroll_fem.fem.fourier_roll import SymmetryClass
+
+TOLERANCE = 0.01
+"""Relative difference of a frequency from that of the finer elements, above which a run warns."""
+
+COILS = ("solid", "bonded")
+"""Coil models whose mesh is checked: elastic coils without friction, which semi-analytical elements can model."""
+
+_FINE = {"axial": 24, "grading": 12.0, "radial": 3, "radial_grading": 10.0}
+"""Least mesh of the semi-analytical elements, which are cubic; they add cells at the clamp, the tip and the wall."""
+
+_LOWEST = 8  # modes among which the one with the largest effective mass is the first bending mode
+_RIGID = 2  # most rigid motions of a symmetry class
+
+
+def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float], *, pairs: bool = True) -> str:
+    """Warning about modes whose frequency is off by more than `TOLERANCE`, else empty.
+
+    The reference are semi-analytical (Fourier) elements on a finer mesh, an independent discretisation of the same
+    roll, which takes about a second. Bending, ovalling and torsion are compared.
+
+    Parameters
+    ----------
+    case
+        Case on a roll.
+    kinds, hertz
+        Kind (`wroll_fem.structure.mode_shapes`) and frequency of the lowest modes of the mesh.
+    pairs
+        Whether the modes of a degenerate pair are both listed.
+    """
+    if case.coil.model not in COILS or case.mesh.file is not None:
+        return ""
+    from wroll_fem.fem.fourier_modes import symmetry_class_modes
+    from wroll_fem.fem.fourier_roll import FourierRoll
+
+    roll = FourierRoll(finer(case, _FINE))
+    worst, text = TOLERANCE, ""
+    for kind in dict.fromkeys(kinds):
+        symmetry = _symmetry(kind)
+        if symmetry is None:
+            continue
+        own = np.sort([f for name, f in zip(kinds, hertz, strict=True) if name == kind])
+        own = own[::2] if pairs and symmetry.wave_number else own
+        modes = symmetry_class_modes(roll, symmetry, len(own) + _RIGID)
+        finest = [mode.frequency_hz for mode in modes if mode.kind == kind]
+        for number, (f, reference) in enumerate(zip(own, finest, strict=False), start=1):
+            if abs(f / reference - 1.0) > worst:
+                worst, text = abs(f / reference - 1.0), _described(kind, number, f, reference)
+    return text and f"{text}; {_remedy(case)}"
+
+
+def system_remark(case: OnRoll, system: System) -> str:
+    """`frequency_remark` for the first bending mode of a system without interfaces, before its motion is computed."""
+    if case.coil.model not in COILS or case.mesh.file is not None or system.interfaces:
+        return ""
+    from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
+
+    pairs = solve_pairs(system.stiffness, system.mass, _LOWEST, DEFAULT_SHIFT)
+    main = np.argmax(np.abs(pairs.vectors.T @ (system.mass @ system.influence)))
+    return frequency_remark(case, ["bending"], [float(np.sqrt(pairs.values[main])) / (2 * np.pi)], pairs=False)
+
+
+def fourier_remark(case: OnRoll) -> str:
+    """Warning if the first bending frequency of Fourier elements changes on a mesh twice as fine; else empty."""
+    from wroll_fem.fem.fourier_modes import symmetry_class_modes
+    from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
+
+    twice = {"axial": 2 * case.mesh.axial, "radial": 2 * case.mesh.radial}
+    f, reference = (
+        symmetry_class_modes(FourierRoll(roll), BENDING, 1)[0].frequency_hz for roll in (case, finer(case, twice))
+    )
+    if abs(f / reference - 1.0) <= TOLERANCE:
+        return ""
+    return f"{_described('bending', 1, f, reference)}; {_remedy(case)}"
+
+
+def finer(roll: RollSections, least: Mapping[str, float]) -> RollSections:
+    """Sections of a roll with a mesh of at least the given numbers and gradings."""
+    mesh = roll.mesh.model_copy(update={key: max(getattr(roll.mesh, key), value) for key, value in least.items()})
+    return RollSections(geometry=roll.geometry, mandrel=roll.mandrel, coil=roll.coil, mesh=mesh)
+
+
+def _symmetry(kind: str) -> SymmetryClass | None:
+    from wroll_fem.fem.fourier_roll import TORSION, symmetry_classes
+
+    if kind == "torsion":
+        return TORSION
+    number = kind.removeprefix("ovalling-")
+    wave_number = 1 if kind == "bending" else int(number) if number.isdigit() else 0
+    return symmetry_classes(wave_number)[0] if wave_number else None
+
+
+def _described(kind: str, number: int, f: float, reference: float) -> str:
+    return (
+        f"the mesh does not resolve the modes: {kind} mode {number} has {f:.4g} Hz, "
+        f"{100 * (f / reference - 1):+.1f} % from the {reference:.4g} Hz of finer elements"
+    )
+
+
+def _remedy(case: OnRoll) -> str:
+    radial = ", mesh.radial or mesh.radial_grading" if case.coil.model == "solid" else ""
+    return f"raise mesh.axial or mesh.grading (root of the coil){radial}, or mesh.circumferential (ovalling)"
