@@ -34,7 +34,7 @@ from dolfinx import fem
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import ShellModel, ShellSection, split
-from wroll_fem.fem.trace import cylinder_frame
+from wroll_fem.fem.trace import cell_node_rows, cylinder_frame
 from wroll_fem.typing import FloatArray
 
 
@@ -53,8 +53,9 @@ class PrestressedShell:
         self.model, self.section = model, section
         self._state = fem.Function(model.space, name="state")
         self._motion = fem.Function(model.space, name="motion")
-        hats = compat.function_space(model.mesh, compat.lagrange("quadrilateral", 1, components=3))
-        self._traction = fem.Function(hats, name="traction")
+        per_cell = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2, components=3))
+        self._traction = fem.Function(per_cell, name="traction")
+        self._traction_rows = cell_node_rows(model, per_cell)
         self._tension = fem.Constant(model.mesh, 0.0)
         self._height = fem.Constant(model.mesh, 0.0)
 
@@ -153,8 +154,8 @@ class PrestressedShell:
         Parameters
         ----------
         values
-            (n_nodes, 3) normal, hoop and axial traction on this shell per area of the mid-surface, Pa; only those of
-            corner nodes count. Between them they vary as the hat functions of `trace.SurfaceTrace`.
+            (9 n_cells, 3) normal, hoop and axial traction on this shell, Pa of the mid-surface, at the nodes of
+            each cell: the shape functions of `mesh.contact_points` times the tractions at the points.
         height
             Height of the surface above the mid-surface, m.
 
@@ -164,8 +165,7 @@ class PrestressedShell:
         stiffness : (6 n_nodes, 6 n_nodes) N/m; the director turns away from the traction to second order.
         """
         self._height.value = height
-        corners = self.model.cell_nodes[:, :4]
-        self._traction.x.array.reshape(-1, 3)[compat.cell_dofs(self._traction.function_space)] = values[corners]
+        self._traction.x.array.reshape(-1, 3)[:] = values[self._traction_rows]
         load, second = self._traction_forms
         return compat.assemble_array(load)[self.model.dof_order], self.model.reorder(compat.assemble_csr(second))
 

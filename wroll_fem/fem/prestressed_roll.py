@@ -26,7 +26,9 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.fem.body import shell_section
 from wroll_fem.fem.prestress import PrestressedShell, rigid_tip_stiffness
 from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
+from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import shell_layout
+from wroll_fem.mesh.shells import CylinderMesh
 from wroll_fem.structure.body import Body, Trace
 from wroll_fem.typing import FloatArray
 
@@ -148,26 +150,25 @@ class _Wall:
                 total = total + pressure * self.shell.pressure_stiffness(outer)
         for side, values in tractions.items():
             forces, second = self.shell.surface_traction(
-                self._at_nodes(values, self.body.traces[side]), self.height(side)
+                self._on_cells(values, self.body.traces[side]), self.height(side)
             )
             unbalanced -= forces
             total = total + second
         expand = self.body.expand
         return sp.csr_matrix(expand.T @ total @ expand + self._tip(unbalanced.reshape(-1, 6)[:, :3], centre))
 
-    def _at_nodes(self, values: FloatArray, trace: Trace) -> FloatArray:
-        """(n_nodes, 3) values at the corner nodes from those at the contact points; other nodes get the nearest."""
-        x, y, z = self.body.nodes.T
-        theta, height, _ = trace.points.T
-        mirrored = self.body.symmetric
-        points = np.column_stack([self.radius * np.cos(theta), self.radius * np.sin(theta), height])
-        nodes = np.column_stack([x, np.abs(y) if mirrored else y, z])
-        if mirrored:
-            points[:, 1] = np.abs(points[:, 1])
-        found = values[cKDTree(points).query(nodes)[1]]
-        if mirrored:
-            found[y < 0.0, 1] *= -1.0
-        return np.asarray(found)
+    def _on_cells(self, values: FloatArray, trace: Trace) -> FloatArray:
+        """(9 n_cells, 3) field at the nodes of each cell that belongs to values (n_points, 3) at the contact points."""
+        at = contact_points(CylinderMesh(self.body.nodes, self.body.cells, {}))
+        theta = np.abs(at.points[:, 0]) if self.body.symmetric else at.points[:, 0]
+        wanted, held = (
+            np.column_stack([self.radius * np.cos(angle), self.radius * np.sin(angle), height])
+            for angle, height in ((theta, at.points[:, 1]), (trace.points[:, 0], trace.points[:, 1]))
+        )
+        found = values[cKDTree(held).query(wanted)[1]]
+        if self.body.symmetric:
+            found[at.points[:, 0] < 0.0, 1] *= -1.0
+        return np.asarray(at.shapes @ found)
 
     def _tip(self, forces: FloatArray, centre: FloatArray) -> sp.csr_matrix:
         """Second-order energy of the rotation of a rigid tip; empty without one."""

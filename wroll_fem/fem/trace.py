@@ -21,7 +21,7 @@ from dolfinx import fem
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import ShellModel
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 _DEGREE = 4
 
@@ -37,6 +37,22 @@ def cylinder_frame(x: Any) -> list[Any]:
     hoop = ufl.as_vector([-x[1] / radius, x[0] / radius, 0.0 * x[2]])
     axial = ufl.as_vector([0.0 * x[0], 0.0 * x[0], 1.0 + 0.0 * x[2]])
     return [normal, hoop, axial]
+
+
+def cell_node_rows(model: ShellModel, space: fem.FunctionSpace) -> IntArray:
+    """Rows (9 n_cells,) of values at the nodes of each cell, in the order of the dofs (blocks) of a space.
+
+    The space is discontinuous and quadratic. Row 9 c + a is the value at node ``model.cells[c, a]`` seen from cell c.
+    """
+    cells, found = model.cells, model.cell_nodes
+    cell_of_centre = np.empty(len(model.nodes), np.int64)
+    cell_of_centre[cells[:, 8]] = np.arange(len(cells))
+    cell = cell_of_centre[found[:, 8]]
+    local = np.empty_like(found)  # place of each node in the input cell
+    np.put_along_axis(local, found.argsort(axis=1), cells[cell].argsort(axis=1), axis=1)
+    rows = np.empty(found.size, np.int64)
+    rows[compat.cell_dofs(space).ravel()] = (9 * cell[:, None] + local).ravel()
+    return rows
 
 
 class SurfaceTrace:
@@ -56,8 +72,8 @@ class SurfaceTrace:
         scalars = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2))
         dx = ufl.Measure("dx", domain=model.mesh, metadata={"quadrature_degree": _DEGREE})
         areas = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * dx))
-        self._mid_areas = np.asarray(self._of_dofs(scalars, shapes).T @ areas)
-        self._weights = sp.kron(self._of_dofs(vectors, shapes), sp.identity(3), format="csr")
+        self._mid_areas = np.asarray(shapes[cell_node_rows(model, scalars)].T @ areas)
+        self._weights = sp.kron(shapes[cell_node_rows(model, vectors)], sp.identity(3), format="csr")
 
         weight = ufl.TestFunction(vectors)
         q = ufl.TrialFunction(model.space)
@@ -66,18 +82,6 @@ class SurfaceTrace:
         motion = u + self._height * ufl.cross(theta, model.director)
         frame = cylinder_frame(ufl.SpatialCoordinate(model.mesh))
         self._form = compat.compile_form(sum(weight[c] * ufl.dot(motion, frame[c]) for c in range(3)) * dx)
-
-    def _of_dofs(self, space: fem.FunctionSpace, shapes: sp.csr_matrix) -> sp.csr_matrix:
-        """Rows of `shapes` in the order of the discontinuous degrees of freedom (blocks) of `space`."""
-        cells, found = self.model.cells, self.model.cell_nodes
-        cell_of_centre = np.empty(len(self.model.nodes), np.int64)
-        cell_of_centre[cells[:, 8]] = np.arange(len(cells))
-        cell = cell_of_centre[found[:, 8]]
-        local = np.empty_like(found)  # place of each node in the input cell
-        np.put_along_axis(local, found.argsort(axis=1), cells[cell].argsort(axis=1), axis=1)
-        rows = np.empty(found.size, np.int64)
-        rows[compat.cell_dofs(space).ravel()] = (9 * cell[:, None] + local).ravel()
-        return shapes[rows]
 
     def areas(self, scale: float) -> FloatArray:
         """(n_points,) tributary area of each point, m^2; `scale` is r_surface / r_mid-surface."""
