@@ -267,6 +267,11 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
             "friction between layers couples the circumferential harmonics", key="coil.model", value=coil.model,
             remedy=f"use {', '.join(FOURIER_COILS)}, {three}",
         )  # fmt: skip
+    if coil.base == "guided":
+        raise validation_error(
+            "semi-analytical (Fourier) elements have no guided base", key="coil.base", value=coil.base,
+            remedy=f"use free or clamped, {three}",
+        )  # fmt: skip
     if mesh.file is not None:
         raise validation_error(
             "semi-analytical (Fourier) elements need the generated axisymmetric mesh", key="mesh.file",

@@ -15,6 +15,9 @@ _NEEDED = ("total_thickness", "material")
 #: Keys of shells, without a meaning for the solid coil.
 _OF_SHELLS = ("layers", "bending")
 
+SHELL_COILS = ("layers", "bonded")
+"""Models of the coil that consist of shells."""
+
 
 def _lab_layer() -> IsotropicMaterial:
     return IsotropicMaterial(E=2.8e9, nu=0.35, rho=2000.0)
@@ -47,10 +50,17 @@ class Coil(Section):
         default_factory=_lab_layer,
         description="material of the coil: isotropic, or kind: cylindrical_orthotropic for solid",
     )
-    base: Literal["free", "clamped", "inner_edge"] = Field(
+    base: Literal["free", "clamped", "inner_edge", "guided"] = Field(
         default="free",
         description="base of the coil: free (held by friction or the bond alone), clamped (moves with the shaker), "
-        "inner_edge (only the innermost layer, or the inner edge of the solid, is clamped)",
+        "inner_edge (only the innermost layer, or the inner edge of the solid, is clamped), guided (the ring of every "
+        "layer moves with the shaker in the radial and hoop direction and is held by base_stiffness along the axis)",
+    )
+    base_stiffness: Real = Field(
+        default=0.0,
+        ge=0,
+        description="axial spring between the ring of each layer and the base, per length of the ring, N/m^2; "
+        "with base: guided",
     )
     bending: Switch = Field(default=True, description="layers resist bending (shells); false: membranes")
 
@@ -78,7 +88,17 @@ class Coil(Section):
                     "does not apply to a solid coil", key=key, value=getattr(self, key),
                     remedy="leave it out (mesh.radial sets the elements through the coil), or use model: layers",
                 )  # fmt: skip
-        if self.model in ("layers", "bonded") and not isinstance(self.material, IsotropicMaterial):
+        if self.base == "guided" and self.model not in SHELL_COILS:
+            raise validation_error(
+                f"is the base of shells, not of model: {self.model}", key="base", value=self.base,
+                remedy="use free, clamped or inner_edge, or model: layers",
+            )  # fmt: skip
+        if self.base != "guided" and "base_stiffness" in self.model_fields_set:
+            raise validation_error(
+                f"does not apply to base: {self.base}", key="base_stiffness", value=self.base_stiffness,
+                remedy="leave it out, or use base: guided",
+            )  # fmt: skip
+        if self.model in SHELL_COILS and not isinstance(self.material, IsotropicMaterial):
             raise validation_error(
                 f"shells (model: {self.model}) are isotropic", key="material.kind", value=self.material.kind,
                 remedy="give E, nu and rho, or use model: solid",
@@ -91,6 +111,7 @@ class Coil(Section):
         data = dict(plain(self))
         unused = {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
+        unused |= set() if self.base == "guided" else {"base_stiffness"}
         return {key: value for key, value in data.items() if key not in unused}
 
     @property

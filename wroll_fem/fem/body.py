@@ -107,9 +107,12 @@ def _assemble_shell(
     model = ShellModel(part.nodes, part.cells, radial_director)
     rigid_tip = index == 0 and roll.mandrel.tip == "rigid"
     centre = np.array([0.0, 0.0, roll.geometry.length])
+    base = part.groups["base"]
+    guided = index > 0 and roll.coil.base == "guided"
     constraints = build_constraints(
         part.nodes,
-        clamped=part.groups["base"] if _base_is_clamped(roll, index) else np.empty(0, np.int64),
+        clamped=base if _base_is_clamped(roll, index) else np.empty(0, np.int64),
+        guided=base if guided else None,
         rigid=part.groups["tip"] if rigid_tip else None,
         centre=centre,
         symmetric=symmetric,
@@ -119,8 +122,11 @@ def _assemble_shell(
     nodal_mass = model.mass(section)
     if tip_mass and not rigid_tip:
         nodal_mass = nodal_mass + ring_mass(part, tip_mass)
+    nodal_stiffness = model.stiffness(section)
+    if guided and roll.coil.base_stiffness:
+        nodal_stiffness = nodal_stiffness + ring_spring(part, base, roll.coil.base_stiffness)
     E = constraints.expand
-    stiffness, mass = E.T @ model.stiffness(section) @ E, E.T @ nodal_mass @ E
+    stiffness, mass = E.T @ nodal_stiffness @ E, E.T @ nodal_mass @ E
     if tip_mass and constraints.master is not None:
         mass = mass + point_mass(constraints, tip_mass)
     outward = radial_director(part.nodes)
@@ -178,6 +184,20 @@ def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
     for column, share in ((0, 1 / 6), (1, 1 / 6), (2, 4 / 6)):
         np.add.at(weights, edges[:, column], share * length)
     return weights / weights.sum()
+
+
+def ring_spring(part: CylinderMesh, ring: IntArray, stiffness: float) -> sp.csr_matrix:
+    """(6 n_nodes, 6 n_nodes) matrix of an axial spring (N/m per m of the ring) between a ring and the base.
+
+    Integrated over the quadratic edges with Simpson's rule, whose points are the nodes.
+    """
+    edges = ring_edges(part.cells, ring)
+    first, last, middle = (part.nodes[edges[:, k]] for k in range(3))
+    slopes = (-3.0 * first + 4.0 * middle - last, first - 4.0 * middle + 3.0 * last, last - first)
+    springs = np.zeros((len(part.nodes), 6))
+    for column, (share, slope) in enumerate(zip((1 / 6, 1 / 6, 4 / 6), slopes, strict=True)):
+        np.add.at(springs[:, 2], edges[:, column], stiffness * share * np.linalg.norm(slope, axis=1))
+    return sp.diags(springs.ravel()).tocsr()
 
 
 def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:

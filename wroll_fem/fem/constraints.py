@@ -1,4 +1,4 @@
-"""Constraints of a shell by elimination (clamped nodes, rigid tip, symmetry plane), and its rigid-body motions.
+"""Constraints of a shell by elimination (clamped or guided nodes, rigid tip, symmetry plane), its rigid-body motions.
 
 One sparse map from the remaining unknowns y to the nodal values contains all constraints,
 
@@ -50,6 +50,7 @@ def build_constraints(
     nodes: FloatArray,
     *,
     clamped: IntArray,
+    guided: IntArray | None = None,
     rigid: IntArray | None = None,
     centre: FloatArray | None = None,
     symmetric: bool = False,
@@ -62,6 +63,8 @@ def build_constraints(
         (n_nodes, 3) coordinates, m.
     clamped
         Nodes whose six values are zero relative to the base.
+    guided
+        Nodes whose displacements along x and y are zero relative to the base.
     rigid
         Nodes with u = U + Omega x (x - centre) and theta = Omega; None for a deformable end.
     centre
@@ -77,6 +80,8 @@ def build_constraints(
     n = len(nodes)
     source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
     free[clamped] = False
+    if guided is not None:
+        free[guided, :2] = False
     tied = np.zeros(n, bool)
     if rigid is not None:
         tied[rigid] = True
