@@ -40,6 +40,9 @@ class Claim:
         Criterion for the verdict "met".
     caution
         Errors and missing information in the thesis; may be empty.
+    by_construction
+        Whether the verdict cannot fail: a definition, arithmetic, or a law that is put in and read out. Such a verdict
+        is a check of the program, no evidence for the thesis.
     """
 
     id: str
@@ -49,6 +52,7 @@ class Claim:
     kind: str
     accept: str
     caution: str = ""
+    by_construction: bool = False
 
     @property
     def number(self) -> int:

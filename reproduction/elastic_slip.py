@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -30,6 +31,7 @@ SERIES = {
     "mean": ("1.737 kPa (1 kPa at the interface), condensed", LOW, 1.737e3),
     "tied": ("1 kPa, surfaces that cannot separate, condensed", TIED, 1.0e3),
     "firm": ("10 kPa, condensed", LOW, 1.0e4),
+    "stiff": ("100 kPa, reduced", "elastic_slip", 1.0e5),
 }
 """Name -> description, study, external pressure (Pa)."""
 SENTENCES = {
@@ -74,21 +76,50 @@ def loop_area_error(mu: float = 0.3, pressure: float = 2.0e4, slip: float = 1.0e
     return abs(work[3] / (4.0 * mu * pressure * area * (amplitude - slip)) - 1.0)
 
 
+def distance(coarse: StudyCase, fine: StudyCase) -> float:
+    """L2 distance of two transmissibility curves over their common band, relative to the norm of the second."""
+    curves = [(m.data["frequency"].values, np.asarray(magnitude(m.data).values)) for m in (coarse, fine)]
+    band = np.linspace(max(f[0] for f, _ in curves), min(f[-1] for f, _ in curves), 4001)
+    a, b = (np.interp(band, *curve) for curve in curves)
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
 def falls(values: list[float]) -> bool:
-    """Whether the change decreases with every step."""
-    return bool(np.all(np.diff(np.abs(np.diff(values))) < 0.0))
+    """Whether every value is smaller than the one before."""
+    return len(values) > 1 and bool(np.all(np.diff(values) < 0.0))
+
+
+def lacks(evidence: Evidence) -> str:
+    """Difference of the response at 1 um from the one at 0.1 um, at 1, 10 and 100 kPa, as text."""
+    said = []
+    for name in ("slip", "firm", "stiff"):
+        found = {float(m.values[SLIP]): m for m in members(evidence, name)}
+        if not {1e-6, 1e-7} <= found.keys():
+            continue
+        one, tenth = found[1e-6], found[1e-7]
+        peak, shift = read(one).peak / read(tenth).peak - 1.0, read(one).f_n - read(tenth).f_n
+        pressure = 1e-3 * SERIES[name][2]
+        said.append(f"{pressure:g} kPa {100 * peak:+.0f} % in the peak, {shift:+.2f} Hz in f_n")
+    return "; ".join(said)
 
 
 def c110(evidence: Evidence) -> Verdict:
     said, holds = [], True
     for name, words in (("tied", "without separation"), ("slip", "with it")):
-        found = [read(m) for m in members(evidence, name)]
-        peaks, frequencies = [r.peak for r in found], [r.f_n for r in found]
-        holds = holds and falls(peaks) and falls(frequencies)
-        said.append(f"{words} {numbers(peaks, '.1f')} (f_n {numbers(frequencies, '.2f')} Hz)")
+        own = members(evidence, name)
+        apart = [distance(a, b) for a, b in pairwise(own)]
+        holds = holds and falls(apart)
+        peaks, frequencies = ([getattr(read(m), key) for m in own] for key in ("peak", "f_n"))
+        said.append(
+            f"{words} L2 distances {numbers((100 * a for a in apart), '.0f')} % (peaks {numbers(peaks, '.1f')}, "
+            f"f_n {numbers(frequencies, '.2f')} Hz)"
+        )
     slips = numbers((1e6 * float(m.values[SLIP]) for m in members(evidence, "tied")), "g")
     error = loop_area_error()
-    value = f"single element: loop area to {error:.0e}; peak T at {slips} um: {'; '.join(said)}"
+    value = (
+        f"single element: loop area to {error:.0e}; 1 kPa, from step to step of {slips} um: {'; '.join(said)}; 1 um "
+        f"against 0.1 um: {lacks(evidence)}"
+    )
     return Verdict(value, holds and error < 1e-6)
 
 

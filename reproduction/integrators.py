@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import scipy.sparse as sp
 from matplotlib.axes import Axes
@@ -10,7 +12,6 @@ from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.case import SweepCase
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.full import FullStepper
@@ -28,8 +29,9 @@ STEP = 3.0722e-4
 """Time step of the run in the thesis (Fig. B.2), s."""
 ANGLE = 0.29
 """omega dt at 150 Hz with this time step, rad."""
-FINER = 4
-"""Number of time steps of the reference run, relative to the run in the thesis."""
+STEPS = "integrator.steps_per_cycle"
+SMOOTHING = 0.01
+"""Half width of the running mean over the envelope, relative to the frequency: it removes the ripples."""
 ENERGIES = ("input_work", "friction_energy", "numerical_dissipation")
 
 
@@ -76,43 +78,59 @@ def c112(evidence: Evidence) -> Verdict:
     return Verdict(value, gap < 1e-6 and abs(none) < 1e-10 and none < fidelity < moderate < euler)
 
 
-def by_scheme(evidence: Evidence) -> dict[str, StudyCase]:
-    """Scheme -> sweep with the time step of the thesis."""
-    found = {str(m.values[SCHEME]): m for m in evidence.study(STUDY)}
-    return {name: found[name] for name in NAMES if name in found}
+def by_scheme(evidence: Evidence) -> dict[int, dict[str, StudyCase]]:
+    """Steps per cycle of the last frequency, those of the thesis first -> scheme -> sweep."""
+    members = evidence.study(STUDY)
+    found: dict[int, dict[str, StudyCase]] = {}
+    for steps in sorted({int(m.values[STEPS]) for m in members}):
+        own = {str(m.values[SCHEME]): m for m in members if m.values[STEPS] == steps}
+        found[steps] = {name: own[name] for name in NAMES if name in own}
+    return found
 
 
-def reference(evidence: Evidence) -> StudyCase:
-    """Sweep with alpha = -0.05 and a fraction of the time step of the thesis."""
-    one = next(m for m in evidence.grid(STUDY).members if m.values[SCHEME] == "transient_fidelity")
-    steps = FINER * one.case.expect(SweepCase).integrator.steps_per_cycle
-    data = evidence.result(one.file.stem, *one.overrides, f"integrator.steps_per_cycle={steps}")
-    return StudyCase("reference", {}, data)
+def smoothed_peak(member: StudyCase) -> float:
+    """Highest value of the running mean of |T| over `SMOOTHING` of the frequency on either side."""
+    frequency, size = member.data["frequency"].values, np.asarray(magnitude(member.data).values)
+    order = np.argsort(frequency)
+    frequency, size = frequency[order], size[order]
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (size[1:] + size[:-1]) * np.diff(frequency))])
+    inside = (frequency > frequency[0] * (1 + SMOOTHING)) & (frequency < frequency[-1] * (1 - SMOOTHING))
+    ends = [np.interp(frequency[inside] * (1 + side * SMOOTHING), frequency, integral) for side in (-1, 1)]
+    return float(((ends[1] - ends[0]) / (2.0 * SMOOTHING * frequency[inside])).max())
 
 
 def c113(evidence: Evidence) -> Verdict:
-    found = by_scheme(evidence)
-    peaks = [read(found[name]).peak for name in NAMES]
-    spread = max(peaks[:3]) / min(peaks[:3]) - 1.0
-    value = (
-        f"peak T {numbers(peaks[:3], '.2f')} (no damping, transient fidelity, moderate dissipation): "
-        f"{100 * spread:.1f} % apart; backward Euler {peaks[3]:.2f}"
-    )
-    return Verdict(value, spread <= 0.05 and peaks[3] < 0.5 * min(peaks[:3]))
+    said, holds = [], True
+    for steps, found in by_scheme(evidence).items():
+        peaks = [smoothed_peak(found[name]) for name in NAMES]
+        spread = max(peaks[:3]) / min(peaks[:3]) - 1.0
+        holds = holds and spread <= 0.05 and peaks[3] < 0.5 * min(peaks[:3])
+        highest = [read(found[name]).peak for name in NAMES]
+        said.append(
+            f"{steps} steps per cycle of the last frequency: {numbers(peaks[:3], '.2f')}, {100 * spread:.1f} % apart; "
+            f"backward Euler {peaks[3]:.2f} (highest points {numbers(highest, '.2f')})"
+        )
+    value = f"peak of the smoothed envelope (no damping, transient fidelity, moderate dissipation): {'; '.join(said)}"
+    return Verdict(value, holds and len(said) == 2)
 
 
 def schemes_table(evidence: Evidence) -> str:
     """Table of the numerical damping of the schemes, and of the sweep with each."""
-    head = ("scheme", "damping ratio", "period", "f_n", "peak T", "zeta", "friction/input", "numerical/input")
+    head = (
+        "scheme", "steps", "damping ratio", "period", "f_n", "peak T", "smoothed", "zeta", "friction/input",
+        "numerical/input",
+    )  # fmt: skip
     rows = []
-    for name, m in {**by_scheme(evidence), "a quarter of the step": reference(evidence)}.items():
-        scheme = Scheme.named(name) if name in NAMES else Scheme.hht(-0.05)
-        damping, period = numerical_damping(scheme, ANGLE if name in NAMES else ANGLE / FINER)
+    sweeps = by_scheme(evidence)
+    coarsest = min(sweeps)
+    for steps, name in product(sweeps, NAMES):
+        m = sweeps[steps][name]
+        damping, period = numerical_damping(Scheme.named(name), ANGLE * coarsest / steps)
         last, found = {key: float(m.data[key].values[-1]) for key in ENERGIES}, read(m)
         zeta = f"{100 * found.zeta:.2f} %" if np.isfinite(found.zeta) else "not read"
         rows.append((
-            name.replace("_", " "), f"{damping if abs(damping) > 1e-12 else 0.0:.4e}", f"{100 * period:+.2f} %",
-            f"{found.f_n:.2f} Hz", f"{found.peak:.2f}", zeta,
+            name.replace("_", " "), f"{steps}", f"{damping if abs(damping) > 1e-12 else 0.0:.4e}",
+            f"{100 * period:+.2f} %", f"{found.f_n:.2f} Hz", f"{found.peak:.2f}", f"{smoothed_peak(m):.2f}", zeta,
             *(f"{100 * last[key] / last['input_work']:.2g} %" for key in ENERGIES[1:]),
         ))  # fmt: skip
     return table(head, rows)
@@ -136,10 +154,11 @@ def plot_damping(evidence: Evidence) -> Axes:
 
 
 def plot_schemes(evidence: Evidence) -> Axes:
-    """Draw Fig. B.3: sweep with each scheme, and with a quarter of the time step."""
+    """Draw Fig. B.3: sweep with each scheme at the step of the thesis, and with alpha = -0.05 at the default step."""
     ax = style.axes(None, 4.6)
-    found = by_scheme(evidence)
-    lines = {**found, "reference: a quarter of the step": reference(evidence)}
+    sweeps = by_scheme(evidence)
+    found = sweeps[min(sweeps)]
+    lines = {**found, f"transient_fidelity, {max(sweeps)} steps": sweeps[max(sweeps)]["transient_fidelity"]}
     for (name, m), colour, dash in zip(lines.items(), style.LINES, ("-", "--", "-.", ":", "-"), strict=False):
         ax.plot(
             m.data["frequency"].values, np.asarray(magnitude(m.data).values), color=colour, lw=1.5, ls=dash, label=name
@@ -148,7 +167,7 @@ def plot_schemes(evidence: Evidence) -> Axes:
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(fontsize=8)
-    peaks = [read(found[name]).peak for name in NAMES]
+    peaks = [smoothed_peak(found[name]) for name in NAMES]
     style.title(
         ax,
         f"The three HHT variants peak within {100 * (max(peaks[:3]) / min(peaks[:3]) - 1):.1f} % of each other; "
@@ -163,5 +182,8 @@ GROUP = ClaimGroup(
         "appendix_b_damping": ("Figs B.1 and B.2: numerical damping of the schemes", plot_damping),
         "appendix_b_schemes": ("Fig B.3: sweep with each scheme at the thesis's step", plot_schemes),
     },
-    tables={"Schemes on a free oscillator at omega dt = 0.29, and the lab roll's sweep with each": schemes_table},
+    tables={
+        "Schemes on a free oscillator at omega dt = 0.29 and at the finer step, and the lab roll's sweep with each "
+        "(steps per cycle of the last frequency)": schemes_table
+    },
 )

@@ -19,11 +19,16 @@ from reproduction.explicit import run_from_rest
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
 from wroll_fem.plotting import style
+from wroll_fem.signals.damping import half_power
 from wroll_fem.two_dof import PreloadedTwoMasses, TwoMasses, regularised_sign
 from wroll_fem.two_dof.shooting import adapted_curve, off_neighbours, orbit_curve
 from wroll_fem.typing import FloatArray
 
 SCALES = (1.0, 2.0, 5.0, 10.0)
+RUN_SCALES = (1.0, 2.0, 3.0, 5.0, 10.0)
+"""Scales of C115: the thesis sees spikes beyond 3."""
+SPIKE = 0.01
+"""Relative distance of an isolated point from the line between its neighbours."""
 STUCK = (50.0, 100.0)
 """Capacities of C114, N."""
 CAPACITIES = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0)
@@ -69,24 +74,38 @@ def in_band(evidence: Evidence) -> xr.Dataset:
 
 def curves(evidence: Evidence) -> dict[tuple[float, float], xr.Dataset]:
     """(capacity, scale) -> orbits on an adapted grid (omega) and at the runs (dwell), and runs from rest."""
-    wanted, points = list(product(capacities(evidence), SCALES)), runs_per_curve(evidence)
+    wanted, points = list(product(capacities(evidence), RUN_SCALES)), runs_per_curve(evidence)
     inputs = [{"capacity": c, "scale": s, "points": points} for c, s in wanted]
     return dict(zip(wanted, evidence.kept_each("smoothed_sign", orbits_and_runs, inputs), strict=True))
+
+
+def damping_spread(evidence: Evidence) -> dict[float, float]:
+    """Capacity from 3 to 50 N -> largest over smallest half-power damping of the scales, less one."""
+    found = curves(evidence)
+    spread = {}
+    for capacity in (c for c in capacities(evidence) if 3.0 <= c <= 50.0):
+        curve = [found[capacity, s] for s in SCALES]
+        zeta = [half_power(d["omega"].values, d["orbit"].values).zeta for d in curve]
+        spread[capacity] = max(zeta) / min(zeta) - 1.0
+    return spread
 
 
 def c114(evidence: Evidence) -> Verdict:
     data = in_band(evidence)
     omegas, said, holds = data["omega"].values, [], True
     for capacity in STUCK:
-        spread = spread_of(data.sel(capacity=capacity))
-        within = 100 * np.mean(np.interp(np.linspace(omegas[0], omegas[-1], 5001), omegas, spread) < 1e-3)
+        one = data.sel(capacity=capacity)
+        spread, peaks = spread_of(one), one["transmissibility"].values.max(axis=1)
         worst = int(np.argmax(spread))
+        apart = float(peaks.max() / peaks.min() - 1.0)
         said.append(
-            f"F_c = {capacity:g}: within 1e-3 on {within:.0f} % of the band, up to {100 * spread[worst]:.1f} % at "
-            f"{omegas[worst]:.4f}"
+            f"F_c = {capacity:g}: peaks {numbers(peaks, '.1f')} at s = {numbers(SCALES, 'g')}, {100 * apart:.1f} % "
+            f"apart; largest difference {100 * spread[worst]:.1f} % at omega {omegas[worst]:.4f}"
         )
-        holds = holds and bool(spread.max() < 1e-3)
-    return Verdict("; ".join(said), holds)
+        holds = holds and apart <= 0.1
+    zeta = damping_spread(evidence)
+    said.append("half-power zeta apart by " + ", ".join(f"{100 * z:.1f} % (F_c = {c:g})" for c, z in zeta.items()))
+    return Verdict("; ".join(said), holds and max(zeta.values()) <= 0.05)
 
 
 def spread_of(data: xr.Dataset) -> FloatArray:
@@ -100,17 +119,37 @@ def wrong_runs(data: xr.Dataset) -> FloatArray:
     return np.abs(data["loose"].values / data["tight"].values - 1.0)
 
 
+def spikes(data: xr.Dataset) -> int:
+    """Number of isolated points of the runs with the loose tolerance.
+
+    The grid does not resolve the resonance, so the runs are divided by the orbits at the same frequencies before every
+    point is compared with the line between its neighbours.
+    """
+    ratio = data["loose"].values / data["dwell_orbit"].values
+    return int(np.sum(off_neighbours(data["dwell"].values, ratio) > SPIKE))
+
+
+def off_refined(data: xr.Dataset) -> float:
+    """Largest relative distance of the orbits on the fixed grid from the curve that was refined until it was smooth."""
+    refined = np.interp(data["dwell"].values, data["omega"].values, data["orbit"].values)
+    return float(np.abs(data["dwell_orbit"].values / refined - 1.0).max())
+
+
 def c115(evidence: Evidence) -> Verdict:
     found = curves(evidence)
-    rough = max(off_neighbours(d["omega"].values, d["orbit"].values).max() for d in found.values())
-    wrong = {s: np.concatenate([wrong_runs(d) for (_, t), d in found.items() if t == s]) for s in SCALES}
-    counts = [int(np.sum(wrong[s] > 0.01)) for s in SCALES]
+    forces, points = capacities(evidence), runs_per_curve(evidence)
+    counts = {key: spikes(data) for key, data in found.items()}
+    over_s = [sum(counts[c, s] for c in forces) for s in RUN_SCALES]
+    over_force = [sum(counts[c, s] for s in RUN_SCALES) for c in forces]
+    rough = max(map(off_refined, found.values()))
+    first = min((s for s, n in zip(RUN_SCALES, over_s, strict=True) if n), default=np.inf)
     value = (
-        f"orbits: no point more than {100 * rough:.2f} % off its neighbours, all F_c and s; runs at rtol 1e-3: "
-        f"{numbers(counts, 'd')} of {wrong[1.0].size} points off by > 1 % at s = {numbers(SCALES, 'g')}, worst "
-        f"{numbers((100 * wrong[s].max() for s in SCALES), '.2g')} %"
+        f"runs over 6 tau at rtol 1e-3, {points} frequencies per curve: isolated points {numbers(over_s, 'd')} at s = "
+        f"{numbers(RUN_SCALES, 'g')} (all F_c), {numbers(over_force, 'd')} at F_c = {numbers(forces, 'g')} (all s); "
+        f"orbits on the same frequencies at most {100 * rough:.2f} % off the refined curve"
     )
-    return Verdict(value, bool(rough < 0.01))
+    rises = bool(np.all(np.diff(over_s) >= 0) and np.all(np.diff(over_force) >= 0))
+    return Verdict(value, rises and over_s[-1] > 0 and first > 3.0 and rough < SPIKE)
 
 
 def band_table(evidence: Evidence) -> str:

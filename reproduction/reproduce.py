@@ -19,8 +19,10 @@ from wroll_fem.progress import Progress, SilentProgress
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
+    "ch3": ("sweep_rate", "experiments"),
     "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": ("two_dof",),
+    "ch6": ("realistic_scale",),
     "appendices": (
         "elastic_slip",
         "integrators",
@@ -33,6 +35,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }
 """Chapter -> modules of this package with the claim groups (`GROUP`)."""
 
+BY_CONSTRUCTION = ", by construction"
+"""Ending of the label of a claim whose verdict cannot fail."""
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -43,9 +48,15 @@ class Judged:
     seconds: float
 
     @property
+    def label(self) -> str:
+        """Verdict; "met, by construction" for a judged claim whose verdict cannot fail."""
+        built = self.claim.by_construction and self.verdict.word not in (NOT_YET, NOT_COMPUTED)
+        return f"{self.verdict.word}{BY_CONSTRUCTION if built else ''}"
+
+    @property
     def line(self) -> str:
         """Line with id, verdict, statement of the thesis and computed value."""
-        return f"{self.claim.id:<5} {self.verdict.word:<24} thesis: {self.claim.claim}  here: {self.verdict.value}"
+        return f"{self.claim.id:<5} {self.label:<24} thesis: {self.claim.claim}  here: {self.verdict.value}"
 
 
 @dataclass(frozen=True)
@@ -110,19 +121,28 @@ def judge(chapters: Sequence[str], evidence: Evidence, progress: Progress) -> li
 
 
 def count(judged: Sequence[Judged]) -> str:
-    """Number of claims with each verdict as text, "12 met, 2 not met, 1 thesis error: explained"."""
-    numbers = Counter(one.verdict.word for one in judged)
-    return ", ".join(f"{numbers[word]} {word}" for word in VERDICTS if numbers[word])
+    """Number of claims with each verdict as text; those that cannot fail are counted apart.
+
+    "12 met, 2 not met; by construction: 4 met, 1 thesis error: explained".
+    """
+    numbers = Counter(one.label for one in judged)
+
+    def said(ending: str) -> str:
+        return ", ".join(f"{numbers[word + ending]} {word}" for word in VERDICTS if numbers[word + ending])
+
+    parts = (said(""), f"by construction: {said(BY_CONSTRUCTION)}" if said(BY_CONSTRUCTION) else "")
+    return "; ".join(part for part in parts if part)
 
 
 def write_table(judged: Sequence[Judged], path: Path) -> None:
-    """Write claims.csv: id, chapter, kind, claim, our value, verdict, seconds."""
+    """Write claims.csv: id, chapter, kind, basis of the verdict, claim, our value, verdict, seconds."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow(("id", "chapter", "kind", "claim", "value", "verdict", "seconds"))
+        writer.writerow(("id", "chapter", "kind", "basis", "claim", "value", "verdict", "seconds"))
         for one in judged:
-            row = (one.claim.id, one.claim.chapter, one.claim.kind, one.claim.claim, one.verdict.value)
+            basis = "construction" if one.claim.by_construction else "evidence"
+            row = (one.claim.id, one.claim.chapter, one.claim.kind, basis, one.claim.claim, one.verdict.value)
             writer.writerow((*row, one.verdict.word, f"{one.seconds:.1f}"))
 
 

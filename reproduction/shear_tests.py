@@ -54,7 +54,7 @@ def c119(evidence: Evidence) -> Verdict:
         f"stacks of {LAYERS[0]} and {LAYERS[1]} layers ({LAYERS[0] + 1} and {LAYERS[1] + 1} interfaces), "
         f"{numbers((1e-3 * p for p in PRESSURES), 'g')} kPa: F_c = {numbers(capacity[0], '.1f')} N; dF_c/dF_N = "
         f"{numbers(slope, '.4f')} (2 mu = {wanted:g}), 1 - R^2 below {max(1e-15, 1 - min(quality)):.0e}; stacks "
-        f"{apart:.0e} apart"
+        f"{apart:.0e} apart; model consistent (mu and the law are put in), no evidence on Kapton"
     )
     return Verdict(value, min(quality) > 0.999 and apart < 0.01 and off < 0.01)
 
@@ -71,7 +71,8 @@ def c120(evidence: Evidence) -> Verdict:
         f"({LAYERS[1]}); K/p constant to {100 * with_pressure:.2f} %, K times interfaces to {100 * with_count:.3f} % "
         f"(the rest is the layers' own shear); G = {1e-6 * modulus.min():.2f} to {1e-6 * modulus.max():.1f} MPa with "
         f"gamma* = {1e6 * ShearTest.elastic_slip:g} um, the same for both stacks to "
-        f"{100 * np.abs(modulus[1] / modulus[0] - 1).max():.2f} %"
+        f"{100 * np.abs(modulus[1] / modulus[0] - 1).max():.2f} % (printed: up to about 10 MPa, rising with the "
+        "layers, which springs in series cannot do); model consistent, no evidence on Kapton"
     )
     return Verdict(value, with_pressure < 0.01 and with_count < 0.01)
 

@@ -11,7 +11,8 @@ import xarray as xr
 from reproduction.evidence import Evidence
 from reproduction.explicit import ZETA
 from wroll_fem.plotting.study import StudyCase
-from wroll_fem.two_dof import PeriodicSolver, TwoMasses, integrate_to_steady_state, response_map
+from wroll_fem.two_dof import PeriodicSolver, PreloadedTwoMasses, TwoMasses, integrate_to_steady_state, response_map
+from wroll_fem.two_dof.model import RELATIVE_VELOCITY
 from wroll_fem.two_dof.time import dwell
 from wroll_fem.typing import FloatArray
 
@@ -25,8 +26,8 @@ ARRANGEMENTS = {
 """Description -> arrangement of Fig. 5.1."""
 SCALES = (1.0, 2.0, 5.0, 10.0)
 """Scales s of the regularised sign function in appendix C."""
-STIFFNESSES = (0.575, 0.8, 1.15, 1.6, 2.3, 4.6)
-"""Values of k_2 of claim C88, N/m; Table 5.2 has 1.15."""
+STIFFNESSES = (0.575, 0.8, 0.85, 1.15, 1.6, 2.3, 4.6)
+"""Values of k_2 of claim C88, N/m: Table 5.2 has 1.15; at 0.85 both masses alone have the same resonance."""
 CONSTANT = "[1.5, 2, 3, 5, 20]"
 """Capacities with constant masses and stiffness, N."""
 Point = tuple[float, float]
@@ -159,6 +160,38 @@ def _dwelt(point: Point) -> tuple[float, float]:
     pressed = TwoMasses().preloaded(point[0])
     run = dwell(pressed, point[1], 6.0 / (ZETA * point[1]))
     return PeriodicSolver(pressed).motion(point[1]).transmissibility, run
+
+
+def creeping_dwell(pressed: PreloadedTwoMasses, omega: float, duration: float) -> float:
+    """Closed form of a run from rest with stuck masses: largest abs(x_1) of the last period over the steady one.
+
+    Below its limit the regularised friction is a dashpot F_c s/2 between the masses, and the equations are linear. The
+    motion is the steady one minus the free vibration that starts it from rest.
+
+    Parameters
+    ----------
+    pressed
+        Parameters of the model, both masses on the base.
+    omega
+        Frequency of the base motion, rad/s.
+    duration
+        Duration of the run, s.
+    """
+    between = 0.5 * pressed.capacity * pressed.smoothing * np.outer(RELATIVE_VELOCITY, RELATIVE_VELOCITY)
+    M, C, K = pressed.mass, pressed.damping + between, pressed.stiffness
+    # relative to the base, u = x - (1, 1) y, with y = Y_0 sin(omega t): M u'' + C u' + K u = M (1, 1) omega^2 y
+    load = M @ np.ones(2) * omega**2 * pressed.base_amplitude
+    steady = np.linalg.solve(K - omega**2 * M + 1j * omega * C, load)  # u = Im(steady e^{i omega t})
+    state = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    rates, modes = np.linalg.eig(state)
+    velocity = -omega * pressed.base_amplitude * np.ones(2)  # x starts at rest, so u' starts at -y'
+    start = np.concatenate([-steady.imag, velocity - omega * steady.real])
+    shares = np.linalg.solve(modes, start.astype(complex))
+    t = duration - 2.0 * np.pi / omega * np.linspace(0.0, 1.0, 4001)
+    base = pressed.base_amplitude * np.sin(omega * t)
+    repeated = (steady[0] * np.exp(1j * omega * t)).imag + base
+    free = (np.exp(np.outer(t, rates)) @ (modes[0] * shares)).real
+    return float(np.abs(repeated + free).max() / np.abs(repeated).max())
 
 
 def _damping(task: tuple[float, float, int]) -> float:

@@ -18,8 +18,8 @@ from wroll_fem.plotting.study import StudyCase
 from wroll_fem.tribology import RateAndState
 
 QUICK = {
-    "C77": MET, "C86": MET, "C87": THESIS_ERROR, "C111": MET, "C112": MET, "C116": MET, "C117": NOT_MET,
-    "C118": NOT_MET, "C121": THESIS_ERROR, "C122": THESIS_ERROR, "C123": EXPERIMENT, "C124": MET, "C126": THESIS_ERROR,
+    "C77": MET, "C86": MET, "C87": THESIS_ERROR, "C111": MET, "C112": MET, "C116": MET, "C117": MET,
+    "C118": MET, "C121": THESIS_ERROR, "C122": THESIS_ERROR, "C123": EXPERIMENT, "C124": MET, "C126": THESIS_ERROR,
 }  # fmt: skip
 """Verdicts of claims that need no run."""
 
@@ -36,18 +36,25 @@ def test_what_needs_no_run_is_judged_on_the_spot(name: str, evidence: Evidence) 
 def over_slip(peaks: Sequence[float], frequencies: Sequence[float]) -> list[StudyCase]:
     found = []
     for slip, peak, f_n in zip((1e-7, 1e-4, 1e-6, 1e-5), peaks, frequencies, strict=True):
-        data = xr.Dataset(attrs={"f_n_hz": f_n, "peak_transmissibility": peak, "zeta": 0.01, "skewness": 0.0})
+        f = np.linspace(110.0, 150.0, 801)
+        curve = peak / np.sqrt(1.0 + (f - f_n) ** 2)
+        data = xr.Dataset(
+            {"transmissibility_real": ("frequency", curve), "transmissibility_imag": ("frequency", 0.0 * curve)},
+            {"frequency": f},
+            {"f_n_hz": f_n, "peak_transmissibility": peak, "zeta": 0.01, "skewness": 0.0},
+        )
         found.append(StudyCase("m", {elastic_slip.SLIP: slip, "preload.pressure": 1.0e3}, data))
     return found
 
 
-def test_change_of_both_readings_has_to_fall_with_the_elastic_slip(
+def test_distance_of_the_curves_has_to_fall_with_the_elastic_slip(
     evidence: Evidence, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    falling, stays = (110.0, 250.0, 115.0, 140.0), (127.4, 127.9, 127.5, 127.85)
+    """Peaks and frequencies at 0.1, 100, 1 and 10 um."""
+    falling, steady = (110.0, 250.0, 115.0, 140.0), (127.4, 127.4, 127.4, 127.4)
     for peaks, frequencies, word in (
-        (falling, (127.4, 130.0, 127.5, 128.0), MET), (falling, stays, NOT_MET),
-        ((110.0, 250.0, 240.0, 245.0), (127.4, 130.0, 127.5, 128.0), NOT_MET),
+        (falling, steady, MET), (falling, (131.0, 127.4, 127.4, 127.4), NOT_MET),
+        ((110.0, 250.0, 240.0, 245.0), steady, NOT_MET),
     ):  # fmt: skip
         members = over_slip(peaks, frequencies)
         monkeypatch.setattr(evidence, "study", lambda _, members=members: members)
@@ -72,21 +79,61 @@ def test_numerical_damping_is_that_of_the_stepper(evidence: Evidence, monkeypatc
 
 
 def test_schemes_are_compared_by_their_peaks(evidence: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
-    for peaks, word in (((19.4, 19.3, 19.0, 4.7), MET), ((19.4, 19.3, 18.0, 4.7), NOT_MET),
-                        ((19.4, 19.3, 19.0, 9.6), NOT_MET)):  # fmt: skip
+    f = np.linspace(110.0, 180.0, 1401)
+
+    def curve(top: float) -> xr.Dataset:
+        size = top / np.sqrt(1.0 + ((f - 140.0) / 6.0) ** 2) + 3.0 * np.sin(40.0 * f) * (f > 150.0)
+        real = ("frequency", size)
+        return xr.Dataset(
+            {"transmissibility_real": real, "transmissibility_imag": ("frequency", 0.0 * size)}, {"frequency": f},
+            {"f_n_hz": 1.0, "peak_transmissibility": top, "zeta": 0.1, "skewness": 0.0},
+        )  # fmt: skip
+
+    good = (19.4, 19.3, 19.0, 4.7)
+    for coarse, fine, word in (
+        (good, good, MET), ((19.4, 19.3, 18.0, 4.7), good, NOT_MET), (good, (19.4, 19.3, 18.0, 4.7), NOT_MET),
+        (good, (19.4, 19.3, 19.0, 9.6), NOT_MET),
+    ):  # fmt: skip
         members = [
-            StudyCase("m", {integrators.SCHEME: name}, xr.Dataset(attrs={"f_n_hz": 1.0, "peak_transmissibility": t}))
+            StudyCase("m", {integrators.SCHEME: name, integrators.STEPS: steps}, curve(t))
+            for steps, peaks in ((40, fine), (15, coarse))
             for name, t in zip(integrators.NAMES, peaks, strict=True)
         ]
         monkeypatch.setattr(evidence, "study", lambda _, members=members: members)
         assert integrators.c113(evidence).word == word
 
 
-def test_scales_of_the_regularised_sign_are_compared_on_the_whole_band(
+def test_smoothed_peak_ignores_ripples() -> None:
+    f = np.linspace(100.0, 200.0, 4001)
+    smooth = 20.0 / np.sqrt(1.0 + ((f - 140.0) / 6.0) ** 2)
+    found = []
+    for size in (smooth, smooth + 2.0 * np.sin(2.0 * np.pi * f / 0.35)):
+        data = {"transmissibility_real": ("frequency", size), "transmissibility_imag": ("frequency", 0.0 * size)}
+        found.append(integrators.smoothed_peak(StudyCase("m", {}, xr.Dataset(data, {"frequency": f}))))
+    exact = 20.0 * np.arcsinh(1.4 / 6.0) / (1.4 / 6.0)  # mean of the curve over 1.4 Hz on either side
+    assert found[0] == pytest.approx(exact, rel=1e-3)
+    assert found[1] == pytest.approx(exact, rel=0.01)
+
+
+def scaled_curves(width: float) -> dict[tuple[float, float], xr.Dataset]:
+    """Orbits whose half-power damping at F_c = 10 and s = 1 is larger by a factor."""
+    omega = np.linspace(0.8, 1.2, 2001)
+    found = {}
+    for capacity in (3.0, 10.0):
+        for scale in regularised_sign.SCALES:
+            wide = 0.02 * (width if (capacity, scale) == (10.0, 1.0) else 1.0)
+            orbit = 1.0 / np.sqrt(1.0 + ((omega - 1.0) / wide) ** 2)
+            found[capacity, scale] = xr.Dataset({"orbit": ("omega", orbit)}, {"omega": omega})
+    return found
+
+
+def test_scales_of_the_regularised_sign_are_compared_by_peak_and_damping(
     evidence: Evidence, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(regularised_sign, "capacities", lambda _: (1.0, 3.0, 10.0, 100.0))
     values, omegas = np.ones((2, 4, 5)), np.linspace(0.9, 1.15, 5)
-    for off, word in ((5e-4, MET), (2e-3, NOT_MET)):
+    for off, width, word in ((0.09, 1.0, MET), (0.12, 1.0, NOT_MET), (0.09, 1.04, MET), (0.09, 1.06, NOT_MET)):
+        monkeypatch.setattr(regularised_sign, "curves", lambda _, width=width: scaled_curves(width))
         values[1, 0, 3] = 1.0 + off
         data = xr.Dataset(
             {"transmissibility": (("capacity", "scale", "omega"), values)},
@@ -95,23 +142,38 @@ def test_scales_of_the_regularised_sign_are_compared_on_the_whole_band(
         monkeypatch.setattr(regularised_sign, "in_band", lambda _, data=data: data)
         verdict = regularised_sign.c114(evidence)
         assert verdict.word == word
-        assert "at 1.0875" in verdict.value
+        assert "at omega 1.0875" in verdict.value
 
 
-def test_one_rough_point_of_an_orbit_is_noticed(evidence: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
-    omega = np.linspace(0.4, 2.0, 9)
-    for off, word in ((0.009, MET), (0.03, NOT_MET)):
-        orbit = np.ones(9)
-        orbit[4] += off
-        one = xr.Dataset(
-            {"orbit": ("omega", orbit), "loose": ("dwell", [1.0, 1.3]), "tight": ("dwell", [1.0, 1.0])},
-            {"omega": omega, "dwell": [0.4, 2.0]},
-        )
-        found = {(1.0, s): one for s in regularised_sign.SCALES}
+def runs_with_spikes(counts: dict[float, int], orbit_off: float = 0.0) -> dict[tuple[float, float], xr.Dataset]:
+    """Curves with a sharp peak between the runs; the runs have a number of isolated points per scale."""
+    omega, dwell = np.linspace(0.4, 2.0, 1601), np.linspace(0.4, 2.0, 41)
+    orbit = 1.0 + 5.0 * np.exp(-(((omega - 1.08) / 0.01) ** 2))
+    at = np.interp(dwell, omega, orbit)
+    found = {}
+    for capacity in (1.0, 10.0):
+        for scale, count in counts.items():
+            loose, off = at.copy(), at.copy()
+            loose[2 : 2 + 4 * count : 4] *= 1.03 if capacity > 1.0 else 1.0
+            off[7] *= 1.0 + orbit_off
+            found[capacity, scale] = xr.Dataset(
+                {"orbit": ("omega", orbit), "dwell_orbit": ("dwell", off), "loose": ("dwell", loose * off / at)},
+                {"omega": omega, "dwell": dwell},
+            )
+    return found
+
+
+def test_spikes_are_counted_on_a_fixed_grid(evidence: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(regularised_sign, "capacities", lambda _: (1.0, 10.0))
+    scales = regularised_sign.RUN_SCALES
+    for counts, orbit_off, word in (
+        ((0, 0, 0, 1, 3), 0.0, MET), ((0, 0, 1, 1, 3), 0.0, NOT_MET), ((0, 0, 0, 3, 1), 0.0, NOT_MET),
+        ((0, 0, 0, 1, 3), 0.02, NOT_MET), ((0, 0, 0, 0, 0), 0.0, NOT_MET),
+    ):  # fmt: skip
+        found = runs_with_spikes(dict(zip(scales, counts, strict=True)), orbit_off)
         monkeypatch.setattr(regularised_sign, "curves", lambda _, found=found: found)
         verdict = regularised_sign.c115(evidence)
-        assert verdict.word == word
-        assert "1, 1, 1, 1 of 2 points" in verdict.value
+        assert verdict.word == word, (counts, verdict.value)
 
 
 def test_orbits_and_runs_are_kept_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,7 +187,7 @@ def test_orbits_and_runs_are_kept_one_by_one(tmp_path: Path, monkeypatch: pytest
     for _ in range(2):
         with Evidence(tmp_path, fast=True, workers=1) as evidence:
             found = regularised_sign.curves(evidence)
-    assert len(calls) == len(found) == 4 * len(regularised_sign.SCALES)
+    assert len(calls) == len(found) == 4 * len(regularised_sign.RUN_SCALES)
     assert float(found[3.0, 5.0]["orbit"][0]) == 15.0
 
 
@@ -133,14 +195,15 @@ def test_estimators_are_judged_on_what_they_read(evidence: Evidence, monkeypatch
     exact = estimators.exact
 
     def better(method: str) -> dict:
-        """Readings as the thesis claims them: right up to 0.2, half power above and the fit below beyond."""
-        lean = {estimators.HALF_POWER: 1.2, estimators.PRINTED: 0.8}.get(method, 1.0)
+        """Half power right up to 0.2, and bells near the peak that read too much everywhere."""
         found = exact(method)
-        return {z: replace(one, zeta=z * (1.0 if z <= 0.2 else lean)) for z, one in found.items()}
+        if method in estimators.NEAR_PEAK.values():
+            return {z: replace(one, zeta=min(1.2 * z, 0.9)) for z, one in found.items()}
+        return {z: replace(one, zeta=z * (1.0 if z <= 0.2 else 1.2)) for z, one in found.items()}
 
     monkeypatch.setattr(estimators, "exact", better)
-    assert estimators.c117(evidence).word == MET
-    assert estimators.c118(evidence).word == MET
+    assert estimators.c117(evidence).word == NOT_MET  # no window saturates
+    assert estimators.c118(evidence).word == NOT_MET  # 20 % off
     assert estimators.c116(evidence).word == NOT_MET  # not the closed form
 
 

@@ -86,8 +86,16 @@ def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, sk
     return member(dataset, name=f"p{pressure:g}", preload__pressure=pressure)
 
 
-def roll(folder: Path, **changed: Sequence[float]) -> FakeEvidence:
-    """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed."""
+def backbone(slip: float) -> xr.Dataset:
+    """Motions up to 0.5 mm at the tip: slipping share and friction work grow with the tip amplitude."""
+    tip = np.geomspace(1e-5, 5e-4, 30)
+    data = {"slipping_fraction": ("tip_amplitude", slip * tip / 5e-4),
+            "friction_work_per_cycle": ("tip_amplitude", slip * tip**2)}  # fmt: skip
+    return xr.Dataset(data, {"tip_amplitude": tip}, {"tip_amplitude_at_zeta_max_m": 2e-4})
+
+
+def roll(folder: Path, held: float = 0.3, **changed: Sequence[float]) -> FakeEvidence:
+    """Evidence of the lab roll whose free sweeps are `GOOD` but for what is changed; `held` is the clamped slip."""
     series = GOOD | changed
     free = [sweep(p, **{key: values[k] for key, values in series.items()}) for k, p in enumerate(PRELOADS)]
     stiff = [sweep(p, 167.3 + 1e-7 * p, 0.02 - 1e-9 * p, 398.0, 0.05 + 1e-8 * p, 6.0) for p in PRELOADS]
@@ -103,8 +111,15 @@ def roll(folder: Path, **changed: Sequence[float]) -> FakeEvidence:
         member(sweep(3e5, f, 0.01, 60.0, 0.1).data, preload__pressure=3e5, preload__geometric_stiffness=on)
         for on, f in ((False, 159.0), (True, 158.5))
     ]
+    motions = [
+        member(backbone(slip), coil__base=base, preload__pressure=3e4)
+        for base, slip in (("free", 0.4), ("clamped", held))
+    ]
     summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
-    studies = {"preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone], "prestress": prestressed}
+    studies = {
+        "preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone], "prestress": prestressed,
+        "base_motion": motions,
+    }  # fmt: skip
     return FakeEvidence(folder, studies, summaries)
 
 
@@ -123,15 +138,14 @@ def test_a_series_as_the_source_has_it_is_met(name: str, tmp_path: Path) -> None
         ("C64", {"f_n": (120.0, 144.0, 153.0, 159.0)}),
         ("C64", {"f_n": (134.0, 144.0, 153.0, 175.0)}),
         ("C64", {"zeta": (0.09, 0.035, 0.025, 0.014)}),
-        ("C65", {"peak": (23.0, 22.0, 34.0, 63.0)}),
+        ("C65", {"peak": (19.0, 35.0, 34.0, 63.0)}),
         ("C65", {"skewness": (0.04, 0.0, 0.0, 0.0)}),
         ("C66", {"f_n": (134.0, 144.0, 148.0, 149.0)}),
         ("C66", {"f_n": (151.0, 152.0, 153.0, 159.0)}),
-        ("C67", {"zeta": (0.024, 0.035, 0.025, 0.014)}),
+        ("C67", {"zeta": (0.045, 0.015, 0.035, 0.044)}),
         ("C69", {"work": (0.19, 0.20, 0.13, 0.11)}),
         ("C70", {"work": (0.11, 0.13, 0.16, 0.19)}),
         ("C59", {"f_n": (134.0, 144.0, 153.0, 158.0)}),
-        ("C60", {"f_n": (158.8, 158.9, 158.9, 159.0)}),
     ],
 )
 def test_a_series_that_turns_is_not_met(name: str, changed: dict[str, Sequence[float]], tmp_path: Path) -> None:
@@ -150,10 +164,18 @@ def test_friction_must_work_most_and_fastest_around_resonance(end: int, share: f
     assert preload_series.c68(evidence).word == NOT_MET
 
 
-def test_a_clamped_roll_that_spans_a_lot_needs_an_explanation(tmp_path: Path) -> None:
-    evidence = roll(tmp_path)
-    evidence.given["preload_clamped"] = evidence.given["preload"]
-    assert lab_model.c60(evidence).word == NOT_MET
+@pytest.mark.parametrize(("held", "word"), [(0.3, MET), (0.15, THESIS_ERROR), (0.0, THESIS_ERROR)])
+def test_a_clamped_base_that_removes_the_slip_is_an_error_of_the_thesis(held: float, word: str, tmp_path: Path) -> None:
+    assert lab_model.c60(roll(tmp_path, held)).word == word
+
+
+@pytest.mark.parametrize("name", ["C65", "C67", "C70"])
+def test_trends_are_judged_from_the_largest_damping_upward(name: str, tmp_path: Path) -> None:
+    """The lowest preload lies below the optimum: less damping, a higher peak."""
+    turn = {"zeta": (0.02, 0.045, 0.025, 0.014), "peak": (40.0, 19.0, 34.0, 63.0)}
+    verdict = SERIES[name](roll(tmp_path, **turn))
+    assert verdict.word == MET, verdict.value
+    assert "30 kPa outside, 17.4 kPa at the interface" in verdict.value
 
 
 def test_energy_that_does_not_balance_fails_the_law_of_friction(tmp_path: Path) -> None:
@@ -169,17 +191,24 @@ def test_masses_are_those_of_the_bodies(tmp_path: Path) -> None:
     assert "tube 0.1300 kg" in verdict.value
 
 
-@pytest.mark.parametrize(("coarse", "word"), [(161.5, MET), (158.0, NOT_MET)])
-def test_mesh_claim_compares_with_the_finest_mesh(coarse: float, word: str, tmp_path: Path) -> None:
-    linear = [
-        member(bending_at(f), mesh__circumferential=around, mesh__axial=along)
-        for around, along, f in ((16, 5, 150.0), (30, 10, coarse), (30, 40, 162.0), (16, 40, 140.0))
-    ]
+@pytest.mark.parametrize(
+    ("coarse", "free", "word"), [(161.5, 161.5, MET), (158.0, 161.5, NOT_MET), (161.5, 158.0, MET)]
+)
+def test_mesh_claim_compares_the_clamped_base_with_its_finest_mesh(
+    coarse: float, free: float, word: str, tmp_path: Path
+) -> None:
+    linear, loose = (
+        [
+            member(bending_at(f), mesh__circumferential=around, mesh__axial=along)
+            for around, along, f in ((16, 5, 150.0), (30, 10, own), (30, 40, 162.0), (16, 40, 140.0))
+        ]
+        for own in (coarse, free)
+    )
     friction = [
         member(sweep(1e5, f, 0.02, 30.0, 0.1).data, mesh__grading=grading, mesh__axial=along)
         for grading, along, f in ((1, 10, 152.0), (6, 10, 153.0), (6, 20, 154.0))
     ]
-    evidence = FakeEvidence(tmp_path, {"mesh_linear": linear, "mesh_linear_clamped": linear, "mesh_friction": friction})
+    evidence = FakeEvidence(tmp_path, {"mesh_linear": loose, "mesh_linear_clamped": linear, "mesh_friction": friction})
     verdict = lab_model.c63(evidence)
     assert verdict.word == word
     assert "-1.30 % off in f_n" in verdict.value
@@ -200,10 +229,16 @@ def dwelt(strength: Sequence[float]) -> list[StudyCase]:
     return found
 
 
-def stack(folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0)) -> FakeEvidence:
+def stack(
+    folder: Path, strength: Sequence[float] = (1.0, 2.0, 3.0), other: Sequence[float] | None = None
+) -> FakeEvidence:
+    """Dwells at 200 Pa on each layer, and a series at other contact pressures."""
     summaries = {"1 g": {"interface_pressure_mean_pa": [1000.0, 800.0, 600.0, 400.0, 200.0]}}
-    members = dwelt(strength)
-    return FakeEvidence(folder, {"dwell_layers": members, "dwell_layers_clamped": members}, summaries)
+    members, contact = dwelt(strength), dwelt((1.0, 2.0, 3.0) if other is None else other)
+    for m in contact:
+        m.values["preload.pressure"] = [351.5] * 5  # type: ignore[index]
+    given = {"dwell_layers": members, "dwell_layers_clamped": members, "dwell_layers_contact": contact}
+    return FakeEvidence(folder, given, summaries)
 
 
 @pytest.mark.parametrize("name", ["C71", "C72", "C73", "C74"])
@@ -215,7 +250,11 @@ def test_layers_that_slip_as_the_source_has_it_are_met(name: str, tmp_path: Path
 def test_layers_that_slip_otherwise_are_not_met(tmp_path: Path) -> None:
     rings = stack(tmp_path)
     rings.summaries["1 g"]["interface_pressure_mean_pa"] = [569.0, 456.0, 343.0, 229.0, 115.0]
+    assert layers.c71(rings).word == THESIS_ERROR  # the closed form of the rings explains it
+    rings.summaries["1 g"]["interface_pressure_mean_pa"] = [700.0, 456.0, 343.0, 229.0, 115.0]
     assert layers.c71(rings).word == NOT_MET
+    assert layers.c74(stack(tmp_path, other=(2.0, 1.0, 3.0))).word == NOT_MET
+    assert layers.c72(stack(tmp_path, other=(1e3, 1e3, 1e3))).word == NOT_MET
     assert layers.c74(stack(tmp_path, (2.0, 1.0, 3.0))).word == NOT_MET
     everywhere = stack(tmp_path, (1e3, 1e3, 1e3))
     assert layers.c72(everywhere).word == NOT_MET

@@ -11,7 +11,7 @@ import xarray as xr
 from support.fake_evidence import FakeEvidence, bending_at, member, reference
 
 from reproduction import Evidence, coil_slip, coiled_stiff, design_map
-from reproduction.verdict import MET, NOT_MET
+from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from wroll_fem.plotting.study import StudyCase
 
 # ---- the coil without slip -----------------------------------------------------------------------
@@ -84,6 +84,7 @@ def kapton(folder: Path, loose: float, tight: float, stiffer: float = 1.04, mand
         ((130.0, 175.0, 0.9), {"C28": NOT_MET}),
         ((140.0, 150.0), {"C28": NOT_MET, "C30": NOT_MET}),
         ((100.0, 160.0), {"C28": NOT_MET, "C29": NOT_MET, "C30": MET}),
+        ((150.0, 200.0), {"C29": NOT_MET}),
     ],
 )
 def test_kapton_roll_against_its_mandrel(ends: tuple[float, ...], words: dict[str, str], tmp_path: Path) -> None:
@@ -154,6 +155,7 @@ def test_slip_of_the_case_study_is_judged_where_it_is(coarse: xr.Dataset, tmp_pa
     evidence = FakeEvidence(tmp_path, answer=lambda *_: coarse)
     found = {name: judge(evidence) for name, judge in coil_slip.GROUP.judges.items() if name != "C25"}
     assert {name for name, verdict in found.items() if verdict.word != MET} <= {"C18", "C21", "C22"}
+    assert "mean over 5 mm" in found["C18"].value
     assert coil_slip.onset(coarse) == pytest.approx(
         float((coarse["friction_capacity"] / coarse["shear_resultant"]).min()), rel=1e-12
     )
@@ -188,8 +190,38 @@ def test_level_scales_the_stress(top: float, word: str, tmp_path: Path) -> None:
     assert coil_slip.c25(FakeEvidence(tmp_path, answer=answer)).word == word
 
 
-@pytest.mark.parametrize(("ratio", "word"), [(1.9, MET), (1.5, NOT_MET), (2.3, NOT_MET)])
-def test_root_section_is_the_lowest_row(ratio: float, word: str, coarse: xr.Dataset, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("ratio", "holds"), [(1.9, True), (1.5, False), (2.3, False)])
+def test_root_section_is_the_lowest_row(ratio: float, holds: bool, coarse: xr.Dataset, tmp_path: Path) -> None:
     scaled = coarse.copy()
     scaled["shear_rz"] = coarse["shear_rz"] * ratio / coil_slip.RootSection(coarse).ratio()[0]
-    assert coil_slip.c21(FakeEvidence(tmp_path, answer=lambda *_: scaled)).word == word
+    assert coil_slip.c21(FakeEvidence(tmp_path, answer=lambda *_: scaled)).holds is holds
+
+
+def test_average_over_the_root_is_the_integral_of_the_profile(coarse: xr.Dataset) -> None:
+    """A stress that grows with the height has half its value at the top as its mean."""
+    linear = coarse.copy()
+    linear["shear_rz"] = 1e6 * coarse["z_m"] / 0.1
+    linear["shear_rt"] = 0.5 * linear["shear_rz"]
+    first = float(coarse["z_m"].min())
+    found = coil_slip.averaged(linear, 0.1)
+    exact = 1e6 * (0.5 * 0.1 + 0.5 * first**2 / 0.1) / 0.1
+    assert found.rz == pytest.approx(exact, rel=0.01)
+    assert found.ratio == pytest.approx(2.0)
+    assert found.onset(4e6, 0.5) == pytest.approx(2e6 / np.hypot(exact, 0.5 * exact), rel=0.01)
+    nodes = coil_slip.at_nodes("1 mm", linear)  # linear to the lower edge, where it vanishes
+    assert abs(nodes.rz) < 1e-3
+
+
+def test_one_smearing_length_has_to_give_onset_and_ratio(
+    coarse: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    evidence = FakeEvidence(tmp_path, answer=lambda *_: coarse)
+    _, printed, mu = coil_slip.pressures(evidence)
+    resultant = mu * printed / 5.0
+
+    def one(ratio: float, onset: float) -> coil_slip.Smeared:
+        return coil_slip.Smeared("x", ratio * 1e6, 1e6, 5.0 / onset * resultant)
+
+    for found, word in (([one(1.8, 5.0)], THESIS_ERROR), ([one(1.8, 20.0), one(1.1, 5.0)], NOT_MET)):
+        monkeypatch.setattr(coil_slip, "all_smeared", lambda _, found=found: found)
+        assert coil_slip.c18(evidence).word == word

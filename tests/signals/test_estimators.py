@@ -262,3 +262,36 @@ def test_curves_that_are_none_are_refused():
     for wrong in ((f[:5], T[:5]), (f, T[:-1]), (f[::-1], T), (f, -T), (f, np.where(f > 1.0, np.nan, T))):
         with pytest.raises(InputError):
             choose(*wrong)
+
+
+@pytest.mark.parametrize("zeta", [0.3, 0.5])
+def test_gaussian_fit_near_the_peak_is_held_to_half_power_at_its_ends(zeta):
+    """Where no free bell falls to half power within the reach, the bell ends there, and the damping saturates."""
+    f = np.linspace(0.0, 3.0, 3001)
+    T = np.abs(single_dof_transmissibility(f, 1.0, zeta))
+    found = gaussian_fit(f, T, reach=0.2, draws=2)
+    low, high = found.window
+    bell = found.details["bell"]
+    assert high - low <= 0.4 * 0.5 * (high + low) * (1.0 + 1e-9)
+    assert bell(high) == pytest.approx(T.max() / np.sqrt(2.0), rel=1e-3)
+    assert found.zeta < 0.25
+    # the height is the best one: a taller and a flatter bell through the same ends fit worse
+    inside = (f >= low) & (f <= high)
+    q = (bell.d / bell.c) ** 2
+
+    def misfit(q):
+        shape = np.exp(q * (1.0 - ((f[inside] - bell.b) / bell.d) ** 2)) / np.sqrt(2.0)
+        return np.sum((T.max() * shape - T[inside]) ** 2)
+
+    assert misfit(q) < min(misfit(1.05 * q), misfit(0.95 * q))
+
+
+def test_gaussian_fit_near_the_peak_is_free_on_a_sharp_peak():
+    f = np.linspace(0.5, 1.5, 4001)
+    T = np.abs(single_dof_transmissibility(f, 1.0, 0.05))
+    near = gaussian_fit(f, T, reach=0.2, draws=2)
+    assert near.zeta == pytest.approx(gaussian_fit(f, T, draws=2).zeta, rel=0.01)
+    with pytest.raises(InputError, match="reach"):
+        gaussian_fit(f, T, reach=-0.1)
+    with pytest.raises(InputError, match="reach"):
+        gaussian_fit(f, T, reach=0.2, centre="free")

@@ -15,6 +15,8 @@ The text leaves some points open. They are resolved as follows:
   With a wide band around a narrow peak the second end wins, and the damping is much too high.
   `window="objective"` is the text as printed; `window="narrowest"` uses the narrowest window that the constraint
   allows, which does not depend on the band.
+- "In the neighborhood of the peak" gives no size. `reach` limits d to a part of f_pk; a bell that would violate the
+  constraint then is fitted with it, a exp(-(d / c)^2) = T_pk / sqrt 2 at the ends, so that there is a fit for any d.
 - The integral is taken over a monotone cubic interpolation on a uniform grid, so the spacing of the data has no weight.
 - "Best fit" means least squares in the same norm. Only windows inside the band are tried.
 """
@@ -100,12 +102,24 @@ def _fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float, centre: C
     return Bell(peak * p[0], f_pk + (d * p[2] if free else 0.0), d / abs(p[1]), d, rmse)
 
 
+def _held_fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float) -> Bell:
+    """Best bell around f_pk whose value at both ends of the window is T_pk / sqrt 2."""
+    values = curve(f_pk + d * _GRID) / peak
+
+    def square(q: float) -> float:  # q = (d / c)^2
+        return float(trapezoid((np.exp(q * (1.0 - _GRID**2)) / sqrt(2.0) - values) ** 2, _GRID))
+
+    found = minimize_scalar(square, bounds=(1e-6, 9.0), method="bounded", options={"xatol": 1e-10})
+    return Bell(peak * np.exp(found.x) / sqrt(2.0), f_pk, d / sqrt(found.x), d, peak * sqrt(found.fun))
+
+
 def gaussian_fit(
     frequency: npt.ArrayLike,
     transmissibility: npt.ArrayLike,
     *,
     centre: Centre = "peak",
     window: Window = "objective",
+    reach: float | None = None,
     draws: int = 30,
     seed: int = 0,
 ) -> DampingEstimate:
@@ -121,6 +135,9 @@ def gaussian_fit(
         "peak": b = f_pk, as the printed equality requires; "free": b is fitted.
     window
         "objective": d as printed; "narrowest": the smallest d that the constraint allows.
+    reach
+        Largest d over f_pk, with bells held to the constraint; None searches the whole band. For `centre="peak"` and
+        `window="objective"`.
     draws, seed
         Number of noisy repetitions for the standard errors; seed of the noise.
 
@@ -132,7 +149,7 @@ def gaussian_fit(
     Raises
     ------
     InputError
-        If the arrays do not form a curve, or centre or window is unknown.
+        If the arrays do not form a curve, centre or window is unknown, or `reach` does not fit them.
 
     Notes
     -----
@@ -143,14 +160,18 @@ def gaussian_fit(
         raise InputError(
             f"unknown centre {centre!r} or window {window!r}", remedy="use peak or free, and objective or narrowest"
         )
+    if reach is not None and not (reach > 0.0 and centre == "peak" and window == "objective"):
+        raise InputError(
+            f"reach {reach!r} needs a positive number, centre='peak' and window='objective'", remedy="leave it out"
+        )
     f, _, magnitude = checked_curve(frequency, transmissibility)
-    found = _search(f, magnitude, centre, window)
+    found = _search(f, magnitude, centre, window, reach)
     if isinstance(found, str):
         return no_estimate(METHOD, found, half_power(f, magnitude).f_n)
     bell, peak, f_pk, at_constraint = found
 
     def again(noisy: FloatArray) -> tuple[float, float] | None:
-        other = _search(f, noisy, centre, window)
+        other = _search(f, noisy, centre, window, reach)
         return None if isinstance(other, str) else (other[0].b, other[0].zeta)
 
     f_error, zeta_error = scatter(magnitude, again, draws, seed)
@@ -161,7 +182,7 @@ def gaussian_fit(
 
 
 def _search(
-    f: FloatArray, magnitude: FloatArray, centre: Centre, window: Window
+    f: FloatArray, magnitude: FloatArray, centre: Centre, window: Window, reach: float | None = None
 ) -> tuple[Bell, float, float, bool] | str:
     """Bell, T_pk, f_pk and whether the constraint determines the window; or the reason why there is no fit."""
     read = half_power(f, magnitude)
@@ -169,7 +190,7 @@ def _search(
     if k in (0, f.size - 1):
         return read.reason
     f_pk, peak, level = read.f_n, read.peak, read.peak / sqrt(2.0)
-    widest = min(f_pk - f[0], f[-1] - f_pk)
+    widest = min(f_pk - f[0], f[-1] - f_pk, np.inf if reach is None else reach * f_pk)
     narrowest = 0.5 * (_FEWEST_POINTS - 1) * float(np.median(np.diff(f[max(0, k - 3) : k + 4])))
     if widest < narrowest:
         return f"the band has fewer than {_FEWEST_POINTS} points around the peak at {f_pk:.5g} Hz"
@@ -179,6 +200,8 @@ def _search(
     def bell_at(d: float) -> Bell:
         if d not in bells:
             bells[d] = _fit(curve, f_pk, peak, float(d), centre)
+            if reach is not None and float(bells[d](f_pk + d)) > level:
+                bells[d] = _held_fit(curve, f_pk, peak, float(d))
         return bells[d]
 
     def excess(d: float) -> float:  # of the bell over half power at the ends of the window
@@ -190,7 +213,7 @@ def _search(
     widths = np.geomspace(narrowest, widest, _WINDOWS)
     if window == "narrowest":  # nothing beyond the first admissible window is needed
         widths = widths[: next((k for k, d in enumerate(widths) if excess(d) <= 0.0), _WINDOWS) + 1]
-    allowed = np.array([excess(d) <= 0.0 for d in widths])
+    allowed = np.array([reach is not None or excess(d) <= 0.0 for d in widths])
     if not allowed.any():
         return f"no bell within {widest:.4g} Hz of the peak at {f_pk:.5g} Hz falls to half power"
     costs = np.where(allowed, [cost(d) for d in widths], np.inf)
@@ -207,6 +230,6 @@ def _search(
         and allowed[best - 1 : best + 2].all()
     ):
         inside = minimize_scalar(cost, bounds=(widths[best - 1], widths[best + 1]), method="bounded").x
-        if excess(inside) <= 0.0 and cost(inside) < costs[best]:
+        if (reach is not None or excess(inside) <= 0.0) and cost(inside) < costs[best]:
             bell = bell_at(inside)
     return bell, peak, f_pk, at_constraint
