@@ -52,13 +52,13 @@ def c59(evidence: Evidence) -> Verdict:
     top = sweeps(evidence, "free")[-1]
     f_n = read(top).f_n
     linear, stiffened = (
-        read(evidence.one("prestress", preload__pressure=3e5, preload__geometric_stiffness=on)).f_n
+        first_bending(evidence.one("prestress", preload__pressure=3e5, preload__geometric_stiffness=on))
         for on in (False, True)
     )
     value = (
         f"f_b = {free:.2f} Hz (free), {clamped:.2f} Hz (clamped); f_b/f_m = {free / f_m:.3f} and {clamped / f_m:.3f}; "
         f"f_n({kpa(top)}) = {f_n:.2f} Hz, {100 * (f_n / free - 1):+.1f} % of f_b; geometric stiffness of 300 kPa moves "
-        f"the steady f_n by {100 * (stiffened / linear - 1):+.2f} %"
+        f"the first mode of the sticking roll by {100 * (stiffened / linear - 1):+.2f} %"
     )
     return Verdict(value, 1.02 <= free / f_m <= 1.13 and abs(f_n / free - 1) <= 0.02)
 

@@ -95,6 +95,5 @@ ANALYSIS = Analysis(
         "mode": ("load_factor", "critical_pressure", "mode_kind", "mode_harmonic"),
         "mode, node, component": ("mode_shape",),
     },
-    plots=("mode_shapes",),
     estimate=estimate_roll,
 )
