@@ -15,7 +15,8 @@ from scipy.constants import g as GRAVITY
 from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
 from reproduction.lab_studies import bound, sweeps
-from reproduction.layers import AMPLITUDE, dwells, largest
+from reproduction.layer_slip import AMPLITUDE, outer_slips
+from reproduction.layers import dwells, largest
 from reproduction.verdict import NOT_YET, Verdict
 from reproduction.words import kpa, monotone, numbers
 from wroll_fem.plotting.study import PRESSURE, StudyCase, natural_frequency, read
@@ -244,15 +245,6 @@ def c53(evidence: Evidence) -> Verdict:
     lowest = bool(top <= 0.1 * z.max())
     holds = along > across and axial.max() > hoop.max() and size.max() > other and lowest
     return Verdict(value, bool(holds) and monotone(profile.tolist(), -1))
-
-
-def outer_slips(member: StudyCase) -> FloatArray:
-    """Largest relative displacement of each interface, m, inner first."""
-    found = []
-    for k in range(member.data.sizes["interface"]):
-        points = surface(member.data, k, "peak_slip_hoop", "peak_slip_axial").values
-        found.append(float(np.hypot(points["peak_slip_hoop"], points["peak_slip_axial"]).max()))
-    return np.array(found)
 
 
 def c54(evidence: Evidence) -> Verdict:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from reproduction import base_spring
 from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
 from reproduction.lab_studies import PRELOAD_STUDY, bound, sweeps
@@ -90,7 +91,8 @@ def c60(evidence: Evidence) -> Verdict:
         low_f, high_f = bound(evidence, "frictionless", base), bound(evidence, "bonded", base)
         spans.append(f"{base} {low_f:.2f} to {high_f:.2f} Hz, sweeps {min(f):.1f} to {max(f):.1f} Hz")
     holds = min(shares) >= 0.5
-    value = f"base free and clamped, {'; '.join(said)}; frictionless to bonded: {', '.join(spans)}"
+    value = f"base free and clamped, {'; '.join(said)}; frictionless to bonded: {', '.join(spans)}; "
+    value += base_spring.spans_text(evidence)
     return Verdict(value, holds, "" if holds else THESIS_ERROR)
 
 
@@ -186,5 +188,8 @@ GROUP = ClaimGroup(
             study_figure("mesh_linear", "mesh_frequency"),
         ),
         "ch4_mesh_friction": ("Friction response at 100 kPa over the mesh (C63)", study_figure("mesh_friction")),
+    },
+    tables={
+        "Guided base: ring of the layer held across, axial spring; f_n at 10, 30, 100, 300 kPa": base_spring.spring_table
     },
 )

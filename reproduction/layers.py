@@ -8,18 +8,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.constants import g as GRAVITY
 
+from reproduction import base_spring
 from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
 from reproduction.lab_studies import beside
+from reproduction.layer_slip import AMPLITUDE, areas
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import kpa, numbers
 from wroll_fem.analyses.shared.preflight import interface_pressures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import StudyCase, is_sweep, read
-from wroll_fem.results.interface_slip import slipping_area_fraction, surface
-from wroll_fem.typing import FloatArray
+from wroll_fem.results.interface_slip import surface
 
-AMPLITUDE, OUTSIDE = "excitation.amplitude", "preload.pressure"
+OUTSIDE = "preload.pressure"
 DWELL_STUDY = {"free": "dwell_layers", "clamped": "dwell_layers_clamped", "contact": "dwell_layers_contact"}
 """Base condition of the layers -> study of dwells at 150 Hz; contact: base free, 1 to 0.2 kPa at the interfaces."""
 
@@ -54,12 +55,6 @@ def all_series(evidence: Evidence, said: Callable[[Members], str]) -> str:
 def judged(evidence: Evidence) -> list[list[StudyCase]]:
     """Series on which C72 to C74 are judged: 200 Pa on each layer, and 1 to 0.2 kPa at the interfaces."""
     return [dwells(evidence, name) for name in ("free", "contact")]
-
-
-def areas(member: StudyCase) -> FloatArray:
-    """Area of each interface that slips at any time, m^2."""
-    total = member.data["area"].values.sum(axis=-1)
-    return np.asarray(slipping_area_fraction(member.data).values * total)
 
 
 def largest(member: StudyCase) -> Slip:
@@ -141,7 +136,8 @@ def c74(evidence: Evidence) -> Verdict:
         area, height, _ = (np.diff(column) for column in zip(*found, strict=True))
         return len(found) == 3 and bool(np.all(area > 0) and np.all(height >= 0))
 
-    return Verdict(all_series(evidence, said), all(map(grows, judged(evidence))))
+    value = f"{all_series(evidence, said)}; {base_spring.second_interface_text(evidence)}"
+    return Verdict(value, all(map(grows, judged(evidence))))
 
 
 def c75(evidence: Evidence) -> Verdict:

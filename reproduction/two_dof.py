@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from reproduction import base_spring
 from reproduction import two_dof_figures as figures
 from reproduction import two_dof_study as study
 from reproduction.claim_group import ClaimGroup, study_figure
@@ -177,7 +178,7 @@ def c89(evidence: Evidence) -> Verdict:
     trend = ": it rises" if np.all(np.diff(values) > 0.0) else ""
     said = (
         f"lab roll, E_l {short(1e-9 * np.array(list(found)), 'g')} GPa, largest zeta of {short(preloads, 'g')} kPa: "
-        f"{short(100 * values)} %{trend}"
+        f"{short(100 * values)} %{trend}; {base_spring.damping_text(evidence)}; {base_spring.thesis_text(evidence)}"
     )
     return Verdict(said, bool(np.all(np.diff(values) < 0.0)))
 

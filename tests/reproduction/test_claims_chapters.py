@@ -11,7 +11,7 @@ import xarray as xr
 from support.fake_evidence import FakeEvidence, bending_at, judges, member, reference
 from support.synthetic_roll import contact_points
 
-from reproduction import Evidence, friction_rate, lab_model, layers, preload_series
+from reproduction import Evidence, base_spring, friction_rate, lab_model, layer_slip, layers, preload_series
 from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from reproduction.words import monotone, numbers, rank_correlation, table
 from wroll_fem.plotting.study import StudyCase
@@ -86,6 +86,19 @@ def sweep(pressure: float, f_n: float, zeta: float, peak: float, work: float, sk
     return member(dataset, name=f"p{pressure:g}", preload__pressure=pressure)
 
 
+def springs() -> list[StudyCase]:
+    """Guided base: the stiffer the spring, the less f_n moves with the preload and the less it damps."""
+    return [
+        member(
+            sweep(p, 135.0 + spread * (p > 1e4), 1e-3 * spread, 20.0, 0.1).data,
+            coil__base_stiffness=k, coil__material__E=modulus, preload__pressure=p,
+        )
+        for k, spread in ((1e9, 1.0), (0.0, 25.0), (1e7, 12.0))
+        for modulus in (2.8e9, 5.6e9)
+        for p in (1e5, 1e4)
+    ]  # fmt: skip
+
+
 def backbone(slip: float) -> xr.Dataset:
     """Motions up to 0.5 mm at the tip: slipping share and friction work grow with the tip amplitude."""
     tip = np.geomspace(1e-5, 5e-4, 30)
@@ -118,7 +131,7 @@ def roll(folder: Path, held: float = 0.3, **changed: Sequence[float]) -> FakeEvi
     summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
     studies = {
         "preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone], "prestress": prestressed,
-        "base_motion": motions,
+        "base_motion": motions, "base_spring": springs(),
     }  # fmt: skip
     return FakeEvidence(folder, studies, summaries)
 
@@ -167,6 +180,23 @@ def test_friction_must_work_most_and_fastest_around_resonance(end: int, share: f
 @pytest.mark.parametrize(("held", "word"), [(0.3, MET), (0.15, THESIS_ERROR), (0.0, THESIS_ERROR)])
 def test_a_clamped_base_that_removes_the_slip_is_an_error_of_the_thesis(held: float, word: str, tmp_path: Path) -> None:
     assert lab_model.c60(roll(tmp_path, held)).word == word
+
+
+def test_guided_base_is_listed_over_its_stiffness(tmp_path: Path) -> None:
+    evidence = roll(tmp_path)
+    evidence.given["dwell_layers_spring"] = [
+        member(dwelt((k, k, k))[0].data, coil__base_stiffness=s, excitation__amplitude=29.41995)
+        for s, k in ((1e7, 2.0), (0.0, 1.0))
+    ]
+    assert (
+        "guided base, 0, 1e+07, 1e+09 N/m^2 along the axis: f_n spans 25.0, 12.0, 1.0 Hz"
+        in lab_model.c60(evidence).value
+    )
+    assert "largest zeta 2.50, 1.20, 0.10 % at 2.8 GPa" in base_spring.damping_text(evidence)
+    slips = [1e6 * layer_slip.outer_slips(m)[1] for m in reversed(evidence.given["dwell_layers_spring"])]
+    assert slips[1] == pytest.approx(2.0 * slips[0])
+    assert f"interface 2 moves by {slips[0]:.2f}, {slips[1]:.2f} um" in base_spring.second_interface_text(evidence)
+    assert base_spring.spring_table(evidence).count("\n") == 4
 
 
 @pytest.mark.parametrize("name", ["C65", "C67", "C70"])
@@ -237,7 +267,11 @@ def stack(
     members, contact = dwelt(strength), dwelt((1.0, 2.0, 3.0) if other is None else other)
     for m in contact:
         m.values["preload.pressure"] = [351.5] * 5  # type: ignore[index]
-    given = {"dwell_layers": members, "dwell_layers_clamped": members, "dwell_layers_contact": contact}
+    sprung = [member(members[2].data, coil__base_stiffness=0.0, excitation__amplitude=29.41995)]
+    given = {
+        "dwell_layers": members, "dwell_layers_clamped": members, "dwell_layers_contact": contact,
+        "dwell_layers_spring": sprung,
+    }  # fmt: skip
     return FakeEvidence(folder, given, summaries)
 
 
