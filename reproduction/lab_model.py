@@ -189,7 +189,5 @@ GROUP = ClaimGroup(
         ),
         "ch4_mesh_friction": ("Friction response at 100 kPa over the mesh (C63)", study_figure("mesh_friction")),
     },
-    tables={
-        "Guided base: ring of the layer held across, axial spring; f_n at 10, 30, 100, 300 kPa": base_spring.spring_table
-    },
+    tables={"Guided base: ring held across, axial spring; f_n at 10, 30, 100, 300 kPa": base_spring.spring_table},
 )
