@@ -30,7 +30,11 @@ def case_warnings(case: Case) -> list[str]:
     InputError
         If that file is invalid.
     """
-    return case.renamed + [text for check in find_analysis(case.analysis).preflight for text in check(case)]
+    from wroll_fem.analyses.shared.preflight import CHECKS
+
+    known = CHECKS.get(case.analysis)  # without the imports of the analysis
+    checks = find_analysis(case.analysis).preflight if known is None else known
+    return case.renamed + [text for check in checks for text in check(case)]
 
 
 def estimate(case: Case) -> dict[str, Any]:
@@ -78,7 +82,7 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
         if error.partial is not None:
             error.partial = with_warnings(described(error.partial, case), [*case_warnings(case), *kept.warnings])
         raise
-    for text in doubts(summarise(dataset), case):
+    for text in doubts(dataset, summarise(dataset), case):
         kept.warning(text)
     return with_warnings(dataset, [*case_warnings(case), *kept.warnings])
 

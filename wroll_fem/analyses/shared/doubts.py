@@ -5,27 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.analyses.shared.small_displacement import displacement_doubts
+
 if TYPE_CHECKING:
+    import xarray as xr
+
     from wroll_fem.case import Case
 
 ENERGY_ERROR = 0.005
 """Energy balance error above which no number of a run is trustworthy, relative to the largest input."""
 
 
-def doubts(summary: Mapping[str, Any], case: Case) -> list[str]:
+def doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list[str]:
     """Warnings about the results of a finished run.
 
     Parameters
     ----------
+    dataset
+        Results.
     summary
         Entries of summary.json.
     case
         Case of the run.
     """
-    return [text for check in CHECKS for text in check(summary, case)]
+    return [text for check in CHECKS for text in check(dataset, summary, case)]
 
 
-def _energy(summary: Mapping[str, Any], case: Case) -> list[str]:
+def _energy(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list[str]:
     gap = summary.get("energy_balance_error")
     if gap is None or gap <= ENERGY_ERROR:
         return []
@@ -37,5 +43,5 @@ def _energy(summary: Mapping[str, Any], case: Case) -> list[str]:
     return [f"the energy balance error is {100 * gap:.2g} % of the input: the numbers are doubtful; {remedy}"]
 
 
-CHECKS = (_energy,)
-"""Functions of the summary and the case that return warnings."""
+CHECKS = (_energy, displacement_doubts)
+"""Functions of results, summary and case that return warnings."""

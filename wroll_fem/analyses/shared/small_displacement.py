@@ -1,0 +1,99 @@
+r"""Limits of small-displacement theory for a roll: flattening of a bent tube, rotation of its tip, slip of layers.
+
+A cantilever whose tip moves by u has the curvature :math:`\kappa = 3 u / L^2` at its root and the rotation
+:math:`\theta = 3 u / (2 L)` at its tip. The linear model leaves out
+
+* flattening: compressed and stretched fibres press a bent tube flat by the share
+  :math:`\zeta = (1 - \nu^2)\, \kappa^2 R^4 \sum E t / \sum E t^3` of its radius (Brazier 1927, for nested tubes with a
+  common shape), and its bending stiffness falls by :math:`\tfrac32 \zeta`. Ends that are held round reduce it, so this
+  is a bound. Long before the wall buckles at the strain 0.6 t/R it is the largest effect of a thin wall;
+* rotation: forces and inertia keep their directions, with a relative error of :math:`\theta^2/2`;
+* sliding of the contact points: they are matched once, so friction and pressure act at a wrong place by the slip, and
+  along tangents that are wrong by slip / R.
+
+References
+----------
+Brazier (1927), Proc. R. Soc. A 116, 104, doi:10.1098/rspa.1927.0125.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wroll_fem.analyses.shared.preflight import root_element_height
+from wroll_fem.case.structural import OnRoll
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from wroll_fem.case import Case, RollSections
+
+STIFFNESS_ERROR = 0.01
+"""Loss of bending stiffness by flattening, or error by the rotation, above which a run warns."""
+
+SLIP_OF_RADIUS, SLIP_OF_ELEMENT = 0.01, 0.1
+"""Slip over the radius, and over the smallest edge of an element, above which a run warns."""
+
+
+def flattening(roll: RollSections, tip: float) -> float:
+    """Loss of bending stiffness by flattening at the root, relative, for a tip displacement ``tip`` in m.
+
+    Layers flatten with the mandrel and slide on it; a solid coil adds bending stiffness but is taken not to hold the
+    mandrel round, which overestimates the loss.
+    """
+    g, material, coil = roll.geometry, roll.mandrel.material, roll.coil
+    radius = 0.5 * (g.mandrel_outer_diameter - g.mandrel_thickness)
+    stretch, bend = material.E * g.mandrel_thickness, material.E * g.mandrel_thickness**3
+    if coil.model in ("layers", "bonded"):
+        stretch += coil.layers * coil.layer_material.E * coil.layer_thickness
+        bend += coil.layers * coil.layer_material.E * coil.layer_thickness**3
+    curvature = 3.0 * tip / g.length**2
+    return 1.5 * (1.0 - material.nu**2) * curvature**2 * radius**4 * stretch / bend
+
+
+def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list[str]:
+    """Warnings about motions of a roll beyond small-displacement theory.
+
+    Parameters
+    ----------
+    dataset
+        Results, with `tip_displacement` or `tip_amplitude`.
+    summary
+        Entries of summary.json.
+    case
+        Case of the run; only a roll has the dimensions.
+    """
+    if not isinstance(case, OnRoll):
+        return []
+    return [*_of_tip(dataset, case), *_of_slip(summary.get("max_relative_displacement_m"), case)]
+
+
+def _of_tip(dataset: xr.Dataset, case: OnRoll) -> list[str]:
+    names = [name for name in ("tip_displacement", "tip_amplitude") if name in dataset.variables]
+    tip = max((float(np.abs(dataset[name].values).max(initial=0.0)) for name in names), default=0.0)
+    loss, rotation = flattening(case, tip), 0.5 * (1.5 * tip / case.geometry.length) ** 2
+    if max(loss, rotation) <= STIFFNESS_ERROR:
+        return []
+    part, what = max((loss, "the bent tube flattens"), (rotation, "the tip rotates"))
+    return [
+        f"the tip moves by {1e3 * tip:.2g} mm, beyond small-displacement theory: {what}, an error of up to "
+        f"{100 * part:.2g} % of the bending stiffness; lower the base acceleration"
+    ]
+
+
+def _of_slip(slip: float | None, case: OnRoll) -> list[str]:
+    if slip is None:
+        return []
+    radius, mesh = 0.5 * case.geometry.mandrel_outer_diameter, case.mesh
+    edge = min(2.0 * math.pi * radius / mesh.circumferential, root_element_height(case))
+    limit = SLIP_OF_RADIUS * radius if mesh.file is not None else min(SLIP_OF_RADIUS * radius, SLIP_OF_ELEMENT * edge)
+    if slip <= limit:
+        return []
+    return [
+        f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points are "
+        f"matched once, for slip up to {1e3 * limit:.2g} mm; lower the base acceleration or raise the preload"
+    ]
