@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
+import pytest
 from support.paths import ROOT
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.shared.preflight import interface_pressures
+from wroll_fem.analyses.registry import MODULES, find_analysis
+from wroll_fem.analyses.shared.preflight import CHECKS, interface_pressures
 from wroll_fem.case import load_case
 from wroll_fem.progress import SilentProgress
 
@@ -25,3 +30,21 @@ def test_an_interface_that_would_be_pulled_apart_has_no_pressure() -> None:
     case = load_case(ROOT / "configs" / "lab_dwell_layers.yaml", ["preload.pressure=[1000.0, 0.0, 0.0, 0.0, 0.0]"])
     assert interface_pressures(case)[1:] == [0.0] * 4
     assert interface_pressures(case)[0] > 0.0
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_an_analysis_has_the_checks_of_the_table(name: str) -> None:
+    assert find_analysis(name).preflight == CHECKS[name]
+
+
+def test_validation_imports_no_solver() -> None:
+    files = [
+        str(ROOT / "configs" / f"{name}.yaml") for name in ("lab_dwell", "lab_sweep", "lab_harmonic", "coiled_stiff")
+    ]
+    code = (
+        "import sys; from wroll_fem.case import load_case; from wroll_fem.analyses import case_warnings; "
+        f"[case_warnings(load_case(file)) for file in {files}]; "
+        "print([name for name in ('numba', 'scipy', 'xarray', 'dolfinx', 'matplotlib') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert done.stdout.strip() == "[]"

@@ -134,6 +134,6 @@ ANALYSIS = Analysis(
         "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
     },
     plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map"),
-    preflight=(preflight.contact_warnings, preflight.structure_warnings),
+    preflight=preflight.CHECKS["backbone"],
     estimate=estimate_roll,
 )  # fmt: skip

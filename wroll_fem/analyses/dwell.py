@@ -70,7 +70,7 @@ ANALYSIS = Analysis(
     fields=FIELDS,
     variables=VARIABLES,
     plots=PLOTS,
-    preflight=(preflight.contact_warnings, preflight.structure_warnings, preflight.scheme_warnings),
+    preflight=preflight.CHECKS["dwell"],
     estimate=estimate_history,
     resumable=True,
 )

@@ -213,6 +213,6 @@ ANALYSIS = Analysis(
         "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
     },
     plots=("harmonic_response", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
-    preflight=(preflight.missed_resonance, preflight.contact_warnings, preflight.structure_warnings),
+    preflight=preflight.CHECKS["harmonic"],
     estimate=estimate_roll,
 )

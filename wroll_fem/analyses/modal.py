@@ -173,6 +173,6 @@ ANALYSIS = Analysis(
         "mode, node, component": ("mode_shape",),
     },
     plots=("modes",),
-    preflight=(preflight.structure_warnings,),
+    preflight=preflight.CHECKS["modal"],
     estimate=estimate_modes,
 )

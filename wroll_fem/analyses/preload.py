@@ -40,6 +40,6 @@ ANALYSIS = Analysis(
     fields=(figures.write_slip,),
     variables={"interface, point": ("pressure", "traction_hoop", "traction_axial")},
     plots=("pressure_map",),
-    preflight=(preflight.contact_warnings, preflight.structure_warnings),
+    preflight=preflight.CHECKS["preload"],
     estimate=estimate_roll,
 )

@@ -63,12 +63,7 @@ ANALYSIS = Analysis(
     fields=FIELDS,
     variables=VARIABLES | {"frequency": ("transmissibility_real", "transmissibility_imag")},
     plots=("transmissibility", "comparison", *PLOTS),
-    preflight=(
-        preflight.missed_resonance,
-        preflight.contact_warnings,
-        preflight.structure_warnings,
-        preflight.scheme_warnings,
-    ),
+    preflight=preflight.CHECKS["sweep"],
     estimate=estimate_history,
     resumable=True,
 )

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 
 if TYPE_CHECKING:
     from wroll_fem.case import Friction, HarmonicCase, RollSections, SweepCase
     from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
+    from wroll_fem.case.preload import Preload
 
 
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
@@ -180,6 +182,15 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     ]
 
 
+def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
+    """External pressure on each layer, Pa; imports the wound roll only where it sets them."""
+    if preload.kind != "winding_tension":
+        return preload.per_layer(case.coil.layers)
+    from wroll_fem.winding.interface import external_pressures
+
+    return external_pressures(case, preload, case.wound)
+
+
 def contact_warnings(case: StructuralCase) -> list[str]:
     """Warn about shear-lag resolution, friction law, buckling and low pressure of a roll with layers."""
     if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None:
@@ -201,9 +212,7 @@ def contact_warnings(case: StructuralCase) -> list[str]:
             "contact.friction.law smoothed_coulomb has no friction at rest: the preload is frictionless, and below "
             "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
-    from wroll_fem.winding.interface import external_pressures
-
-    total, limit = sum(external_pressures(case, case.preload, case.wound)), buckling_pressure(case)
+    total, limit = sum(_external_pressures(case, case.preload)), buckling_pressure(case)
     if total > limit and not case.has_geometric_stiffness:
         warnings.append(
             f"the external pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, "
@@ -216,3 +225,19 @@ def contact_warnings(case: StructuralCase) -> list[str]:
             "watch for step cuts, and raise integrator.steps_per_cycle if the run stops"
         )
     return warnings
+
+
+CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
+    "sweep": (missed_resonance, contact_warnings, structure_warnings, scheme_warnings),
+    "dwell": (contact_warnings, structure_warnings, scheme_warnings),
+    "harmonic": (missed_resonance, contact_warnings, structure_warnings),
+    "backbone": (contact_warnings, structure_warnings),
+    "modal": (structure_warnings,),
+    "modal_transient": (),
+    "preload": (contact_warnings, structure_warnings),
+    "buckling": (),
+    "winding": (),
+    "design_map": (),
+    "two_dof": (),
+}
+"""Analysis -> its checks; here and not in the modules of the analyses, so that `wroll validate` imports no solver."""
