@@ -153,7 +153,7 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
         "peak_transmissibility": listed("peak_transmissibility"),
         "skewness": listed("skewness"),
         "friction_capacity_lowest_peak_n": None if lowest is None else float(peaks["friction_capacity"][lowest]),
-        "half_power_reason": dataset["reading_note"].values.tolist(),
+        "half_power_reason": [str(text) or None for text in dataset["reading_note"].values],
     }
     if dataset["zeta"].notnull().any():
         at = int(np.nanargmax(dataset["zeta"].values))

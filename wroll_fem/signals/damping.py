@@ -13,7 +13,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.typing import FloatArray
 
-LEAST_PROMINENCE = 0.01
+LEAST_PROMINENCE = 1e-3
 """Height of the highest point above its higher foot, over its height, below which it is no maximum but a ripple."""
 
 
