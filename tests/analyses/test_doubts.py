@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from support.paths import CONFIGS
 
 import wroll_fem as wf
+from wroll_fem.analyses.backbone import range_remark
 from wroll_fem.analyses.shared.doubts import doubts
 from wroll_fem.analyses.shared.small_displacement import flattening
 from wroll_fem.case import OnRoll
@@ -129,3 +130,13 @@ def test_motions_beyond_small_displacement_theory_are_told(tip: float, slip: flo
     told = doubts(data, {"max_relative_displacement_m": slip}, case)
     assert len(told) == len(words)
     assert all(word in text for word, text in zip(words, told, strict=True))
+
+
+def test_a_damping_that_still_rises_at_the_end_of_the_range_is_told() -> None:
+    rising, over = (
+        xr.Dataset({"modal_damping": ("tip_amplitude", values)}, attrs={"tip_amplitude_at_zeta_max_m": 1e-4})
+        for values in ([0.0, 0.01, 0.02], [0.0, 0.02, 0.01])
+    )
+    assert "raise backbone.tip_largest" in range_remark(rising)
+    assert range_remark(over) == ""
+    assert range_remark(0.0 * over) == ""  # sticks: no damping at all

@@ -74,6 +74,17 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     return annotate(dataset)
 
 
+def range_remark(dataset: xr.Dataset) -> str:
+    """Warning if the largest damping lies on the upper end of the amplitudes, where it may still rise; else empty."""
+    damping = dataset["modal_damping"].values
+    if not damping.max() > 0.0 or int(np.argmax(damping)) < len(damping) - 1:
+        return ""
+    return (
+        f"the damping still rises at the largest amplitude, {dataset.attrs['tip_amplitude_at_zeta_max_m']:.2g} m: "
+        "zeta_max is that of the end of the range; raise backbone.tip_largest"
+    )
+
+
 def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
     """Compute frequency and damping of the most excited resonance over amplitude, from sticking to gross slip.
 
@@ -104,9 +115,9 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
             error.partial = backbone_dataset(system, partial)
         raise
     dataset = backbone_dataset(system, trained.curve)
-    remark = memory_remark(dataset)
-    if remark:
-        progress.warning(remark)
+    for remark in (memory_remark(dataset), range_remark(dataset)):
+        if remark:
+            progress.warning(remark)
     return dataset.assign_attrs(
         {
             "solver_time_s": time.process_time() - started,
