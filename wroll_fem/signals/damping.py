@@ -13,8 +13,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.typing import FloatArray
 
-LEAST_PROMINENCE = 1e-3
-"""Height of the highest point above its higher foot, over its height, below which it is no maximum but a ripple."""
+LEAST_PROMINENCE = 0.01
+"""Height of the highest point above its higher foot, over its height, below which it is a ripple, unless a half-power
+point stands beside it (the band then ends close to the resonance)."""
 
 
 @dataclass(frozen=True)
@@ -111,13 +112,16 @@ def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start:
     return float(origin + scale * brentq(lambda s: float(cubic(s)) - level, *ends, xtol=1e-12))
 
 
-def _no_maximum(f: FloatArray, m: FloatArray, k: int) -> str:
-    """Why the highest point k of a curve is no maximum inside the band; empty if it is one."""
+def _no_maximum(f: FloatArray, m: FloatArray, k: int, *, beside: bool) -> str:
+    """Why the highest point k of a curve is no maximum inside the band; empty if it is one.
+
+    ``beside`` tells whether one of its half-power points is inside the band.
+    """
     if k in (0, m.size - 1):
         side = "lower" if k == 0 else "upper"
         return f"the highest point lies on the {side} end of the band ({f[k]:.5g} Hz): no resonance inside"
     foot = max(float(m[: k + 1].min()), float(m[k:].min()))
-    if foot > (1.0 - LEAST_PROMINENCE) * m[k]:
+    if not beside and foot > (1.0 - LEAST_PROMINENCE) * m[k]:
         return (
             f"the highest point, at {f[k]:.5g} Hz, rises {100.0 * (1.0 - foot / m[k]):.2g} % above the curve on one of "
             "its sides: no resonance inside"
@@ -178,10 +182,10 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
     if not peak > 0.0:
         raise InputError("the curve is zero everywhere", remedy="check that the base moves in this direction")
     level = peak / sqrt(2.0)
-    problem = _no_maximum(f, m, k)
+    f_low, f_high = _crossing(f, m, level, k, -1), _crossing(f, m, level, k, +1)
+    problem = _no_maximum(f, m, k, beside=bool(np.isfinite([f_low, f_high]).any()))
     if problem:
         return HalfPower(f_n, peak, nan, nan, nan, nan, False, reason=problem, resonant=False)
-    f_low, f_high = _crossing(f, m, level, k, -1), _crossing(f, m, level, k, +1)
     reasons = []
     if np.isnan(f_low):
         reasons.append(f"no half-power point between {f[0]:.5g} Hz and the peak at {f_n:.5g} Hz")
