@@ -19,6 +19,7 @@ from reproduction.layer_slip import AMPLITUDE, outer_slips
 from reproduction.layers import dwells, largest
 from reproduction.verdict import NOT_YET, Verdict
 from reproduction.words import kpa, monotone, numbers
+from wroll_fem.case.contact import PenaltyFriction
 from wroll_fem.plotting.study import PRESSURE, StudyCase, natural_frequency, read
 from wroll_fem.results.interface_slip import surface
 from wroll_fem.signals.damping import half_power
@@ -72,10 +73,14 @@ def at_level(data: xr.Dataset, level: float) -> float:
 
 
 def over_levels(evidence: Evidence, mu: float) -> dict[float, FloatArray]:
-    """Preload (Pa) -> resonances (Hz) at `LEVELS`, from backbones with a friction coefficient."""
+    """Preload (Pa) -> resonances (Hz) at `LEVELS`, from backbones with a friction coefficient.
+
+    A roll that sticks up to the largest amplitude has no resonance of finite height at a level, and is left out.
+    """
     own = [m for m in evidence.study(LEVELS_STUDY) if float(m.values[MU]) == mu]
     own.sort(key=lambda m: float(m.values[PRESSURE]))
-    return {float(m.values[PRESSURE]): np.array([at_level(m.data, a) for a in LEVELS]) for m in own}
+    found = {float(m.values[PRESSURE]): np.array([at_level(m.data, a) for a in LEVELS]) for m in own}
+    return {pressure: line for pressure, line in found.items() if np.isfinite(line).all()}
 
 
 def levels_text(found: Mapping[float, FloatArray]) -> str:
@@ -234,6 +239,9 @@ def c53(evidence: Evidence) -> Verdict:
     along, across = float(size[angle <= FACE].max()), float(size[angle >= 0.5 * np.pi - FACE].max())
     other = float(np.hypot(*tight[2:]).max())
     profile = over_height(z, size)
+    friction = evidence.roll("lab_sweep").friction
+    assert isinstance(friction, PenaltyFriction)
+    slips = np.where(profile > friction.elastic_slip, profile, 0.0)  # below gamma* it sticks
     few = 1e6 * profile[:: max(1, profile.size // 6)]
     top = float(z[int(size.argmax())])
     value = (
@@ -244,7 +252,7 @@ def c53(evidence: Evidence) -> Verdict:
     )
     lowest = bool(top <= 0.1 * z.max())
     holds = along > across and axial.max() > hoop.max() and size.max() > other and lowest
-    return Verdict(value, bool(holds) and monotone(profile.tolist(), -1))
+    return Verdict(value, bool(holds) and monotone(slips.tolist(), -1))
 
 
 def c54(evidence: Evidence) -> Verdict:

@@ -119,6 +119,25 @@ def test_a_roll_as_in_the_experiments_is_met(name: str, tmp_path: Path) -> None:
     assert verdict.word == MET, verdict.value
 
 
+@pytest.mark.parametrize(("turned", "word"), [("", MET), ("z_m", NOT_MET), ("theta_rad", NOT_MET)])
+def test_slip_as_the_cameras_saw_it(turned: str, word: str, tmp_path: Path) -> None:
+    """Largest at the base and on the axial face; not if the roll stands on its head or is turned by a quarter."""
+    evidence = lab(tmp_path)
+    data = evidence.given["preload"][0].data
+    for m in evidence.given["preload"]:
+        z = m.data["z_m"].values
+        fade = np.clip(1.0 - 2.0 * z / z.max(), 0.0, 1.0)
+        for name in ("peak_slip_axial", "peak_slip_hoop"):
+            m.data[name] = m.data[name] * fade * 3.0
+    if turned == "z_m":
+        data["z_m"] = data["z_m"].max() - data["z_m"]
+    if turned == "theta_rad":
+        data["theta_rad"] = data["theta_rad"] + 0.5 * np.pi
+    verdict = experiments.c53(evidence)
+    assert verdict.word == word, verdict.value
+    assert experiments.c52(evidence).word == MET
+
+
 @pytest.mark.parametrize(
     ("name", "changed"),
     [
