@@ -157,7 +157,7 @@ def buckling_pressures(section, length, circumferential, axial, ends, count=3):
 
 
 def test_simply_supported_tubes_buckle_at_the_pressure_of_von_mises():
-    """Measured: 0.6 m +0.0 % of von Mises, +0.2 % of the Ritz solution with the same prestress."""
+    """Measured: +0.04 % of von Mises, +0.26 % of the Ritz solution with the same prestress."""
     found = buckling_pressures(LAB, 0.6, 16, 8, [0, 1, 5])
     assert found[0] == pytest.approx(von_mises(LAB, RADIUS, 0.6, 2), rel=0.01)
     assert found[0] == pytest.approx(RitzTube(LAB, RADIUS, 0.6, SIMPLE, 24).critical_pressure(2), rel=0.01)
@@ -165,7 +165,7 @@ def test_simply_supported_tubes_buckle_at_the_pressure_of_von_mises():
 
 
 def test_a_thin_simply_supported_tube_buckles_in_five_waves():
-    """Radius over thickness 78: measured +0.5 % of von Mises, -0.1 % of Ritz; graded ends are not needed."""
+    """Radius over thickness 78: measured +0.96 % of von Mises, +0.31 % of the Ritz solution."""
     thin = ShellSection(E=2.7e9, nu=0.35, rho=1200.0, thickness=0.5e-3)
     pressures = {n: RitzTube(thin, RADIUS, 0.1, SIMPLE, 24).critical_pressure(n) for n in range(3, 8)}
     lowest = min(pressures, key=lambda n: pressures[n])
@@ -196,7 +196,7 @@ def test_a_structure_that_is_not_held_has_no_buckling_load():
 
 
 def test_frequency_under_axial_tension_is_that_of_a_stiffened_beam():
-    """A dead force on the rigid tip, up to 26 % above the frequency without; measured within 0.05 %."""
+    """A dead force on the rigid tip: 28 % above and 9 % below the frequency without; measured within 0.06 %."""
     case = load_case(
         CONFIGS / "lab_mandrel.yaml",
         ["geometry.length=0.8", "mandrel.material.nu=0.0", "mesh.circumferential=12", "mesh.axial=8"],
