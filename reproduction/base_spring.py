@@ -29,9 +29,9 @@ def over_preload(members: Sequence[StudyCase], stiffness: float, modulus: float)
 
 
 def span(members: Sequence[StudyCase]) -> float:
-    """Difference of the largest and the smallest resonance over the preload, Hz."""
+    """Difference of the largest and the smallest resonance over the preload, Hz; nan with fewer than two cases."""
     f = [read(m).f_n for m in members]
-    return max(f) - min(f)
+    return max(f) - min(f) if len(f) > 1 else math.nan
 
 
 def largest_zeta(members: Sequence[StudyCase]) -> float:
@@ -40,13 +40,22 @@ def largest_zeta(members: Sequence[StudyCase]) -> float:
     return max(zeta, default=math.nan)
 
 
+def lost(members: Sequence[StudyCase]) -> str:
+    """How many cases of the study are missing, as text; empty if none."""
+    sizes = [len({m.values[key] for m in members}) for key in (STIFFNESS, MODULUS, PRESSURE)]
+    missing = math.prod(sizes) - len(members)
+    return f" ({missing} of {math.prod(sizes)} cases not finished)" if missing else ""
+
+
 def spans_text(evidence: Evidence) -> str:
     """Span of f_n over the preload for every stiffness, as text (C60)."""
     members = evidence.study(STUDY)
     softest = min(float(m.values[MODULUS]) for m in members)
     every = stiffnesses(members)
     spans = [span(over_preload(members, k, softest)) for k in every]
-    return f"guided base, {numbers(every, 'g')} N/m^2 along the axis: f_n spans {numbers(spans, '.1f')} Hz"
+    return (
+        f"guided base, {numbers(every, 'g')} N/m^2 along the axis: f_n spans {numbers(spans, '.1f')} Hz{lost(members)}"
+    )
 
 
 def damping_text(evidence: Evidence) -> str:
@@ -57,7 +66,7 @@ def damping_text(evidence: Evidence) -> str:
     for modulus in moduli:
         zeta = [100 * largest_zeta(over_preload(members, k, modulus)) for k in every]
         said.append(f"{numbers(zeta, '.2f')} % at {1e-9 * modulus:g} GPa")
-    return f"guided base, {numbers(every, 'g')} N/m^2: largest zeta {', '.join(said)}"
+    return f"guided base, {numbers(every, 'g')} N/m^2: largest zeta {', '.join(said)}{lost(members)}"
 
 
 def thesis_text(evidence: Evidence) -> str:

@@ -298,7 +298,10 @@ def not_yet(reason: str, evidence: Evidence) -> Verdict:
     return Verdict(reason, False, NOT_YET)
 
 
-ROLL = "needs friction between a shell and a solid coil, which the program does not have"
+ROLL = (
+    "needs friction between a shell and a solid coil, which the program does not have; to be judged on a free base of "
+    "the coil, beside one with a bonded inner edge of stated width"
+)
 ROLLS: dict[str, Callable[[Evidence], Verdict]] = {
     f"C{n}": partial(not_yet, ROLL) for n in (96, 97, 98, 99, 100, 101, 102, 104, 105, 106, 107)
 }
