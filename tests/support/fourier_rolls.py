@@ -31,7 +31,7 @@ def case(*overrides, coil=None):
         "geometry": {"length": L, "mandrel_outer_diameter": 0.080, "mandrel_thickness": 1.5e-3},
         "mandrel": {"material": {"E": E, "nu": NU, "rho": RHO}, "tip_mass": 0.05},
         "coil": coil or {"model": "none"},
-        "mesh": {"axial": 8, "radial": 1, "discretisation": "fourier"},
+        "mesh": {"axial": 8, "grading": 1, "radial": 1, "radial_grading": 1, "discretisation": "fourier"},
     }
     return Case.model_validate(given).changed(*overrides)
 

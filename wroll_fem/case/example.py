@@ -21,6 +21,6 @@ def example_case() -> RollDwellCase:
             "preload": {"pressure": 1.0e5},
             "excitation": {"kind": "dwell", "amplitude": 5.0, "frequency": 150.0, "cycles": 4.0, "ramp_cycles": 2.0},
             "integrator": {"steps_per_cycle": 40},
-            "mesh": {"circumferential": 12, "axial": 4},
+            "mesh": {"circumferential": 12, "axial": 4, "grading": 1},
         }
     )

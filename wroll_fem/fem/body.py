@@ -237,7 +237,7 @@ def _traces(
     symmetric: bool,
 ) -> dict[str, Trace]:
     contact = contact_points(part)
-    points, surface = contact.points, SurfaceTrace(model, contact.shapes)
+    points, surface = contact.points, SurfaceTrace(model, contact)
     weight = np.ones(len(points))
     keep = np.ones(len(points), bool)
     if symmetric:

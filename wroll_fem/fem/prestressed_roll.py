@@ -168,7 +168,7 @@ class _Wall:
         found = values[cKDTree(held).query(wanted)[1]]
         if self.body.symmetric:
             found[at.points[:, 0] < 0.0, 1] *= -1.0
-        return np.asarray(at.shapes @ found)
+        return np.column_stack([at.normal_shapes @ found[:, 0], at.shapes @ found[:, 1:]])
 
     def _tip(self, forces: FloatArray, centre: FloatArray) -> sp.csr_matrix:
         """Second-order energy of the rotation of a rigid tip; empty without one."""

@@ -5,9 +5,9 @@ above the mid-surface and the cylindrical unit vectors e_c of the roll,
 
     motion[k, c] = 1 / A_k  int psi_k (u + xi theta x d) . e_c dA,     A_k = int psi_k dA,
 
-so tractions t_k at the points do the work of the traction sum_k t_k psi_k on the surface. The psi_k sum to 1: uniform
-tractions in the cylindrical frame are exact. The two surfaces of an interface have the same points, in the same order,
-and the same areas.
+so tractions t_k at the points do the work of the traction sum_k t_k psi_k on the surface. The normal component has its
+own shape functions. The psi_k sum to 1: uniform tractions in the cylindrical frame are exact. The two surfaces of an
+interface have the same points, in the same order, and the same areas.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from dolfinx import fem
 
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import ShellModel
+from wroll_fem.mesh.contact_points import ContactPoints
 from wroll_fem.typing import FloatArray, IntArray
 
 _DEGREE = 4
@@ -62,18 +63,22 @@ class SurfaceTrace:
     ----------
     model
         The shell.
-    shapes
-        (9 n_cells, n_points) values of the shape functions at the nodes of each cell, as in `ContactPoints`.
+    contact
+        Contact points of the shell.
     """
 
-    def __init__(self, model: ShellModel, shapes: sp.csr_matrix):
+    def __init__(self, model: ShellModel, contact: ContactPoints):
         self.model = model
         vectors = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2, components=3))
         scalars = compat.function_space(model.mesh, compat.discontinuous("quadrilateral", 2))
         dx = ufl.Measure("dx", domain=model.mesh, metadata={"quadrature_degree": _DEGREE})
         areas = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * dx))
-        self._mid_areas = np.asarray(shapes[cell_node_rows(model, scalars)].T @ areas)
-        self._weights = sp.kron(shapes[cell_node_rows(model, vectors)], sp.identity(3), format="csr")
+        self._mid_areas = np.asarray(contact.shapes[cell_node_rows(model, scalars)].T @ areas)
+        rows = cell_node_rows(model, vectors)
+        along, across = sp.diags([0.0, 1.0, 1.0]), sp.diags([1.0, 0.0, 0.0])
+        self._weights = sp.csr_matrix(
+            sp.kron(contact.shapes[rows], along) + sp.kron(contact.normal_shapes[rows], across)
+        )
 
         weight = ufl.TestFunction(vectors)
         q = ufl.TrialFunction(model.space)

@@ -9,9 +9,14 @@ vertices:
 
 Averages weighted with psi_k are, for quadratic displacements, values at the height of the Gauss point, and values at
 the angle of the vertex up to errors of fourth order in the width of the cells. The psi_k sum to 1, so that a uniform
-traction is exact; those of a row reproduce tractions linear in z. Bonded layers with a free edge, 24 x 12 uniform
-cells: first bending frequency 0.1 % from that of the three-dimensional solid. Hat functions of the vertices, which
-leave half a cell at the edge free to slide, are 1.7 % low (tests/fem/test_trace.py).
+traction is exact; those of a row reproduce tractions linear in z. Hat functions of the vertices would leave half a cell
+at a free edge to slide (1.7 % in the first bending frequency of a bonded layer, tests/fem/test_trace.py).
+
+These psi_k are those of the traction along the surface. The pressure is linear between the vertices along the axis (hat
+functions), and the two points next to a vertex, one in each row, share its pressure in proportion to their areas. A
+pressure linear in each row but discontinuous has too many values for the quadratic displacements of two stiff surfaces,
+and alternates from point to point (by 30 % on uniform cells longer than the boundary layers of the ends). Only in the
+first and the last row, where free edges peel, it is that of the tangential traction.
 
 On other meshes the shape functions are these hat functions, and the points are the vertices.
 
@@ -48,12 +53,15 @@ class ContactPoints:
     points
         (n, 3) coordinates theta in (-pi, pi] (rad), z (m), r (m), sorted by z, then theta.
     shapes
-        (9 n_cells, n) value of the shape function of each point at the nodes of each cell; row 9 c + a is node
-        `cells[c, a]` seen from cell c.
+        (9 n_cells, n) value of the shape function of the traction along the surface at each point, at the nodes of each
+        cell; row 9 c + a is node `cells[c, a]` seen from cell c.
+    normal_shapes
+        (9 n_cells, n) the same for the normal traction. Both have the same integral over the surface.
     """
 
     points: FloatArray
     shapes: sp.csr_matrix
+    normal_shapes: sp.csr_matrix
 
 
 def contact_points(part: CylinderMesh) -> ContactPoints:
@@ -106,24 +114,76 @@ def _gauss_points(part: CylinderMesh, theta: FloatArray) -> ContactPoints:
     first = np.rint(step.min(axis=1, keepdims=True)).astype(int)
     local = np.rint(2 * (step - first)).astype(int)  # 0, 1 or 2: vertex, middle, vertex
 
-    entries: list[tuple[IntArray, IntArray, FloatArray]] = []
-    rows = np.arange(z.size).reshape(z.shape)
-    for gauss in (0, 1):
-        share = (along - _GAUSS[1 - gauss]) / (_GAUSS[gauss] - _GAUSS[1 - gauss])
-        numbers = (2 * row[:, None] + gauss) * count
-        for place, weights in ((0, {0: 1.0}), (1, _CUBIC), (2, {1: 1.0})):
-            here = local == place
-            for vertex, weight in weights.items():
-                columns = numbers + (first + vertex) % count
-                entries.append((rows[here], np.broadcast_to(columns, z.shape)[here], weight * share[here]))
-    row_of, point, value = (np.concatenate(part) for part in zip(*entries, strict=True))
     borders = np.stack([levels(low[:, 0])[0], levels(high[:, 0])[0]], axis=1)
-    heights = (borders[:, :1] + np.ptp(borders, axis=1)[:, None] * _GAUSS).ravel()
+    size = np.ptp(borders, axis=1)
+    heights = (borders[:, :1] + size[:, None] * _GAUSS).ravel()
     radius = float(np.hypot(*part.nodes[:, :2].T).mean())
     points = np.column_stack(
         [np.tile(theta, len(heights)), np.repeat(heights, count), np.full(count * len(heights), radius)]
     )
-    return ContactPoints(points, sp.csr_matrix((value, (row_of, point)), shape=(z.size, len(points))))
+    around = _Around(first, local, count)
+    linear = {
+        (0, gauss): (along - _GAUSS[1 - gauss]) / (_GAUSS[gauss] - _GAUSS[1 - gauss]) for gauss in (0, 1)
+    }  # row of points, from this row of cells, and Gauss point: value
+    # the hat of the lower vertex belongs to the first point of this row and to the second one of the row below
+    below, above = (_share(size, step)[row][:, None] for step in (-1, 1))
+    end = ((row == 0) | (row == len(size) - 1))[:, None]
+    hats = {
+        (0, 0): np.where(end, linear[0, 0], (1.0 - along) * below),
+        (-1, 1): np.where(end, 0.0, (1.0 - along) * (1.0 - below)),
+        (0, 1): np.where(end, linear[0, 1], along * above),
+        (1, 0): np.where(end, 0.0, along * (1.0 - above)),
+    }
+    return ContactPoints(points, around.shapes(row, linear, len(points)), around.shapes(row, hats, len(points)))
+
+
+def _share(size: FloatArray, step: int) -> FloatArray:
+    """(n_rows,) part of each row in the hat that it shares with the row below (step -1) or above (1).
+
+    The first and the last row share none: the hats next to them belong to their neighbours alone.
+    """
+    other = np.zeros_like(size)
+    if step < 0:
+        other[2:] = size[1:-1]
+    else:
+        other[:-2] = size[1:-1]
+    return np.asarray(size / (size + other))
+
+
+@dataclass(frozen=True)
+class _Around:
+    """Place of the nodes of each cell around the circumference.
+
+    Attributes
+    ----------
+    first
+        (n_cells, 1) column of the first vertex of each cell.
+    local
+        (n_cells, 9) 0 at this vertex, 1 at the middle, 2 at the next vertex.
+    count
+        Number of columns.
+    """
+
+    first: IntArray
+    local: IntArray
+    count: int
+
+    def shapes(self, row: IntArray, along: dict[tuple[int, int], FloatArray], n_points: int) -> sp.csr_matrix:
+        """(9 n_cells, n_points) shape functions: cubic around the circumference, `along` (n_cells, 9) the axis.
+
+        The keys of `along` are the row of cells of the point, counted from that of the cell, and its Gauss point.
+        """
+        entries: list[tuple[IntArray, IntArray, FloatArray]] = []
+        nodes = np.arange(self.local.size).reshape(self.local.shape)
+        for (step, gauss), values in along.items():
+            numbers = (2 * (row[:, None] + step) + gauss) * self.count
+            for place, weights in ((0, {0: 1.0}), (1, _CUBIC), (2, {1: 1.0})):
+                here = (self.local == place) & (values != 0.0)
+                for vertex, weight in weights.items():
+                    columns = np.broadcast_to(numbers + (self.first + vertex) % self.count, values.shape)
+                    entries.append((nodes[here], columns[here], weight * values[here]))
+        node, point, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+        return sp.csr_matrix((value, (node, point)), shape=(nodes.size, n_points))
 
 
 def _vertex_points(part: CylinderMesh) -> ContactPoints:
@@ -134,4 +194,5 @@ def _vertex_points(part: CylinderMesh) -> ContactPoints:
     rows = (9 * np.arange(len(part.cells))[:, None] + node).ravel()
     columns = number[part.cells[:, corner]].ravel()
     values = np.tile(_HAT[node, corner], len(part.cells))
-    return ContactPoints(points, sp.csr_matrix((values, (rows, columns)), shape=(9 * len(part.cells), len(vertices))))
+    shapes = sp.csr_matrix((values, (rows, columns)), shape=(9 * len(part.cells), len(vertices)))
+    return ContactPoints(points, shapes, shapes)

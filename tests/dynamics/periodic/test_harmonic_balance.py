@@ -347,8 +347,9 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     low = "115" if pressure == "1e4" else "140"
     case = load_case(
         LAB,
-        ["mesh={circumferential: 12, axial: 4}", f"preload.pressure={pressure}", f"excitation.f_start={low}",
-         f"excitation.f_end={170 if pressure == '1e5' else 160}", "excitation.ramp_cycles=20", "output.figures=false"],
+        ["mesh={circumferential: 12, axial: 4, grading: 1}", f"preload.pressure={pressure}",
+         f"excitation.f_start={low}", f"excitation.f_end={170 if pressure == '1e5' else 160}",
+         "excitation.ramp_cycles=20", "output.figures=false"],
     )  # fmt: skip
     steady = summarise(run_analysis(case, progress=SilentProgress()), case)
     chirp = case.changed("analysis=sweep", "integrator.steps_per_cycle=30")
@@ -360,7 +361,7 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
 
 
 def test_results_of_both_analyses_are_kept_and_drawn(tmp_path: Path) -> None:
-    mesh = "mesh={circumferential: 8, axial: 2}"
+    mesh = "mesh={circumferential: 8, axial: 2, grading: 1}"
     case = load_case(LAB, [mesh])
     run = run_case(case, tmp_path / "harmonic")
     assert {"f_n_hz", "zeta", "peak_transmissibility", "reduction_error_estimate", "folds"} <= set(run.summary)

@@ -28,7 +28,7 @@ LAB = CONFIGS / "lab_sweep.yaml"
 
 
 @cache
-def roll(symmetric: bool = True, layers: int = 1, mesh: str = "{circumferential: 8, axial: 3}") -> System:
+def roll(symmetric: bool = True, layers: int = 1, mesh: str = "{circumferential: 8, axial: 3, grading: 1}") -> System:
     case = load_case(LAB, [f"mesh={mesh}", f"coil.layers={layers}"])
     return build_system(case, build_bodies(case, symmetric=symmetric))
 
@@ -71,12 +71,13 @@ def test_modes_carry_the_compliance_of_the_interfaces():
 @pytest.mark.parametrize(("moments", "slow", "fast"), [(2, 1e-5, 5e-3), (3, 1e-9, 1e-5), (4, 1e-9, 5e-9)])
 def test_a_few_inertia_corrections_give_the_compliance(moments, slow, fast):
     """Against all modes: in statics, at the chirp's third harmonic, and at the weight of inertia in a time step."""
-    system = roll(mesh="{circumferential: 12, axial: 4}")
+    system = roll(mesh="{circumferential: 12, axial: 4, grading: 1}")
     every, few = (condense_cyclic(system, springs_of(system), m) for m in (0, moments))
     assert every is not None
     assert few is not None
     assert few.moments == moments
-    assert len(few.eigenvalues) < 0.4 * len(every.eigenvalues)
+    # loads along the surface at both heights of a row of cells and normal ones at its borders: an eighth per moment
+    assert len(few.eigenvalues) < (0.05 + 0.125 * moments) * len(every.eigenvalues)
     for shift, error in ((0.0, 1e-10), (-((2 * np.pi * 525.0) ** 2), slow), (2e8, fast)):
         a, b = (c.compliance(1.0 / (c.eigenvalues + shift), system.laws.area)[1] for c in (every, few))
         np.testing.assert_allclose(b, a, atol=error * np.abs(a).max(), rtol=0)

@@ -215,7 +215,12 @@ def test_records_have_the_columns_of_the_exact_stepper() -> None:
 
 
 def coarse(method: str, *overrides: str) -> list[str]:
-    return [f"solver.method={method}", "mesh={circumferential: 8, axial: 3}", "output.figures=false", *overrides]
+    return [
+        f"solver.method={method}",
+        "mesh={circumferential: 8, axial: 3, grading: 1}",
+        "output.figures=false",
+        *overrides,
+    ]
 
 
 @pytest.mark.parametrize(

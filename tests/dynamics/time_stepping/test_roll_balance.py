@@ -33,7 +33,7 @@ FREQUENCY = 150.0  # Hz, near the resonance
 @cache
 def prepared(*overrides, symmetric=True):
     """Case, bodies, system and preload state of the lab roll on a small mesh."""
-    case = load_case(LAB, ["mesh={circumferential: 12, axial: 4}", *overrides])
+    case = load_case(LAB, ["mesh={circumferential: 12, axial: 4, grading: 1}", *overrides])
     bodies = build_bodies(case, symmetric=symmetric)
     system = build_system(case, bodies)
     return case, bodies, system, solve_preload(system, steps=4)
@@ -85,7 +85,7 @@ def test_rings_share_the_pressure_by_their_hoop_stiffness():
     in thin-ring terms P k_m / (k_m + k_l), k = E t / R^2. Both rings shorten by the same strain and share Poisson's
     ratio, so that they stretch alike along the axis and friction has nothing to do away from the ends.
     """
-    case, _, system, state = prepared("mesh={circumferential: 12, axial: 16}")
+    case, _, system, state = prepared("mesh={circumferential: 12, axial: 16, grading: 1}")
     r, t_m, t_l = 0.5 * case.geometry.mandrel_outer_diameter, case.geometry.mandrel_thickness, case.coil.layer_thickness
     soft_m = (r - 0.5 * t_m) / (case.mandrel.material.E * t_m)
     soft_l = (r + 0.5 * t_l) / (case.coil.material.E * t_l)
