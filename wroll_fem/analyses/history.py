@@ -11,7 +11,7 @@ import xarray as xr
 
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.analyses.shared.time_step import steps_per_cycle, time_step
+from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
 from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -87,7 +87,7 @@ def time_history(
                 reduction_tolerance=solver.reduction_tolerance, largest_error=limit if small else np.inf,
             )  # fmt: skip
             stage.update(1)
-        _remarks(stepper, progress)
+        _remarks(case, stepper, progress)
         try:
             found = simulate(
                 system, state, motion, dt=dt, scheme=scheme, options=options, progress=progress,
@@ -119,7 +119,7 @@ def time_history(
     return history
 
 
-def _remarks(stepper: Stepper, progress: Progress) -> None:
+def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) -> None:
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
@@ -128,6 +128,9 @@ def _remarks(stepper: Stepper, progress: Progress) -> None:
         main = int(np.argmax(participation))
         frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
         progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
+    detuned = detuned_harmonic(case, condensation) if stepper.system.interfaces else ""
+    if detuned:
+        progress.warning(detuned)
     if not condensation.exact:
         progress.warning(
             "the mesh has no rotational symmetry: the interior is projected, with an error of about 1e-4 of the "

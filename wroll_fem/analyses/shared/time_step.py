@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from wroll_fem.case import DwellCase, SweepCase
+    from wroll_fem.dynamics.reduction.condensation import Condensation
 
 WANTED = 0.05
 """Error of a history, over its largest displacement, up to which its steps are fine enough."""
@@ -36,6 +37,13 @@ ASSUMED_DAMPING = 0.01
 
 MARGIN = 0.05
 """Relative error of the resonances by `preflight.beam_frequency`."""
+
+ORDERS, NEAR_MULTIPLE, LEAST_SHARE = (3, 5, 7), 0.06, 0.02
+"""Harmonics of the friction force; distance of a mode from that multiple of the excitation, relative; its participation
+at the tip over that of the main mode."""
+
+PERIOD_ERROR = 0.01
+"""Period error of such a mode above which a dwell warns."""
 
 USEFUL_FIT = 0.3
 """Misfit of the fitted oscillator above which its error tells nothing about the history."""
@@ -91,6 +99,32 @@ def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
     oscillator = Oscillator(read.f_n, read.zeta if read.complete else least_damping(read))
     error = curve_error(scheme, dt, oscillator)
     return error, _warning("|T| on the flanks of the peak", error, case, oscillator)
+
+
+def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) -> str:
+    """Warning if the step detunes a mode that a harmonic of the friction force can drive in a dwell; else empty.
+
+    The friction force is odd in the motion, so its odd harmonics dominate. `dwell_step_error` does not see them.
+    """
+    excitation = case.excitation
+    if excitation.kind != "dwell":
+        return ""
+    share = np.abs(condensation.base * condensation.tip)
+    natural = np.sqrt(np.maximum(condensation.eigenvalues, 0.0)) / (2.0 * np.pi)
+    scheme, steps = Scheme.named(case.integrator.scheme, case.integrator.alpha), steps_per_cycle(case)
+    for order in ORDERS:
+        near = np.abs(natural / (order * excitation.frequency) - 1.0) < NEAR_MULTIPLE
+        near &= share > LEAST_SHARE * share.max(initial=0.0)
+        if not near.any() or 2 * order >= steps:
+            continue
+        longer = numerical_damping(scheme, 2.0 * np.pi * order / steps)[1]
+        if longer > PERIOD_ERROR:
+            return (
+                f"a mode at {natural[near][0]:.0f} Hz lies near {order} times the excitation: friction may drive it, "
+                f"but {steps} steps per cycle lengthen its period by {100 * longer:.2g} %, which time_step_error misses"
+                f"; set integrator.steps_per_cycle to {steps_for(longer, steps, PERIOD_ERROR)}"
+            )
+    return ""
 
 
 def _warning(what: str, error: float, case: SweepCase | DwellCase, oscillator: Oscillator) -> str:
