@@ -15,6 +15,7 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
+from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import (
     PeriodicMotion,
     at_one_motion,
@@ -109,11 +110,11 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
                 tolerance=settings.reduction_tolerance, on_round=report,
             )  # fmt: skip
             stage.update(1)
-    except ConvergenceError as error:
-        partial = error.partial
-        if isinstance(partial, BackboneCurve):
-            error.partial = backbone_dataset(system, partial)
-        raise
+    except ConvergenceError as stop:
+        error = with_cause(stop, condensation, system.laws)
+        if isinstance(error.partial, BackboneCurve):
+            error.partial = backbone_dataset(system, error.partial)
+        raise error from stop
     dataset = backbone_dataset(system, trained.curve)
     for remark in (memory_remark(dataset), range_remark(dataset)):
         if remark:

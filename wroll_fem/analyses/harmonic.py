@@ -14,9 +14,12 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicCurve
+from wroll_fem.dynamics.periodic.harmonic_balance import LARGEST_GROWTH
+from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
@@ -25,7 +28,10 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
+from wroll_fem.signals.damping import HalfPower
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
+from wroll_fem.signals.estimators.estimate import DampingEstimate
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, StructuralCase
@@ -35,14 +41,22 @@ HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
 """Criteria of the warning about a mode near a neglected harmonic: highest odd order, relative distance of the mode from
 that multiple of the resonance, least participation at the tip over the participation of the main mode."""
 
+DRIFT = 10.0
+"""Mean relative displacement, over the motion, above which the run warns."""
+
+MOMENTS = 4
+"""Terms of the compliance of each circumferential block: exact to 1e-9 up to about ten times the lab resonance."""
+
 MEMORY_WARNING = 0.02
 """Change of the elastic slip per period, over gamma*, above which the run warns."""
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
-    """Condense the structure to all modes with sticking interfaces."""
+    """Condense the structure to the modes that its interfaces, its base and its tip can move, interfaces stuck."""
     with progress.stage("modes", 1) as stage:
-        condensation = condense(system, stick_springs(system, state), Scheme.hht(0.0), case.time_step)
+        springs = stick_springs(system, state)
+        moments = MOMENTS if _held(system, springs) else 0
+        condensation = condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments)
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
@@ -50,6 +64,12 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
             "largest displacement"
         )
     return condensation
+
+
+def _held(system: System, springs: FloatArray) -> bool:
+    """Whether friction at rest holds the surfaces of every interface: static responses need no free body."""
+    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
+    return all(np.any(part > 0.0) for part in np.split(tangentials(springs)[:, 0], ends))
 
 
 def pass_line(number: int, size: int, error: float, target: float) -> str:
@@ -92,17 +112,18 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
                 tolerance=settings.reduction_tolerance, on_round=report,
             )  # fmt: skip
             stage.update(1)
-    except ConvergenceError as error:
-        partial = error.partial
-        if isinstance(partial, HarmonicCurve):
-            error.partial = _described(curve_dataset(system, partial), case)
-        raise
+    except ConvergenceError as stop:
+        error = with_cause(stop, condensation, system.laws)
+        if isinstance(error.partial, HarmonicCurve):
+            error.partial = _described(curve_dataset(system, error.partial), case)
+        raise error from stop
     seconds = time.process_time() - started
     dataset = _described(curve_dataset(system, trained.curve), case)
-    read = read_response(dataset, case.output.damping)
+    read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping)
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
-    for text in (*read.warnings, memory_remark(dataset), missed):
+    remarks = (memory_remark(dataset), missed, skipped_remark(trained.curve), drift_remark(trained.curve))
+    for text in (*read.warnings, *remarks):
         if text:
             progress.warning(text)
     return dataset.assign_attrs(
@@ -168,6 +189,53 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
             share = (grid[inside] - frequency[i]) / (frequency[i + 1] - frequency[i])
             best[inside] = np.maximum(best[inside], size[i] + share * (size[i + 1] - size[i]))
     return estimate_damping(grid, best, method)
+
+
+def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
+    """Reading of a curve whose resonance is practically undamped: its frequency, no damping; None for other curves."""
+    if curve.gap is None:
+        return None
+    low, high = (w / (2.0 * np.pi) for w in curve.gap)
+    middle = 0.5 * (low + high)
+    reason = (
+        f"the resonance near {middle:.5g} Hz grows beyond {LARGEST_GROWTH:.0f} times the base motion: its damping "
+        f"ratio by friction is below {50.0 / LARGEST_GROWTH:.2g} %, or friction does not bound it; the curve is left "
+        f"out between {low:.6g} and {high:.6g} Hz"
+    )
+    peak = float(np.abs(curve.transmissibility).max())
+    shape = HalfPower(middle, peak, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
+    return CurveDamping(shape, DampingEstimate(middle, np.nan, np.nan, np.nan, "half power", reason))
+
+
+def skipped_remark(curve: HarmonicCurve) -> str:
+    """Warning about internal resonances that the curve has stepped over; else empty."""
+    if not curve.skipped:
+        return ""
+    places = ", ".join(f"{w / (2.0 * np.pi):.5g}" for w in curve.skipped)
+    return (
+        f"internal resonances without damping just below {places} Hz are stepped over: a harmonic of the motion meets "
+        "a mode there; compare a sweep, or add a harmonic"
+    )
+
+
+def drift_remark(curve: HarmonicCurve) -> str:
+    """Warning about a mean relative displacement that the friction law does not bound; else empty.
+
+    A law without memory transmits nothing at rest: whatever holds no layer in place otherwise lets it drift.
+    """
+    contact = curve.balance.contact
+    if contact.laws.sticks.all():
+        return ""
+    jump = contact.jump[: 2 * contact.n]
+    mean = float(np.abs(jump @ curve.coefficients[:, 0].T).max(initial=0.0))
+    motion = float(np.abs(jump @ curve.coefficients[:, 1:].reshape(-1, jump.shape[1]).T).max(initial=0.0))
+    if mean <= DRIFT * motion:
+        return ""
+    return (
+        f"the mean relative displacement of the layers is {mean:.2g} m, {mean / max(motion, 1e-300):.2g} times their "
+        "motion: the friction law transmits nothing at rest, so that nothing holds them; displacements and slip of the "
+        "interfaces are without meaning, use penalty_coulomb"
+    )
 
 
 def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:

@@ -11,7 +11,7 @@ Allgower, Georg (1990), Numerical Continuation Methods, chapters 2 and 6, doi:10
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -50,6 +50,8 @@ class StepControl:
     tolerance : largest Newton correction at convergence
     max_iterations : corrector iterations after which a step is shortened
     max_points : points of a curve after which the continuation stops with an error
+    chord : steps whose end lies within this distance of the tangent are accepted whatever the rotation; relative to
+        the unknowns without the parameter where these are above 1, as are all lengths but those of the parameter
     """
 
     first: float = 0.05
@@ -60,6 +62,14 @@ class StepControl:
     tolerance: float = 1e-7
     max_iterations: int = 12
     max_points: int = 1000
+    chord: float = 0.01
+
+    def longer(self, factor: float) -> StepControl:
+        """Steps longer by a factor, for a curve that is known roughly only."""
+        return replace(
+            self, first=factor * self.first, largest=factor * self.largest, angle=factor * self.angle,
+            chord=factor**2 * self.chord,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -181,6 +191,7 @@ def follow(
     control: StepControl,
     *,
     on_point: Callable[[list[CurvePoint]], None] | None = None,
+    ends: Callable[[FloatArray], bool] | None = None,
 ) -> list[CurvePoint]:
     """Follow a curve from one of its points until the curve parameter reaches a given value.
 
@@ -196,6 +207,8 @@ def follow(
         Step control.
     on_point
         Called before each step with the points so far.
+    ends
+        Whether the curve ends at a solution (n + 1,), before its parameter has reached ``end``.
 
     Raises
     ------
@@ -215,7 +228,11 @@ def follow(
         if on_point is not None:
             on_point(points)
         last = points[-1]
-        step = min(step, control.largest)
+        if ends is not None and ends(last.z):
+            break
+        size = float(np.linalg.norm(last.z[:-1]))
+        long = max(1.0, size)
+        step = min(step, control.largest * long)
         arrives = last.tangent[-1] * direction > 0.0 and direction * (
             last.z[-1] + step * last.tangent[-1] - end
         ) > -1e-3 * abs(step * last.tangent[-1])
@@ -228,9 +245,11 @@ def follow(
         if solution is not None:
             tangent, factor, new_sign = _tangent(problem, solution, last.tangent)
             turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
-            if turn <= 1.6 * control.angle or step <= control.blunt or len(leaps) < len(LEAPS):
+            strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
+            if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
                 points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
-                growth = min(control.angle / max(turn, 1e-6), np.sqrt(6.0 / len(history)))
+                bend = max(control.angle / max(turn, 1e-6), np.sqrt(1.0 / max(strays, 1e-6)))
+                growth = min(bend, np.sqrt(6.0 / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
                 if direction * (solution[-1] - lowest) < 0.0:
                     what = "the curve turns back past its start"

@@ -23,6 +23,12 @@ REDUCED_RENEWAL = 0.12
 CHORD_RENEWAL = 0.25
 """Renewal rate of the corrector of a continuation (dense Jacobian of the harmonic balance)."""
 
+STALLED = 6
+"""Iterations without a halving of the residual after which a solve with a potential follows its slope."""
+
+PATIENCE = 6
+"""Factor on the number of iterations of a solve that follows the slope: points change their state a few at a time."""
+
 NO_RENEWAL = 0.0
 """Renewal rate of a solver that factors a new matrix in every iteration."""
 
@@ -69,9 +75,41 @@ def first_decrease(size_at: Callable[[float], float], size: float, *, least: flo
     return damping
 
 
+def zero_slope(slope_at: Callable[[float], float], slope: float, *, most: int = 12, share: float = 0.1) -> float:
+    """Damping factor at which the slope of a potential along a step has fallen to ``share`` of its start, or is zero.
+
+    Parameters
+    ----------
+    slope_at
+        Residual times step at x - damping step: the slope of the potential whose gradient the residual is.
+    slope
+        Its value at damping 0, positive. Convex potentials have one zero; the full step is taken before it.
+    """
+    low, high = (0.0, slope), (1.0, slope_at(1.0))
+    damping, side = high[0], 0
+    if high[1] >= 0.0:
+        return damping
+    for _ in range(most):
+        damping = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        found = slope_at(damping)
+        if abs(found) <= share * slope:
+            break
+        # Illinois variant of the false position: the end that stays is weighted down
+        if found > 0.0:
+            low = (damping, found)
+            high = (high[0], 0.5 * high[1]) if side > 0 else high
+            side = 1
+        else:
+            high = (damping, found)
+            low = (low[0], 0.5 * low[1]) if side < 0 else low
+            side = -1
+    return damping
+
+
 def damped_newton(
-    problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float
-) -> tuple[FloatArray | None, list[float]]:
+    problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float,
+    potential: bool = False,
+) -> tuple[FloatArray | None, list[float]]:  # fmt: skip
     """Solve r(x) = 0 by Newton's method with kept factors; only steps with a new factor are damped.
 
     Parameters
@@ -86,6 +124,10 @@ def damped_newton(
         Line search for the steps with a new factor.
     renewal
         Renewal rate of the factor.
+    potential
+        Whether the residual is, but for the dependence of friction on a varying pressure, the gradient of a convex
+        potential. Steps then follow `zero_slope` once the norm of the residual stalls: it need not fall on the way to
+        the minimum, for example where all points reach the limit of friction together.
 
     Returns
     -------
@@ -94,14 +136,26 @@ def damped_newton(
     r, size = problem.residual(x)
     history, previous = [size], float("inf")
     solve: Callable[[FloatArray], FloatArray] | None = None
-    for _ in range(max_iterations):
+    best, since, descends = size, 0, False
+    for count in range(PATIENCE * max_iterations):
         if problem.converged(size, previous):
             return x, history
+        if count >= max_iterations and not descends:
+            break
+        since = 0 if size < 0.5 * best else since + 1
+        best = min(best, size) if since == 0 else best
+        descends = descends or (potential and since >= STALLED)
+        if descends:
+            solve = None
         fresh = solve is None
         if solve is None:
             solve = problem.linearise(x)
         step, start = solve(r), x
-        damping = search(lambda share: problem.residual(start - share * step)[1], size) if fresh else 1.0  # noqa: B023
+        slope = float(step @ r)
+        if descends and slope > 0.0:
+            damping = zero_slope(lambda share: float(step @ problem.residual(start - share * step)[0]), slope)  # noqa: B023
+        else:
+            damping = search(lambda share: problem.residual(start - share * step)[1], size) if fresh else 1.0  # noqa: B023
         trial = x - damping * step
         r_new, new = problem.residual(trial)
         if not new <= renewal * size:

@@ -18,7 +18,8 @@ from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.enrichment import trained_response
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_motion, solve_response
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.periodic.response import solve_response
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -30,9 +31,8 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
-from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
-from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.signals.damping import half_power
@@ -292,17 +292,37 @@ def test_curve_passes_its_folds_and_every_point_balances() -> None:
     assert np.count_nonzero(crossings) == 3
 
 
-def test_an_unbounded_resonance_stops_with_the_curve_until_then() -> None:
-    """A force above 4/pi of the friction force drives the Coulomb oscillator without bound (Den Hartog)."""
+def test_an_unbounded_resonance_leaves_a_gap() -> None:
+    """A force above 4/pi of the friction force drives the Coulomb oscillator without bound (Den Hartog).
+
+    Its resonance is that of the frictionless oscillator; both flanks are found, up to the same growth.
+    """
     system = coulomb_oscillator(gamma=1e-5)
     model, preload = complete(system)
-    control = StepControl(max_points=80)
-    with pytest.raises(ConvergenceError, match="may be unbounded") as caught:
-        solve_response(model, preload, system.laws, amplitude=5.0, frequencies=(10.0, 25.0), control=control)
-    partial = caught.value.partial
-    assert isinstance(partial, HarmonicCurve)
-    assert len(partial.frequencies) > 20
-    assert np.abs(partial.transmissibility).max() > 15.0
+    keywords = {"amplitude": 5.0, "frequencies": (10.0, 25.0), "samples": 512}
+    curve = solve_response(model, preload, system.laws, **keywords)
+    assert curve.gap is not None
+    low, high = curve.gap
+    assert low < 100.0 < high
+    assert high - low < 1.0
+    assert curve.frequencies[[0, -1]] == pytest.approx([TURN * 10.0, TURN * 25.0], rel=1e-9)
+    size = np.abs(curve.transmissibility)
+    assert 500.0 < size.max() < 1000.0
+    # Den Hartog: far up, friction takes the constant 4 mu F / pi out of the force in quadrature
+    force, drag = 5.0, 4.0 / np.pi * 3.0
+    upper = int(np.argmax(curve.frequencies > high - 1e-9))
+    w = curve.frequencies[upper]
+    tip = np.sqrt(force**2 - drag**2) / abs(100.0**2 - w**2)
+    assert w**2 * tip / force == pytest.approx(size[upper], rel=0.01)
+
+
+def test_a_bounded_resonance_has_no_gap() -> None:
+    """Below 4/pi of the friction force friction bounds the motion."""
+    system = coulomb_oscillator(gamma=1e-5)
+    model, preload = complete(system)
+    curve = solve_response(model, preload, system.laws, amplitude=3.5, frequencies=(10.0, 90.0))
+    assert curve.gap is None
+    assert np.abs(curve.transmissibility).max() < 500.0
 
 
 def test_wrong_bands_and_samples_are_refused() -> None:

@@ -116,6 +116,19 @@ def test_two_leaf_cantilever_converges_with_the_elastic_slip():
         assert slopes[1] == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.parametrize("young", [210e9, 70e9, 2.4e9])
+@pytest.mark.parametrize("steps", [1, 3])
+def test_two_leaves_slip_all_at_once_in_every_material(young, steps):
+    """Steps that end at the load at which all points reach the limit together, and beyond; sixteen elements."""
+    leaves = TwoLeaves(young=young, elements=16)
+    loads, _, w = leaf_cycle(leaves, leaves.slip_load, steps)
+    stuck = 24.0 * leaves.bending / leaves.length**3
+    assert loads[-1] / w[-1] == pytest.approx(stuck, rel=2e-3)  # gamma* softens it, most in steel
+    _, _, w = leaf_cycle(leaves, 2.0 * leaves.slip_load, steps)
+    exact = leaves.slip_load * (1.0 / stuck + 4.0 / stuck)
+    assert w[steps - 1] == pytest.approx(exact, rel=2e-3)
+
+
 def test_two_leaf_cantilever_is_exact_on_any_mesh():
     """The discrete leaves hold the stuck and the slipping solution: one element does as well as six."""
     area = []

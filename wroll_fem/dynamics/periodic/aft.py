@@ -19,16 +19,18 @@ Cameron, Griffin (1989), J. Appl. Mech. 56, 149, doi:10.1115/1.3176036 (AFT).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from wroll_fem.contact.kernels import PointLaws, Reference
 from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import InputError
-from wroll_fem.typing import BoolArray, FloatArray
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 PERIODIC = 1e-8
 """The hysteresis is periodic when the elastic slip repeats to this fraction of gamma* over a period."""
@@ -131,7 +133,13 @@ class PeriodicContact:
 
 
 class HarmonicContact:
-    """Contact forces of a reduced model under periodic motion.
+    """Contact forces of a reduced model under periodic motion; arrays are those of the n points evaluated.
+
+    Attributes
+    ----------
+    n, laws, weights, reference, dofs : of the points evaluated: all, or one of each pair (`half_period`)
+    own : (3 n,) their places among the contact degrees of freedom of all points
+    all_weights : area of all points, per contact degree of freedom
 
     Parameters
     ----------
@@ -141,6 +149,8 @@ class HarmonicContact:
         Harmonics and samples.
     max_periods
         Whole periods after the ramp that the hysteresis may take to become periodic.
+    symmetry
+        Half-period symmetry that the motions have; the model's vectors have to be of one kind each.
     """
 
     def __init__(
@@ -151,18 +161,57 @@ class HarmonicContact:
         sampling: Sampling,
         *,
         max_periods: int = MAX_PERIODS,
+        symmetry: HalfPeriod | None = None,
     ):
-        self.model, self.preload, self.laws, self.sampling = model, preload, laws, sampling
-        self.max_periods = max_periods
-        self.n = len(laws.area)
-        self.weights = per_dof(laws.area, laws.area)
-        self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, model.springs)
-        self.force_operator = np.ascontiguousarray((model.jump * self.weights[:, None]).T)
+        self.model, self.preload, self.sampling = model, preload, sampling
+        self.max_periods, self.symmetry = max_periods, symmetry
+        points = np.arange(laws.n) if symmetry is None else symmetry.first
+        dofs = np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * laws.n + points])
+        self.own, self.all_weights = dofs, per_dof(laws.area, laws.area)
+        self.laws = laws if symmetry is None else laws.take(points)._replace(area=laws.area[points] * symmetry.weight)
+        self.n = len(points)
+        self.jump = np.ascontiguousarray(model.jump[dofs])
+        self.weights = per_dof(self.laws.area, self.laws.area)
+        slip = preload.elastic_slip[dofs[: 2 * self.n]]
+        self.reference = Reference(preload.jump[dofs], slip, preload.traction[dofs], model.springs[dofs])
+        self.force_operator = np.ascontiguousarray((self.jump * self.weights[:, None]).T)
         self.dofs = contact_dofs(self.n)
+        self.groups = self._groups()
+
+    def _groups(self) -> list[tuple[IntArray, IntArray]]:
+        """Coefficients (rows of the R) of sets of coordinates (columns) that a motion has."""
+        rows, columns = np.arange(self.sampling.size), np.arange(self.model.size)
+        if self.symmetry is None:
+            return [(rows, columns)]
+        odd_orders = self.sampling.orders % 2 == 1
+        odd = self.symmetry.reversed_ones(self.model.vectors)
+        return [(rows[odd_orders], columns[odd]), (rows[~odd_orders], columns[~odd])]
+
+    @cached_property
+    def active(self) -> IntArray:
+        """Place in the flattened (R, m) coefficients of every unknown, group after group."""
+        return np.concatenate([(rows[:, None] * self.model.size + columns).ravel() for rows, columns in self.groups])
+
+    def spread(self, coefficients: FloatArray) -> FloatArray:
+        """(3 n, R) Fourier coefficients of all points from those of the points evaluated."""
+        return coefficients if self.symmetry is None else self.symmetry.spread(coefficients, self.sampling.orders)
+
+    def of_every_point(self, values: np.ndarray) -> np.ndarray:
+        """(n, ...) values of all points from those of the points evaluated."""
+        return values if self.symmetry is None else values[self.symmetry.source]
 
     def motion(self, coefficients: FloatArray) -> FloatArray:
         """(3 n, R) Fourier coefficients of the relative displacement for those of q (R, m), m."""
-        return np.asarray(self.model.jump @ coefficients.T)
+        if len(self.groups) == 1:
+            return np.asarray(self.jump @ coefficients.T)
+        out = np.empty((3 * self.n, self.sampling.size))
+        for (rows, columns), jump in zip(self.groups, self._group_jumps, strict=True):
+            out[:, rows] = jump @ coefficients[np.ix_(rows, columns)].T
+        return out
+
+    @cached_property
+    def _group_jumps(self) -> list[FloatArray]:
+        return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
         """Contact over a period of ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump."""
@@ -182,7 +231,13 @@ class HarmonicContact:
 
     def force(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) Fourier coefficients of the reduced force jump^T W s."""
-        return np.asarray((self.force_operator @ contact.coefficients).T)
+        if len(self.groups) == 1:
+            return np.asarray((self.force_operator @ contact.coefficients).T)
+        out = np.zeros((self.sampling.size, self.model.size))
+        weighted = self.weights[:, None] * contact.coefficients
+        for (rows, columns), jump in zip(self.groups, self._group_jumps, strict=True):
+            out[np.ix_(rows, columns)] = (jump.T @ weighted[:, rows]).T
+        return out
 
     def point_blocks(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
@@ -208,17 +263,27 @@ class HarmonicContact:
     def jacobian(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of `force`: (R m, R m) by the coefficients of q, (R, m) by the logarithm of the frequency."""
-        m, size = self.model.size, self.sampling.size
+        """Derivatives of `force`: by the unknowns (k, k) in the order of `active`, by ln(frequency) (R, m)."""
+        size, count = self.sampling.size, len(self.active)
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
+        matrix, by_log = np.zeros((count, count)), np.zeros((size, self.model.size))
         if len(points) == 0:
-            return np.zeros((size * m, size * m)), np.zeros((size, m))
+            return matrix, by_log
         a, dofs = len(points), self.dofs[points]
-        jump = self.model.jump[dofs]  # (a, 3, m)
-        # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
-        right = blocks.transpose(0, 1, 2, 4, 3).reshape(a, 3 * size * size, 3) @ jump
-        left = self.force_operator[:, dofs.ravel()]  # (m, 3 a)
-        full = left @ right.reshape(3 * a, size * size * m)
-        matrix = full.reshape(m, size, size, m).transpose(1, 0, 2, 3).reshape(size * m, size * m)
-        tangential = left.reshape(m, a, 3)[:, :, :2].reshape(m, 2 * a)
-        return matrix, np.asarray((tangential @ by_frequency.reshape(2 * a, size)).T)
+        ends = np.cumsum([0, *(len(rows) * len(columns) for rows, columns in self.groups)])
+        filled = [(g, *group) for g, group in enumerate(self.groups) if len(group[1])]
+        for g, rows, columns in filled:
+            left = self.force_operator[np.ix_(columns, dofs.ravel())]  # (m, 3 a)
+            for h, others, shapes in filled:
+                part = blocks if len(self.groups) == 1 else blocks[:, :, rows][..., others]
+                inner = len(rows) * len(others)
+                jump = self.jump[dofs[:, :, None], shapes]  # (a, 3, m)
+                # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
+                right = part.transpose(0, 1, 2, 4, 3).reshape(a, 3 * inner, 3) @ jump
+                full = (left @ right.reshape(3 * a, inner * len(shapes))).reshape(len(columns), len(rows), -1)
+                matrix[ends[g] : ends[g + 1], ends[h] : ends[h + 1]] = full.transpose(1, 0, 2).reshape(
+                    ends[g + 1] - ends[g], ends[h + 1] - ends[h]
+                )
+            tangential = left.reshape(len(columns), a, 3)[:, :, :2].reshape(len(columns), 2 * a)
+            by_log[np.ix_(rows, columns)] = (tangential @ by_frequency.reshape(2 * a, size)[:, rows]).T
+        return matrix, by_log

@@ -17,7 +17,7 @@ Krack (2015), Computers & Structures 154, 59, doi:10.1016/j.compstruc.2015.03.00
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,13 +27,16 @@ from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.numerics.continuation import CurvePoint, StepControl, follow, solve_at
-from wroll_fem.typing import FloatArray
+from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
+from wroll_fem.typing import FloatArray, IntArray
 
 LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Relative change of the frequency, and damping ratio, that count as one."""
+
+BACKBONE_STEPS = StepControl(largest=0.15)
+"""Steps along a backbone."""
 
 
 def main_mode(model: ReducedModel) -> int:
@@ -47,7 +50,7 @@ class ModalMotion:
     def __init__(self, balance: HarmonicBalance, mode: int, amplitudes: tuple[float, float]):
         self.balance, self.mode = balance, mode
         model = balance.model
-        self.shape = (len(balance.orders), model.size)
+        self.shape, self.active = (len(balance.orders), model.size), balance.contact.active
         self.natural = float(np.sqrt(model.eigenvalues[mode]))
         self.root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + self.natural**2)
         self.unit = float(self.root[mode])
@@ -57,15 +60,27 @@ class ModalMotion:
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float, float, float]:
         """Shape (R, m), frequency (rad/s), damping ratio and amplitude (kg^(1/2) m)."""
-        shape = z[:-3].reshape(self.shape) * self.unit / self.root
+        shape = self.unpacked(z[:-3])
         frequency = self.natural * (1.0 + FREQUENCY_UNIT * z[-3])
         return shape, frequency, DAMPING_UNIT * z[-2], float(np.exp(self.first + self.per_unit * z[-1]))
+
+    def unpacked(self, y: FloatArray) -> FloatArray:
+        """(R, m) shape of scaled unknowns (n,)."""
+        out = np.zeros(self.shape)
+        out.ravel()[self.active] = y
+        return out * self.unit / self.root
+
+    def scaled(self, shape: FloatArray, frequency: float, damping: float, amplitude: float) -> FloatArray:
+        """(n + 1,) unknowns."""
+        y = (shape * self.root / self.unit).ravel()[self.active]
+        place = (np.log(amplitude) - self.first) / self.per_unit
+        return np.append(y, [(frequency / self.natural - 1.0) / FREQUENCY_UNIT, damping / DAMPING_UNIT, place])
 
     def start(self) -> FloatArray:
         """The linear mode, (n + 1,)."""
         shape = np.zeros(self.shape)
         shape[1, self.mode] = 1.0
-        return np.concatenate([(shape * self.root / self.unit).ravel(), np.zeros(3)])
+        return np.concatenate([(shape * self.root / self.unit).ravel()[self.active], np.zeros(3)])
 
     def residual(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""
@@ -75,7 +90,7 @@ class ModalMotion:
         out = self.balance.linear(shape, frequency) + self.balance.contact.force(contact) / amplitude
         out -= 2.0 * damping * frequency * self.balance.velocity(shape, frequency)
         ends = [float(np.sum(shape[1:3] ** 2)) - 1.0, shape[2, self.mode]]
-        return np.append((out / (self.root * self.unit)).ravel(), ends)
+        return np.append((out / (self.root * self.unit)).ravel()[self.active], ends)
 
     def jacobian(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""
@@ -85,29 +100,31 @@ class ModalMotion:
         assert self._seen is not None
         contact, balance = self._seen[1], self.balance
         size, m = self.shape
+        active, count = self.active, len(self.active)
         matrix, by_frequency = balance.jacobian(amplitude * shape, frequency, contact)
         speed = balance.velocity(shape, frequency)
-        by_amplitude = (
-            matrix @ shape.ravel()
-            - (balance.linear(shape, frequency) + balance.contact.force(contact) / amplitude).ravel()
-        )
-        view = matrix.reshape(size, m, size, m)
-        own = np.arange(m)
+        force = balance.linear(shape, frequency) + balance.contact.force(contact) / amplitude
+        by_amplitude = matrix @ shape.ravel()[active] - force.ravel()[active]
+        place = np.full(size * m, -1)
+        place[active] = np.arange(count)
+        place = place.reshape(size, m)
         for k in range(1, size, 2):
             gain = 2.0 * damping * frequency * balance.orders[k] * frequency
-            view[k, own, k + 1, own] -= gain
-            view[k + 1, own, k, own] += gain
-        out = np.zeros((size * m + 2, size * m + 3))
-        root = np.tile(self.root, size)
+            cos, sin = (row[row >= 0] for row in (place[k], place[k + 1]))
+            matrix[cos, sin] -= gain
+            matrix[sin, cos] += gain
+        out = np.zeros((count + 2, count + 3))
+        root, drive = np.tile(self.root, size)[active], speed.ravel()[active]
         out[:-2, :-3] = matrix / root[:, None] / root
         rows = 1.0 / (root * self.unit)
-        by_frequency = by_frequency / amplitude - 4.0 * damping * speed.ravel()
+        by_frequency = by_frequency / amplitude - 4.0 * damping * drive
         out[:-2, -3] = rows * by_frequency * self.natural * FREQUENCY_UNIT
-        out[:-2, -2] = rows * (-2.0 * frequency * speed.ravel()) * DAMPING_UNIT
+        out[:-2, -2] = rows * (-2.0 * frequency * drive) * DAMPING_UNIT
         out[:-2, -1] = rows * by_amplitude * self.per_unit
-        ends = out[-2:, :-3].reshape(2, size, m)
+        ends = np.zeros((2, size, m))
         ends[0, 1:3] = 2.0 * shape[1:3] * self.unit / self.root
         ends[1, 2, self.mode] = self.unit / self.root[self.mode]
+        out[-2:, :-3] = ends.reshape(2, -1)[:, active]
         return out
 
     def describe(self, z: FloatArray) -> str:
@@ -154,6 +171,30 @@ class BackboneCurve:
             problem=problem,
         )
 
+    def take(self, points: IntArray) -> BackboneCurve:
+        """Some of the points."""
+        names = ("frequencies", "damping", "coefficients", "iterations", "tangents")
+        return replace(self, **{name: getattr(self, name)[points] for name in names})
+
+    def moved_to(self, contact: HarmonicContact, control: StepControl) -> BackboneCurve:
+        """These points in another model, at the same amplitudes; those that do not converge are left out."""
+        shift = self.balance.model.vectors.T @ contact.model.vectors
+        old = self.problem
+        mode = int(np.argmax(np.abs(shift[old.mode])))
+        ends = tuple(float(np.exp(old.first + old.per_unit * place)) for place in (0.0, LENGTH))
+        problem, found = ModalMotion(HarmonicBalance(contact, 0.0), mode, (ends[0], ends[1])), []
+        row = np.zeros(len(problem.active) + 3)
+        row[-1] = 1.0
+        for k, q in enumerate(self.coefficients):
+            amplitude = float(np.linalg.norm(q[1:3]))
+            start = problem.scaled(q @ shift / amplitude, self.frequencies[k], self.damping[k], amplitude)
+            z, history = correct(problem, start, row, control)
+            if z is not None:
+                along = self.tangents[k]
+                moved = (old.unpacked(along[:-3]) @ shift * problem.root / problem.unit).ravel()[problem.active]
+                found.append(CurvePoint(z, np.append(moved, along[-3:]), len(history), True))
+        return BackboneCurve.of_points(problem, found)
+
     def fundamental(self, row: FloatArray) -> FloatArray:
         """(p,) amplitude of the fundamental of row . q."""
         return np.asarray(np.hypot(self.coefficients[:, 1] @ row, self.coefficients[:, 2] @ row))
@@ -177,7 +218,7 @@ class BackboneCurve:
     def direction(self, k: int) -> FloatArray:
         """(R, m) change of the coefficients along the curve at point k, to a scale."""
         shape = self.coefficients[k] / np.linalg.norm(self.coefficients[k, 1:3])
-        change = self.tangents[k, :-3].reshape(self.problem.shape) * self.problem.unit / self.problem.root
+        change = self.problem.unpacked(self.tangents[k, :-3])
         return np.asarray(change + shape * self.problem.per_unit * self.tangents[k, -1])
 
 
@@ -209,14 +250,26 @@ def solve_backbone(
     ConvergenceError
         With the curve until then in ``partial`` (BackboneCurve).
     """
+    contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
+    return backbone_curve(contact, tip_amplitudes=tip_amplitudes, mode=mode, control=control)
+
+
+def backbone_curve(
+    contact: HarmonicContact,
+    *,
+    tip_amplitudes: tuple[float, float],
+    mode: int | None = None,
+    control: StepControl | None = None,
+) -> BackboneCurve:
+    """Backbone of a model with its contact; arguments and errors as `solve_backbone`."""
+    model = contact.model
     if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
         raise InputError(f"amplitudes {tip_amplitudes} do not rise", key="backbone", remedy="give two rising, in m")
     number = main_mode(model) if mode is None else mode
     reach = float(abs(model.tip[number]))
     if reach == 0.0 or model.eigenvalues[number] <= 0.0:
         raise InputError(f"mode {number} does not move the tip, or is no vibration", remedy="choose another mode")
-    control = control or StepControl(largest=0.15)
-    contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
+    control = control or BACKBONE_STEPS
     low, high = (a / reach for a in tip_amplitudes)
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
     first = solve_at(problem, problem.start(), control)

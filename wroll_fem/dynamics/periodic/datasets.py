@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
-from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance, HarmonicCurve
+from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance
+from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.typing import FloatArray
@@ -42,13 +43,15 @@ class PeriodicMotion:
         self.work = balance.cycle_work(coefficients, frequency)
         self.friction, self.path, self.peak = np.zeros(n), np.zeros(n), np.zeros((n, 3))
         kernel.cycle_work(
-            state.sampled.motion, state.hysteresis.slip, contact.preload.jump, contact.laws,
+            state.sampled.motion, state.hysteresis.slip, contact.reference.jump, contact.laws,
             self.friction, np.zeros(n), self.path, self.peak,
         )  # fmt: skip
         self.slips = (state.hysteresis.sliding & ~state.open).any(axis=1) & (
             self.path > SLIP_SHARE * contact.laws.gamma
         )
         self.opens = state.open.any(axis=1)
+        for name in ("friction", "path", "peak", "slips", "opens"):
+            setattr(self, name, contact.of_every_point(getattr(self, name)))
         self.memory = state.periodicity_error
         self.kinetic = 0.5 * float(np.sum(balance.velocity(coefficients, frequency) ** 2))
 

@@ -1,187 +1,52 @@
 r"""Basis of a reduced model by harmonic balance itself: adds what the balance of the whole structure finds missing.
 
-A curve is computed in a small basis. At a few of its points the balance of the *whole* structure is evaluated (all
-modes of `condensation`), and linearised there, exactly as in Newton's method but with every point of the
-interface and every mode:
-
-.. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W
-
-for the jump z of the correction :math:`\delta`; L is the dynamic stiffness of each harmonic, D the exact derivative
-of the contact law. GMRES needs some ten products with F. The principal shapes of the corrections join the basis
-until the corrections are small; what is left is the error estimate.
-
-The first basis holds the modes that the base excites, static responses, and such corrections of imposed motions in
-the main mode, from the onset of slip to gross slip: it contains the shapes of sliding before the first curve.
+A curve is computed in a small basis with large steps. At a few of its points the balance of the *whole* structure is
+evaluated (`correction`); the principal shapes of the corrections join the basis (`basis`), and the motions at these
+points are computed again, until the corrections are small. Then the curve is computed in this basis, and checked at
+points of its own; what is left is the error estimate.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
-import scipy.linalg as la
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.backbone import BackboneCurve, main_mode, solve_backbone
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, HarmonicCurve, solve_response
+from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
+from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
+from wroll_fem.dynamics.periodic.correction import Correction, correction
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
-from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
-
-NEAR_RESONANCE = 0.02
-"""The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""
 
 Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 
-KRYLOV, KRYLOV_TOLERANCE = 80, 1e-3
-"""Maximum number of GMRES iterations, and the relative residual at which they end."""
+COARSE = 2.5
+"""Factor on the steps of the curves in bases that are not good yet."""
 
-SMALL = 40
-"""Structures with fewer modes are not reduced."""
+POINT_ROUNDS, POINT_SHARE = 4, 0.5
+"""Enrichments at the points of one curve, and the share of the tolerance at which they end."""
 
-COMPRESSION = 0.3
-"""Between two curves, shapes of the last curve below this share of the tolerance leave the basis."""
+TRAINING_HARMONICS = 5
+"""Most harmonics of the curves in bases that are not good yet."""
 
-START_MODES = 12
-SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
-"""Imposed motions of the first basis: largest relative displacement over gamma*."""
+HOPELESS, HOPELESS_ROUNDS = 3.0, 3
+"""Correction that ends the training after so many curves: linearised, corrections that large do not converge."""
 
+LARGEST_BASIS = 250
+"""Vectors of a basis beyond which a curve takes minutes."""
 
-@dataclass(frozen=True)
-class Correction:
-    """What the whole structure adds to a motion of a reduced model.
-
-    Attributes
-    ----------
-    modal : (r, R) first-order correction in modes of the condensation
-    shapes : (r, R) the same for unit energy norm of the motion
-    energy : its energy norm over that of the motion
-    tip : change of the fundamental of the tip over that of the motion
-    """
-
-    modal: FloatArray
-    shapes: FloatArray
-    energy: float
-    tip: float
-
-
-def correction(
-    balance: HarmonicBalance,
-    coefficients: FloatArray,
-    frequency: float,
-    along: FloatArray | None = None,
-    damping: float = 0.0,
-) -> Correction:
-    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) by the balance of the whole structure.
-
-    ``along`` (k, R, m) are directions in which a change does not count: that of the curve, since on a steep flank any
-    small change of the frequency looks large; of a mode also its amplitude and its phase, in which it is free.
-    ``damping`` is the negative modal damping of a nonlinear mode.
-    """
-    contact, model = balance.contact, balance.model
-    c, orders = model.condensation, balance.orders
-    modal = model.vectors @ coefficients.T  # (r, R)
-    state = contact.evaluate(contact.motion(coefficients), frequency)
-    squares = (orders * frequency) ** 2
-    force = modal_force(c, contact.weights[:, None] * state.coefficients)
-    residual = (c.eigenvalues[:, None] - squares) * modal + force
-    residual[:, 1] += balance.acceleration * c.base
-    if c.damping is not None:
-        w = orders[1::2] * frequency
-        residual[:, 1::2] += w * (c.damping @ modal[:, 2::2])
-        residual[:, 2::2] -= w * (c.damping @ modal[:, 1::2])
-    if damping:
-        w = orders[1::2] * frequency
-        residual[:, 1::2] -= 2.0 * damping * frequency * w * modal[:, 2::2]
-        residual[:, 2::2] += 2.0 * damping * frequency * w * modal[:, 1::2]
-    each = (np.unique(orders) * frequency) ** 2
-    stiffness = c.eigenvalues - each[:, None]  # (H + 1, r)
-    least = NEAR_RESONANCE * np.maximum(c.eigenvalues, each[:, None])
-    stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
-    inverse = 1.0 / stiffness[orders.astype(int)].T  # (r, R)
-    points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-    dofs = contact.dofs[points]
-
-    def changed(z: FloatArray) -> FloatArray:
-        """D z: traction (3 n, R) of a jump (3 n, R)."""
-        out = np.zeros_like(z)
-        out[dofs] = np.einsum("airjq,ajq->air", blocks, z[dofs], optimize=True)
-        return out
-
-    def answer(z: FloatArray) -> FloatArray:
-        """L^{-1} G^T W D z: modal displacement (r, R)."""
-        return np.asarray(inverse * modal_force(c, contact.weights[:, None] * changed(z)))
-
-    direct = -inverse * residual
-    z = gmres(
-        lambda v: v + contact_jump(c, answer(v)), contact_jump(c, direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
-    )
-    delta = direct - answer(z)
-    root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]
-    if along is not None:
-        shapes = root * np.einsum("ri,kqi->krq", model.vectors, along)
-        directions = la.qr(shapes.reshape(len(along), -1).T, mode="economic")[0]
-        scaled = (root * delta).ravel()
-        delta = (scaled - directions @ (directions.T @ scaled)).reshape(delta.shape) / root
-    tip, moved = c.tip @ delta[:, 1:3], c.tip @ modal[:, 1:3]
-    size = float(np.linalg.norm(root * modal))
-    return Correction(
-        delta,
-        delta / size,
-        float(np.linalg.norm(root * delta)) / size,
-        float(np.linalg.norm(tip) / np.linalg.norm(moved)),
-    )
-
-
-def first_model(condensation: Condensation, preload: ContactState, laws: PointLaws, sampling: Sampling) -> ReducedModel:
-    """Span to start from: modes and static responses, and the shapes of slip under imposed motions."""
-    c = condensation
-    count = len(c.eigenvalues)
-    if count <= SMALL:
-        return ReducedModel.complete(c)
-    values = np.maximum(c.eigenvalues, 1e-6 * c.eigenvalues[c.eigenvalues > 0].min())
-    leading = np.argsort(-np.abs(c.base * c.tip))[:START_MODES]
-    modes = np.zeros((count, len(leading)))
-    modes[leading, np.arange(len(leading))] = 1.0
-    model = ReducedModel.of_vectors(c, np.column_stack([modes, c.base / values, c.tip / values]))
-    if not len(laws.area):
-        return model
-    rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling), 0.0)
-    main = main_mode(model)
-    frequency = 0.95 * float(np.sqrt(model.eigenvalues[main]))
-    reach = float(np.max(np.abs(model.jump[: 2 * len(laws.area), main]) / np.repeat(laws.gamma, 2)))
-    shapes = []
-    for level in SLIP_LEVELS:
-        q = np.zeros((sampling.size, model.size))
-        q[1, main] = level / max(reach, 1e-300)
-        scale = float(np.sqrt(model.eigenvalues[main]) * q[1, main])
-        shapes.append(correction(rest, q, frequency).modal / scale)
-    return _with_shapes(model, np.column_stack(shapes), 3e-3)
-
-
-def _with_shapes(model: ReducedModel, shapes: FloatArray, least: float) -> ReducedModel:
-    """Model whose basis also has the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
-    root = np.sqrt(np.maximum(model.condensation.eigenvalues, 1e-12 * model.condensation.eigenvalues.max()))[:, None]
-    left, size, _ = la.svd(root * shapes, full_matrices=False)
-    kept = left[:, size > least] / root
-    return model.enriched(kept) if kept.shape[1] else model
-
-
-def _principal(model: ReducedModel, coefficients: FloatArray, least: float) -> ReducedModel:
-    """Span of the principal shapes of motions (p, R, m), above ``least`` of a motion's energy norm."""
-    root = np.sqrt(np.maximum(model.eigenvalues, 1e-12 * model.eigenvalues.max()))
-    scaled = coefficients * root
-    scaled = scaled / np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
-    left, size, _ = la.svd(scaled.reshape(-1, model.size).T, full_matrices=False)
-    shapes = model.vectors @ (left[:, size > least] / root[:, None])
-    return ReducedModel.of_vectors(model.condensation, shapes)
+BACKBONE_POINTS = 15
+"""Points of a backbone that are compared with the whole structure."""
 
 
 @dataclass(frozen=True)
@@ -213,40 +78,129 @@ def checked_points(curve: HarmonicCurve) -> list[int]:
     return sorted(points)
 
 
+@dataclass(frozen=True)
+class Structure:
+    """Whole structure with its contact, from which reduced models and their contacts are made.
+
+    Attributes
+    ----------
+    condensation, preload, laws : modes, state that motions are relative to, laws of the points
+    sampling : harmonics and samples
+    max_periods : periods that the hysteresis may take to become periodic
+    symmetry : half-period symmetry, None without one
+    """
+
+    condensation: Condensation
+    preload: ContactState
+    laws: PointLaws
+    sampling: Sampling
+    max_periods: int
+    symmetry: HalfPeriod | None
+
+    @classmethod
+    def of(
+        cls, condensation: Condensation, preload: ContactState, laws: PointLaws, sampling: Sampling, max_periods: int
+    ) -> Structure:
+        """Structure with the symmetry that it has."""
+        symmetry = None if sampling.odd else HalfPeriod.of(condensation, preload, laws)
+        return cls(condensation, preload, laws, sampling, max_periods, symmetry)
+
+    def contact(self, model: ReducedModel) -> HarmonicContact:
+        """Contact of a model."""
+        return HarmonicContact(
+            model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry
+        )
+
+    @property
+    def coarse(self) -> Structure:
+        """The same with no more than `TRAINING_HARMONICS`."""
+        s = self.sampling
+        if s.harmonics <= TRAINING_HARMONICS:
+            return self
+        return replace(self, sampling=Sampling(TRAINING_HARMONICS, s.samples, odd=s.odd))
+
+    def like(self, contact: HarmonicContact) -> Structure:
+        """Itself or `coarse`: the one with the harmonics of ``contact``."""
+        return self if contact.sampling.harmonics == self.sampling.harmonics else self.coarse
+
+    def first_model(self) -> ReducedModel:
+        """Model to start from."""
+        return first_model(self.condensation, self.preload, self.laws, self.sampling, self.symmetry)
+
+
+@dataclass(frozen=True)
+class Training:
+    """Settings of the training.
+
+    Attributes
+    ----------
+    tolerance : largest correction at the checked points, relative to the motion in the energy norm
+    max_rounds : curves at most
+    on_round : called with the number of the curve, its model and its error
+    """
+
+    tolerance: float = 1e-3
+    max_rounds: int = 8
+    on_round: Callable[[int, ReducedModel, float], None] | None = None
+
+
 def _trained(
-    model: ReducedModel,
-    solve: Callable[[ReducedModel], Curve],
+    structure: Structure,
+    training: Training,
+    solve: Callable[[ReducedModel, float], Curve],
+    chosen: Callable[[Curve], Curve],
     check: Callable[[Curve], list[Correction]],
-    tolerance: float,
-    max_rounds: int,
-    on_round: Callable[[int, ReducedModel, float], None] | None,
+    again: Callable[[Curve, ReducedModel], Curve],
 ) -> Trained[Curve]:
-    """Curves in bases that grow until the corrections are below ``tolerance``."""
-    before, compress = np.inf, len(model.condensation.eigenvalues) > SMALL
-    for number in range(1, max_rounds + 1):
+    """Curves in bases that grow until the corrections are below the tolerance.
+
+    Parameters
+    ----------
+    solve : curve in a model, with steps longer by a factor
+    chosen : a few points of a curve
+    check : corrections of the whole structure at points
+    again : the same points computed in another model; points that do not converge are left out
+    """
+    symmetry, tolerance = structure.symmetry, training.tolerance
+    model = structure.coarse.first_model()
+    small = len(structure.condensation.eigenvalues) <= SMALL
+    factor = 1.0 if small else COARSE
+    compress = not small
+    for number in range(1, training.max_rounds + 1):
         stopped: ConvergenceError | None = None
         try:
-            curve = solve(model)
+            curve = solve(model, factor)
         except ConvergenceError as stop:
             if len(getattr(stop.partial, "frequencies", ())) < 3:
                 raise
             curve, stopped = stop.partial, stop
-        found = check(curve)
+        points = chosen(curve)
+        wanted, found = len(points.frequencies), check(points)
         error = max(f.energy for f in found)
-        if on_round is not None:
-            on_round(number, model, error)
-        if error <= tolerance:
+        if training.on_round is not None:
+            training.on_round(number, model, error)
+        if (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS:
+            break
+        if error <= tolerance and (factor == 1.0 or stopped is not None):
             if stopped is not None:
                 raise stopped
             return Trained(curve, error, max(f.tip for f in found), number)
-        if number > 1 and error > 0.7 * before:
-            compress = False  # what was left out is missed
-        kept = _principal(model, curve.coefficients, COMPRESSION * tolerance) if compress else model
-        model, before = _with_shapes(kept, np.column_stack([f.shapes for f in found]), 0.2 * tolerance), error
+        for _ in range(POINT_ROUNDS):
+            here = max(f.energy for f in found)
+            if here <= POINT_SHARE * tolerance:
+                break
+            model = with_shapes(model, np.column_stack([f.shapes for f in found]), 0.2 * tolerance, symmetry)
+            points = again(points, model)
+            if not len(points.frequencies):
+                break
+            found = check(points)
+        if compress and factor > 1.0 and len(points.frequencies) == wanted:
+            model = principal_span(model, points.coefficients, COMPRESSION * tolerance, symmetry)
+        factor = 1.0
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
-        iterations=max_rounds,
+        iterations=number,
         residual_history=[error],
         advice="use a larger harmonic.reduction_tolerance, or check whether the surfaces open widely",
     )
@@ -284,22 +238,29 @@ def trained_response(
         When the curve cannot be followed in a good basis, or the basis does not become good; ``partial`` holds the
         last curve.
     """
+    structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
+    steps = control or StepControl()
 
-    def solve(model: ReducedModel) -> HarmonicCurve:
-        return solve_response(
-            model, preload, laws, amplitude=amplitude, frequencies=frequencies, harmonics=harmonics, samples=samples,
-            max_periods=max_periods, control=control,
+    def solve(model: ReducedModel, factor: float) -> HarmonicCurve:
+        return response_curve(
+            (structure.coarse if factor > 1.0 else structure).contact(model), amplitude=amplitude,
+            frequencies=frequencies, control=steps.longer(factor),
         )  # fmt: skip
 
-    def check(curve: HarmonicCurve) -> list[Correction]:
-        points = checked_points(curve)
+    def check(points: HarmonicCurve) -> list[Correction]:
         return [
-            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)[None])
-            for k in points
+            correction(points.balance, q, w, points.direction(k)[None])
+            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
         ]
 
-    model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
-    return _trained(model, solve, check, tolerance, max_rounds, on_round)
+    def again(points: HarmonicCurve, model: ReducedModel) -> HarmonicCurve:
+        return points.moved_to(structure.like(points.balance.contact).contact(model), steps)
+
+    def chosen(curve: HarmonicCurve) -> HarmonicCurve:
+        return curve.take(checked_points(curve))
+
+    training = Training(tolerance, max_rounds, on_round)
+    return _trained(structure, training, solve, chosen, check, again)
 
 
 def trained_backbone(
@@ -317,24 +278,29 @@ def trained_backbone(
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[BackboneCurve]:
     """Backbone (see `backbone.solve_backbone`) of the whole structure; arguments and errors as `trained_response`."""
+    structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
+    steps = control or BACKBONE_STEPS
 
-    def solve(model: ReducedModel) -> BackboneCurve:
-        return solve_backbone(
-            model, preload, laws, tip_amplitudes=tip_amplitudes, harmonics=harmonics, samples=samples,
-            max_periods=max_periods, control=control,
-        )  # fmt: skip
+    def solve(model: ReducedModel, factor: float) -> BackboneCurve:
+        level = structure.coarse if factor > 1.0 else structure
+        return backbone_curve(level.contact(model), tip_amplitudes=tip_amplitudes, control=steps.longer(factor))
 
     def free_of(curve: BackboneCurve, k: int) -> FloatArray:
         q = curve.coefficients[k]
         size = np.linalg.norm(q)
         return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
 
-    def check(curve: BackboneCurve) -> list[Correction]:
-        points = np.unique(np.linspace(0, len(curve.frequencies) - 1, 9).astype(int))
+    def check(points: BackboneCurve) -> list[Correction]:
         return [
-            correction(curve.balance, curve.coefficients[k], curve.frequencies[k], free_of(curve, k), curve.damping[k])
-            for k in points
+            correction(points.balance, q, w, free_of(points, k), points.damping[k])
+            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
         ]
 
-    model = first_model(condensation, preload, laws, Sampling(harmonics, samples))
-    return _trained(model, solve, check, tolerance, max_rounds, on_round)
+    def again(points: BackboneCurve, model: ReducedModel) -> BackboneCurve:
+        return points.moved_to(structure.like(points.balance.contact).contact(model), steps)
+
+    def chosen(curve: BackboneCurve) -> BackboneCurve:
+        return curve.take(np.unique(np.linspace(0, len(curve.frequencies) - 1, BACKBONE_POINTS).astype(int)))
+
+    training = Training(tolerance, max_rounds, on_round)
+    return _trained(structure, training, solve, chosen, check, again)

@@ -1,4 +1,4 @@
-r"""Harmonic balance: periodic motions of a preloaded structure with friction, and curves of them over frequency.
+r"""Harmonic balance: periodic motions of a preloaded structure with friction; the curve over frequency is `response`.
 
 With :math:`q = Q_0 + \sum_k Q^c_k \cos k\omega t + Q^s_k \sin k\omega t` in the coordinates of a `ReducedModel`, every
 harmonic of the equation of motion has to vanish,
@@ -18,22 +18,26 @@ Krack, Gross (2019), Harmonic Balance for Nonlinear Vibration Problems, doi:10.1
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, PRESSURE_CHANGE, HarmonicContact, PeriodicContact, Sampling
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.numerics.continuation import CurvePoint, StepControl, follow, solve_at
+from wroll_fem.dynamics.periodic.aft import PRESSURE_CHANGE, HarmonicContact, PeriodicContact
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
 
 BAND_SCALE = 3.0
 """Scaled length of the whole band; a resonance circle of the response has a length of about pi."""
+
+
+LARGEST_GROWTH = 500.0
+"""Transmissibility up to which a resonance is followed: a damping ratio of 0.1 %, below that of any web's material."""
+
+
+LARGEST_OVERTONES = 0.5
+"""Share of the overtones in the energy norm above which a motion is an internal resonance."""
 
 
 class HarmonicBalance:
@@ -78,20 +82,20 @@ class HarmonicBalance:
         *,
         threshold: float = PRESSURE_CHANGE,
     ) -> tuple[FloatArray, FloatArray]:
-        """d(residual)/d(coefficients) (R m, R m) and d(residual)/d(frequency) (R m,), per rad/s."""
-        size, m = coefficients.shape
+        """d(residual)/d(unknowns) (k, k) in the order of `HarmonicContact.active`, d/d(frequency) (k,), per rad/s."""
+        active = self.contact.active
         matrix, by_log = self.contact.jacobian(contact, threshold=threshold)
         w = self.orders[:, None] * frequency
-        matrix[np.diag_indices(size * m)] += (self.model.eigenvalues - w**2).ravel()
+        matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
         by_frequency = by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
-        if self.model.damping is not None:
-            view = matrix.reshape(size, m, size, m)
-            for k in range(1, size, 2):
+        if self.model.damping is not None:  # a structure with dashpots has no symmetry: all coefficients are unknowns
+            view = matrix.reshape(*coefficients.shape, *coefficients.shape)
+            for k in range(1, len(w), 2):
                 coupling = w[k, 0] * self.model.damping
                 view[k, :, k + 1, :] += coupling
                 view[k + 1, :, k, :] -= coupling
             by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
-        return matrix, by_frequency.ravel()
+        return matrix, by_frequency.ravel()[active]
 
     def cycle_work(self, coefficients: FloatArray, frequency: float) -> CycleWork:
         """Energy of one period, J; the identity input = interface + viscous holds as exactly as the balance itself."""
@@ -99,7 +103,7 @@ class HarmonicBalance:
         n, laws, area = self.contact.n, self.contact.laws, self.contact.laws.area
         friction, modulation, path, peak = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, 3))
         kernel.cycle_work(
-            contact.sampled.motion, contact.hysteresis.slip, self.contact.preload.jump, laws,
+            contact.sampled.motion, contact.hysteresis.slip, self.contact.reference.jump, laws,
             friction, modulation, path, peak,
         )  # fmt: skip
         # s lacks the stuck preload springs and the preload tractions, whose work over a closed cycle is zero
@@ -145,7 +149,7 @@ class FrequencyCurve:
     def __init__(self, balance: HarmonicBalance, band: tuple[float, float], size: float):
         self.balance = balance
         self.band = band  # rad/s
-        self.shape = (len(balance.orders), balance.model.size)
+        self.shape, self.active = (len(balance.orders), balance.model.size), balance.contact.active
         self.root = np.sqrt(np.maximum(balance.model.eigenvalues, 0.0) + band[0] * band[1])
         self.size = size  # J^(1/2)
         self.per_unit = (band[1] - band[0]) / BAND_SCALE
@@ -153,18 +157,24 @@ class FrequencyCurve:
 
     def scaled(self, coefficients: FloatArray, frequency: float) -> FloatArray:
         """(n + 1,) unknowns."""
-        y = coefficients * self.root / self.size
-        return np.append(y.ravel(), (frequency - self.band[0]) / self.per_unit)
+        y = (coefficients * self.root / self.size).ravel()[self.active]
+        return np.append(y, (frequency - self.band[0]) / self.per_unit)
+
+    def unpacked(self, y: FloatArray) -> FloatArray:
+        """(R, m) coefficients of scaled unknowns (n,), to the scale ``size``."""
+        out = np.zeros(self.shape)
+        out.ravel()[self.active] = y
+        return out / self.root
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float]:
         """Coefficients (R, m) and frequency, rad/s."""
-        return z[:-1].reshape(self.shape) * self.size / self.root, self.band[0] + z[-1] * self.per_unit
+        return self.unpacked(z[:-1]) * self.size, self.band[0] + z[-1] * self.per_unit
 
     def residual(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""
         residual, contact = self.balance.residual(*self.motion(z))
         self._seen = z, contact
-        return np.asarray((residual / (self.root * self.size)).ravel())
+        return np.asarray((residual / (self.root * self.size)).ravel()[self.active])
 
     def contact(self, z: FloatArray) -> PeriodicContact:
         """Contact at ``z``."""
@@ -176,72 +186,31 @@ class FrequencyCurve:
     def jacobian(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""
         matrix, by_frequency = self.balance.jacobian(*self.motion(z), self.contact(z))
-        root = np.tile(self.root, self.shape[0])
+        root = np.tile(self.root, self.shape[0])[self.active]
         matrix /= root[:, None]
         matrix /= root
         return np.column_stack([matrix, by_frequency * self.per_unit / (root * self.size)])
+
+    def overtones(self, z: FloatArray) -> float:
+        """Share of the harmonics above the fundamental in the energy norm of the motion."""
+        y = np.zeros(self.shape)
+        y.ravel()[self.active] = z[:-1]
+        return float(np.linalg.norm(y[3:])) / max(float(np.linalg.norm(y)), 1e-300)
+
+    def grown(self, z: FloatArray) -> bool:
+        """Whether the absolute tip acceleration exceeds `LARGEST_GROWTH` times that of the base."""
+        q, frequency = self.motion(z)
+        tip = frequency**2 * float(np.hypot(*(q[1:3] @ self.balance.model.tip)))
+        return tip > LARGEST_GROWTH * self.balance.acceleration
+
+    def ended(self, z: FloatArray) -> bool:
+        """Whether the curve is not followed beyond ``z``: `grown`, or in an internal resonance."""
+        return self.grown(z) or self.overtones(z) > LARGEST_OVERTONES
 
     def describe(self, z: FloatArray) -> str:
         """See `CurveProblem`."""
         frequency = self.motion(z)[1] / (2.0 * np.pi)
         return f"harmonic balance at {frequency:.4g} Hz, base {self.balance.acceleration:.3g} m/s^2"
-
-
-@dataclass(frozen=True)
-class HarmonicCurve:
-    """Periodic motions along a branch.
-
-    Attributes
-    ----------
-    frequencies : (p,) rad/s, in the order of the branch (not rising through folds)
-    coefficients : (p, R, m) Fourier coefficients of q
-    tangents : (p, R m + 1) scaled unit tangents, for interpolation along the branch
-    iterations : (p,) Newton iterations
-    stable : (p,) False between folds (one real Floquet multiplier above 1 there; other instabilities are not seen)
-    balance : the equations
-    arc : (p,) scaled arc length
-    """
-
-    frequencies: FloatArray
-    coefficients: FloatArray
-    tangents: FloatArray
-    iterations: np.ndarray
-    stable: np.ndarray
-    balance: HarmonicBalance
-    problem: FrequencyCurve = field(repr=False)
-
-    @classmethod
-    def of_points(cls, problem: FrequencyCurve, points: list[CurvePoint]) -> HarmonicCurve:
-        """Curve from what `continuation.follow` found."""
-        motions = [problem.motion(p.z) for p in points]
-        return cls(
-            frequencies=np.array([w for _, w in motions]),
-            coefficients=np.array([q for q, _ in motions]),
-            tangents=np.array([p.tangent for p in points]),
-            iterations=np.array([p.iterations for p in points]),
-            stable=np.array([p.tangent[-1] > 0.0 and p.regular for p in points]),
-            balance=problem.balance,
-            problem=problem,
-        )
-
-    @property
-    def folds(self) -> int:
-        """Number of turning points."""
-        return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
-
-    def direction(self, k: int) -> FloatArray:
-        """(R, m) change of the coefficients along the branch at point k, to a scale."""
-        return np.asarray(self.tangents[k, :-1].reshape(self.problem.shape) / self.problem.root)
-
-    def fundamental(self, row: FloatArray) -> np.ndarray:
-        """(p,) complex amplitude of the fundamental of row . q, base acceleration being A cos(wt)."""
-        return np.asarray(self.coefficients[:, 1] @ row - 1j * (self.coefficients[:, 2] @ row))
-
-    @property
-    def transmissibility(self) -> np.ndarray:
-        """(p,) complex: fundamental of the absolute tip acceleration over the base acceleration."""
-        tip = self.fundamental(self.balance.model.tip)
-        return 1.0 - self.frequencies**2 * tip / self.balance.acceleration
 
 
 def _linear_start(balance: HarmonicBalance, frequency: float) -> FloatArray:
@@ -291,73 +260,3 @@ def solve_motion(
         grown = FrequencyCurve(part, band, problem.size)
         found = grown.motion(solve_at(grown, grown.scaled(guess, frequency), control))[0]
     return found
-
-
-def solve_response(
-    model: ReducedModel,
-    preload: ContactState,
-    laws: PointLaws,
-    *,
-    amplitude: float,
-    frequencies: tuple[float, float],
-    harmonics: int = 3,
-    samples: int = 64,
-    max_periods: int = MAX_PERIODS,
-    control: StepControl | None = None,
-    on_point: Callable[[float, int], None] | None = None,
-) -> HarmonicCurve:
-    """Steady response to a base acceleration A cos(wt) over a band of frequencies, through folds.
-
-    Parameters
-    ----------
-    amplitude
-        A in m/s^2, 0-peak.
-    frequencies
-        First and last frequency, Hz; the curve is followed from the first.
-    harmonics, samples
-        H and samples per period.
-    max_periods
-        Periods that the hysteresis may take to become periodic.
-    on_point
-        Called with the frequency in Hz and the number of points so far.
-
-    Raises
-    ------
-    InputError
-        For an empty band or no amplitude.
-    ConvergenceError
-        With the curve until then in ``partial`` (HarmonicCurve).
-    """
-    low, high = (2.0 * np.pi * f for f in frequencies)
-    if not 0.0 < low < high:
-        raise InputError(f"band of {frequencies[0]:g} to {frequencies[1]:g} Hz", remedy="give two rising frequencies")
-    if not amplitude > 0.0:
-        raise InputError(f"base acceleration {amplitude:g} m/s^2", key="excitation.amplitude", remedy="use more than 0")
-    control = control or StepControl()
-    contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
-    balance = HarmonicBalance(contact, amplitude)
-    start = solve_motion(balance, low, control=control)
-    problem = FrequencyCurve(balance, (low, high), _response_size(balance, start, low, high))
-
-    def report(points: list[CurvePoint]) -> None:
-        if on_point is not None:
-            on_point(problem.motion(points[-1].z)[1] / (2.0 * np.pi), len(points))
-
-    first = solve_at(problem, problem.scaled(start, low), control)
-    try:
-        points = follow(problem, first, BAND_SCALE, control, on_point=report)
-    except ConvergenceError as error:
-        points = error.partial or []
-        error.partial = HarmonicCurve.of_points(problem, points)
-        raise
-    return HarmonicCurve.of_points(problem, points)
-
-
-def _response_size(balance: HarmonicBalance, start: FloatArray, low: float, high: float) -> float:
-    """Scale of the motion in the band, J^(1/2): the larger of the start's and a tenth of a resonance at 1 % damping."""
-    model = balance.model
-    root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + low * high)
-    here = float(np.linalg.norm(start * root))
-    inside = (model.eigenvalues > (0.8 * low) ** 2) & (model.eigenvalues < (1.2 * high) ** 2)
-    resonant = balance.acceleration * np.abs(model.base[inside]) / (0.02 * model.eigenvalues[inside])
-    return max(here, float((0.5 * resonant * root[inside]).max(initial=0.0)), 1e-300)

@@ -115,12 +115,12 @@ def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
     """(3 n_points, k) jump of modal vectors (r, k)."""
     amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
     rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
-    stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows, k)
-    points = np.einsum("bcrk,bct->crtk", stacked, condensation.profiles, optimize=True)
+    stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows * k)
     n = rows * condensation.n_theta
     out = np.empty((3 * n, k))
     for component, dofs in enumerate(contact_dofs(n).T):
-        out[dofs] = points[component].reshape(n, k)
+        around = condensation.profiles[:, component].T @ stacked[:, component]  # (n_theta, rows k)
+        out[dofs] = around.reshape(condensation.n_theta, rows, k).transpose(1, 0, 2).reshape(n, k)
     return out
 
 
@@ -129,10 +129,10 @@ def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
     k, n_theta = force.shape[1], condensation.n_theta
     n = force.shape[0] // 3
     rows = n // n_theta
-    points = np.empty((3, rows, n_theta, k))
+    amplitudes = np.empty((len(condensation.profiles), 3, rows * k))
     for component, dofs in enumerate(contact_dofs(n).T):
-        points[component] = force[dofs].reshape(rows, n_theta, k)
-    amplitudes = np.einsum("crtk,bct->bcrk", points, condensation.profiles, optimize=True)
+        around = force[dofs].reshape(rows, n_theta, k).transpose(1, 0, 2).reshape(n_theta, rows * k)
+        amplitudes[:, component] = condensation.profiles[:, component] @ around
     flat = amplitudes.reshape(len(amplitudes), 3 * rows, k)
     return np.concatenate([j.T @ part for j, part in zip(condensation.jump, flat, strict=True)])
 

@@ -55,7 +55,8 @@ def solve_static(
 ) -> ContactState:
     """Equilibrium K u + G^T W t(u) = force, friction starting from ``state``.
 
-    Newton's method with the consistent tangent and a backtracking line search. Where nothing yet
+    Newton's method with the consistent tangent and a backtracking line search; where that stalls, a line search on the
+    potential of the step, which is convex at fixed pressure (`newton.zero_slope`). Where nothing yet
     holds a body (no pressure, hence no stick stiffness) the tangent alone, never the residual,
     gets a small stiffness.
 
@@ -67,7 +68,7 @@ def solve_static(
     problem = _WholeStructure(system, force, state, tolerance)
     u, history = damped_newton(
         problem, state.displacement.copy(), max_iterations=max_iterations, search=best_of_halvings,
-        renewal=STATIC_RENEWAL,
+        renewal=STATIC_RENEWAL, potential=True,
     )  # fmt: skip
     if u is None:
         raise unconverged(load_factor, max_iterations, history)

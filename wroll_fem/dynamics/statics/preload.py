@@ -42,10 +42,7 @@ def solve_load_path(
             step = min(step, 1.0 - done)
             try:
                 force = previous + (done + step) * (target - previous)
-                if condensed is None:
-                    current = solve_static(system, force, current, load_factor=i + done + step)
-                else:
-                    current = condensed(force, current, load_factor=i + done + step)
+                current = _step(system, force, current, i + done + step, condensed)
             except ConvergenceError:
                 step *= 0.5
                 if step < 0.5**max_cuts:
@@ -57,6 +54,18 @@ def solve_load_path(
         if progress is not None:
             progress(i + 1)
     return path
+
+
+def _step(
+    system: System, force: FloatArray, state: ContactState, load_factor: float, condensed: CondensedStatic | None
+) -> ContactState:
+    """Equilibrium under ``force``; a condensed step that does not converge is solved on the whole structure."""
+    if condensed is not None:
+        try:
+            return condensed(force, state, load_factor=load_factor)
+        except ConvergenceError:
+            pass
+    return solve_static(system, force, state, load_factor=load_factor)
 
 
 def equilibrium_force(system: System, state: ContactState) -> FloatArray:

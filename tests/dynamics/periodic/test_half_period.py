@@ -1,0 +1,67 @@
+"""Half-period symmetry: found where it is, refused where it is not, and equal to the evaluation of every point."""
+
+from __future__ import annotations
+
+import numpy as np
+from support.periodic import small_roll
+
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.basis import first_model
+from wroll_fem.dynamics.periodic.correction import correction
+from wroll_fem.dynamics.periodic.enrichment import trained_response
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+
+
+def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:
+    system, preload, condensation = small_roll(12, 4)
+    found = HalfPeriod.of(condensation, preload, system.laws)
+    assert found is not None
+    assert found.weight.sum() == system.n_points
+    assert len(found.first) < 0.6 * system.n_points
+    uneven = system.laws.mu.copy()
+    uneven[0] *= 1.01
+    assert HalfPeriod.of(condensation, preload, system.laws._replace(mu=uneven)) is None
+
+
+def test_one_point_of_each_pair_gives_the_forces_of_all() -> None:
+    """Gross slip, which forgets how it began: every point evaluated, against one of each pair and half the unknowns."""
+    system, preload, condensation = small_roll(12, 4)
+    sampling, symmetry = Sampling(3, 64), HalfPeriod.of(condensation, preload, system.laws)
+    model = first_model(condensation, preload, system.laws, sampling, symmetry)
+    half = HarmonicContact(model, preload, system.laws, sampling, symmetry=symmetry)
+    every = HarmonicContact(model, preload, system.laws, sampling)
+    rng = np.random.default_rng(5)
+    q = np.zeros((sampling.size, model.size))
+    q.ravel()[half.active] = rng.standard_normal(len(half.active))
+    reach = np.abs(every.motion(q)[: 2 * every.n])
+    q *= 30e-6 / reach.max()
+    one, all_points = half.evaluate(half.motion(q), 900.0), every.evaluate(every.motion(q), 900.0)
+    slides = np.flatnonzero(all_points.hysteresis.sliding.mean(axis=1) > 0.5)
+    assert len(slides) > 0.5 * every.n
+    np.testing.assert_allclose(half.spread(half.motion(q)), every.motion(q), atol=1e-12 * np.abs(every.motion(q)).max())
+    spread, scale = half.spread(one.coefficients), np.abs(all_points.coefficients).max()
+    for dofs in every.dofs[slides].T:
+        np.testing.assert_allclose(spread[dofs], all_points.coefficients[dofs], atol=1e-6 * scale)
+    balance = HarmonicBalance(half, 1.0)
+    _, contact = balance.residual(q, 900.0)
+    matrix, _ = balance.jacobian(q, 900.0, contact, threshold=0.0)
+    step = rng.standard_normal(len(half.active))
+    change = np.zeros_like(q)
+    change.ravel()[half.active] = 1e-6 * np.linalg.norm(q) / np.linalg.norm(step) * step
+    ends = [balance.residual(q + sign * change, 900.0)[0].ravel()[half.active] for sign in (1.0, -1.0)]
+    expected = matrix @ change.ravel()[half.active]
+    np.testing.assert_allclose(0.5 * (ends[0] - ends[1]), expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_the_symmetric_curve_satisfies_the_balance_of_the_whole_roll() -> None:
+    system, preload, condensation = small_roll(12, 4)
+    trained = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
+    curve = trained.curve
+    assert curve.balance.contact.symmetry is not None
+    between = [k + 1 for k in range(2, len(curve.frequencies) - 2, 7)]
+    errors = [
+        correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)[None]).energy
+        for k in between
+    ]
+    assert max(errors) < 3e-3  # trained to 1e-3 at other points

@@ -1,0 +1,120 @@
+"""Bases of reduced models for periodic motions: the first one, shapes that join, the principal shapes of motions.
+
+The first basis holds the modes that the base excites, static responses, and corrections (`correction`) of imposed
+motions in the main mode, from the onset of slip to gross slip: it contains the shapes of sliding before the first
+curve. With half-period symmetry (`half_period`) every vector is of one kind: reversed, or left, by half a period.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.backbone import main_mode
+from wroll_fem.dynamics.periodic.correction import correction
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.typing import FloatArray
+
+SMALL = 40
+"""Structures with fewer modes are not reduced."""
+
+COMPRESSION = 0.1
+"""Between two curves, shapes of the last curve below this share of the tolerance leave the basis."""
+
+ROUNDING = 1e-9
+"""The part of a vector below this share of it is rounding."""
+
+START_MODES = 12
+SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
+"""Imposed motions of the first basis: largest relative displacement over gamma*."""
+
+
+def first_model(
+    condensation: Condensation,
+    preload: ContactState,
+    laws: PointLaws,
+    sampling: Sampling,
+    symmetry: HalfPeriod | None = None,
+) -> ReducedModel:
+    """Span to start from: modes and static responses, and the shapes of slip under imposed motions."""
+    c = condensation
+    count = len(c.eigenvalues)
+    if count <= SMALL:
+        return span(c, np.eye(count), symmetry) if symmetry else ReducedModel.complete(c)
+    values = np.maximum(c.eigenvalues, 1e-6 * c.eigenvalues[c.eigenvalues > 0].min())
+    leading = np.argsort(-np.abs(c.base * c.tip))[:START_MODES]
+    modes = np.zeros((count, len(leading)))
+    modes[leading, np.arange(len(leading))] = 1.0
+    model = span(c, np.column_stack([modes, c.base / values, c.tip / values]), symmetry)
+    if not len(laws.area):
+        return model
+    rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling, symmetry=symmetry), 0.0)
+    main = main_mode(model)
+    frequency = 0.95 * float(np.sqrt(model.eigenvalues[main]))
+    reach = float(np.max(np.abs(model.jump[: 2 * len(laws.area), main]) / np.repeat(laws.gamma, 2)))
+    shapes = []
+    for level in SLIP_LEVELS:
+        q = np.zeros((sampling.size, model.size))
+        q[1, main] = level / max(reach, 1e-300)
+        scale = float(np.sqrt(model.eigenvalues[main]) * q[1, main])
+        shapes.append(correction(rest, q, frequency).modal / scale)
+    return with_shapes(model, np.column_stack(shapes), 3e-3, symmetry)
+
+
+def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod | None) -> ReducedModel:
+    """Model on the span of ``vectors`` (r, k); with symmetry on both parts of each, the reversed ones first."""
+    if symmetry is None:
+        return ReducedModel.of_vectors(condensation, vectors)
+    size = np.linalg.norm(vectors, axis=0)
+    parts = []
+    for part in symmetry.parts(vectors):
+        kept = part[:, np.linalg.norm(part, axis=0) > ROUNDING * size]
+        if kept.shape[1]:
+            parts.append(ReducedModel.of_vectors(condensation, kept))
+    joined = np.column_stack([part.vectors for part in parts])
+    return ReducedModel.on(condensation, joined, np.concatenate([part.eigenvalues for part in parts]))
+
+
+def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry: HalfPeriod | None) -> ReducedModel:
+    """Model whose basis also has the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
+    values = model.condensation.eigenvalues
+    root = np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
+    kept = [_principal(root * part, least) / root for part in _parts(shapes, symmetry)]
+    found = np.column_stack([model.vectors, *kept])
+    return span(model.condensation, found, symmetry) if found.shape[1] > model.size else model
+
+
+def principal_span(
+    model: ReducedModel, coefficients: FloatArray, least: float, symmetry: HalfPeriod | None
+) -> ReducedModel:
+    """Span of the principal shapes of motions (p, R, m), above ``least`` of a motion's energy norm."""
+    root = np.sqrt(np.maximum(model.eigenvalues, 1e-12 * model.eigenvalues.max()))
+    scaled = coefficients * root
+    scaled = scaled / np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
+    shapes = scaled.reshape(-1, model.size).T  # (m, p R)
+    if symmetry is None:
+        kept = [_principal(shapes, least)]
+    else:
+        odd = symmetry.reversed_ones(model.vectors)[:, None]
+        kept = [_principal(np.where(which, shapes, 0.0), least) for which in (odd, ~odd)]
+    return span(model.condensation, model.vectors @ (np.column_stack(kept) / root[:, None]), symmetry)
+
+
+def _parts(shapes: FloatArray, symmetry: HalfPeriod | None) -> tuple[FloatArray, ...]:
+    return (shapes,) if symmetry is None else symmetry.parts(shapes)
+
+
+def _principal(shapes: FloatArray, least: float) -> FloatArray:
+    """Left singular vectors (n, k) with singular values above ``least``."""
+    gram = shapes.T @ shapes if shapes.shape[1] < shapes.shape[0] else shapes @ shapes.T
+    values, vectors = la.eigh(gram)
+    kept = values > least**2
+    if shapes.shape[1] < shapes.shape[0]:
+        return np.asarray(shapes @ (vectors[:, kept] / np.sqrt(values[kept])))
+    return np.asarray(vectors[:, kept])

@@ -1,0 +1,126 @@
+r"""Symmetry of motions whose second half period mirrors the first.
+
+A roll that is the same after half a turn (or mirrored at the plane normal to the motion of its base), shaken along one
+direction, has motions with :math:`u(t + T/2) = S\,u(t)`, where S is that turn or mirror. Circumferential harmonics that
+S reverses then have odd harmonics in time alone, the others the mean and the even ones: half of the unknowns. Of each
+pair of points that S maps onto each other, one is evaluated.
+
+The symmetry is not assumed: `HalfPeriod.of` checks it on the profiles of all modes, on the laws and on the preload. One
+thing is chosen: sliding that stops in a state of rest leaves tractions behind that depend on how the motion began
+(shakedown), and here both points of a pair begin half a period apart, as in a motion that grows slowly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wroll_fem.contact.laws import SHARED, PointLaws
+from wroll_fem.contact.point import HOOP, contact_dofs, normals, tangentials
+from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
+
+SAME = 1e-7
+"""Largest difference between the two points of a pair, relative to the largest value of all points."""
+
+
+@dataclass(frozen=True)
+class HalfPeriod:
+    """What half a period does to modes and points.
+
+    Attributes
+    ----------
+    odd : (r,) modes of the condensation that change their sign
+    first : (k,) points that are evaluated, one of each pair
+    weight : (k,) number of points that each stands for, 1 or 2
+    source : (n,) the one of the ``k`` that stands for each point
+    mirrored : (n,) points that move as their source does half a period later
+    signs : (3,) of the components of a mirrored point
+    """
+
+    odd: BoolArray
+    first: IntArray
+    weight: FloatArray
+    source: IntArray
+    mirrored: BoolArray
+    signs: FloatArray
+
+    @classmethod
+    def of(cls, condensation: Condensation, preload: ContactState, laws: PointLaws) -> HalfPeriod | None:
+        """Symmetry of a structure, or None without one."""
+        c, n_theta = condensation, condensation.n_theta
+        if n_theta < 2 or c.damping is not None or laws.n == 0:
+            return None
+        index = np.arange(n_theta)
+        maps = [(index[::-1], -1.0)]  # mirrored: the hoop component is reversed
+        if n_theta % 2 == 0:
+            maps.append(((index + n_theta // 2) % n_theta, 1.0))
+        for around, hoop in maps:
+            parity = _parity(c.profiles, around, hoop)
+            if parity is None:
+                continue
+            odd = np.repeat(parity, np.diff(c.blocks))
+            if np.abs(c.base[~odd]).max(initial=0.0) > SAME * np.abs(c.base).max(initial=1e-300):
+                continue
+            partner = (n_theta * np.arange(laws.n // n_theta)[:, None] + around).ravel()
+            if not _alike(partner, hoop, preload, laws, c.springs):
+                continue
+            first = np.flatnonzero(partner >= np.arange(laws.n))
+            source = np.full(laws.n, -1)
+            source[partner[first]] = source[first] = np.arange(len(first))
+            mirrored = partner < np.arange(laws.n)
+            weight = np.where(partner[first] == first, 1.0, 2.0)
+            return cls(odd, first, weight, source, mirrored, np.array([hoop, 1.0, 1.0]))
+        return None
+
+    def parts(self, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Parts of modal ``vectors`` (r, k) that half a period reverses, and those that it leaves."""
+        odd = np.where(self.odd[:, None], vectors, 0.0)
+        return odd, vectors - odd
+
+    def spread(self, coefficients: FloatArray, orders: FloatArray) -> FloatArray:
+        """(3 n, R) Fourier coefficients of harmonics ``orders`` (R,) of all points from those of the first (3 k, R)."""
+        n, k = len(self.source), len(self.first)
+        later = np.where(orders % 2 == 1, -1.0, 1.0)
+        out = coefficients[contact_dofs(k)[self.source]]  # (n, 3, R)
+        out[self.mirrored] *= self.signs[:, None] * later
+        whole = np.empty((3 * n, coefficients.shape[1]))
+        whole[contact_dofs(n)] = out
+        return whole
+
+    def reversed_ones(self, vectors: FloatArray) -> BoolArray:
+        """(m,) which of the ``vectors`` (r, m), each of one kind, half a period reverses."""
+        return np.asarray(np.einsum("rm,rm->m", vectors[self.odd], vectors[self.odd]) > 0.5)
+
+
+def _parity(profiles: FloatArray, around: IntArray, hoop: float) -> BoolArray | None:
+    """(n_blocks,) whether the map of points reverses a block; None if it mixes some block with others."""
+    mapped = profiles[:, :, around].copy()
+    mapped[:, HOOP] *= hoop
+    size = np.abs(profiles).max(axis=(1, 2))
+    kept = np.abs(mapped - profiles).max(axis=(1, 2)) <= SAME * size
+    reverses = np.abs(mapped + profiles).max(axis=(1, 2)) <= SAME * size
+    return reverses & ~kept if np.all(kept | reverses) else None
+
+
+def _alike(partner: IntArray, hoop: float, preload: ContactState, laws: PointLaws, springs: FloatArray) -> bool:
+    """Whether both points of each pair have the same laws, springs and preload."""
+    for name in laws._fields:
+        if name not in SHARED and not _same(getattr(laws, name), getattr(laws, name)[partner]):
+            return False
+    turned = np.array([hoop, 1.0])
+    # the elastic slip has no normal component: one is appended so that all three arrays read alike
+    slip = np.concatenate([preload.elastic_slip, np.zeros(laws.n)])
+    for values, signs in ((preload.jump, turned), (preload.traction, turned), (slip, turned), (springs, np.ones(2))):
+        along, across = tangentials(values), normals(values)
+        if not (_same(along, signs * along[partner]) and _same(across, across[partner])):
+            return False
+    return True
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    if a.dtype.kind != "f":
+        return bool(np.array_equal(a, b))
+    return bool(np.abs(a - b).max(initial=0.0) <= SAME * np.abs(a).max(initial=0.0))

@@ -1,0 +1,277 @@
+"""Steady response over frequency: the curve of periodic motions, through folds, gaps and internal resonances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import (
+    BAND_SCALE,
+    LARGEST_OVERTONES,
+    FrequencyCurve,
+    HarmonicBalance,
+    solve_motion,
+)
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
+from wroll_fem.typing import FloatArray
+
+MOST_SKIPPED = 8
+"""Internal resonances that are stepped over in one curve."""
+
+STEPS_BEYOND = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 4e-2)
+"""Steps in frequency, relative to the band, that are tried to get past an internal resonance."""
+
+LARGEST_JUMP = 0.5
+"""Largest relative change of the motion over such a step."""
+
+
+@dataclass(frozen=True)
+class HarmonicCurve:
+    """Periodic motions along a branch.
+
+    Attributes
+    ----------
+    frequencies : (p,) rad/s, in the order of the branch (not rising through folds)
+    coefficients : (p, R, m) Fourier coefficients of q
+    tangents : (p, R m + 1) scaled unit tangents, for interpolation along the branch
+    iterations : (p,) Newton iterations
+    stable : (p,) False between folds (one real Floquet multiplier above 1 there; other instabilities are not seen)
+    balance : the equations
+    gap : frequencies (rad/s) between which the response exceeds `LARGEST_GROWTH` and is
+        not computed; None without
+    skipped : frequencies (rad/s) just behind internal resonances that were stepped over
+    """
+
+    frequencies: FloatArray
+    coefficients: FloatArray
+    tangents: FloatArray
+    iterations: np.ndarray
+    stable: np.ndarray
+    balance: HarmonicBalance
+    problem: FrequencyCurve = field(repr=False)
+    gap: tuple[float, float] | None = None
+    skipped: tuple[float, ...] = ()
+
+    @classmethod
+    def of_points(
+        cls,
+        problem: FrequencyCurve,
+        points: list[CurvePoint],
+        gap: tuple[float, float] | None = None,
+        skipped: Sequence[float] = (),
+    ) -> HarmonicCurve:
+        """Curve from what `continuation.follow` found."""
+        motions = [problem.motion(p.z) for p in points]
+        return cls(
+            frequencies=np.array([w for _, w in motions]),
+            coefficients=np.array([q for q, _ in motions]),
+            tangents=np.array([p.tangent for p in points]),
+            iterations=np.array([p.iterations for p in points]),
+            stable=np.array([p.tangent[-1] > 0.0 and p.regular for p in points]),
+            balance=problem.balance,
+            problem=problem,
+            gap=gap,
+            skipped=tuple(skipped),
+        )
+
+    def take(self, points: list[int]) -> HarmonicCurve:
+        """Some of the points."""
+        names = ("frequencies", "coefficients", "tangents", "iterations", "stable")
+        return replace(self, **{name: getattr(self, name)[points] for name in names})
+
+    def moved_to(self, contact: HarmonicContact, control: StepControl) -> HarmonicCurve:
+        """These points in another model, in planes normal to the curve; those that do not converge are left out."""
+        shift = self.balance.model.vectors.T @ contact.model.vectors
+        balance = HarmonicBalance(contact, self.balance.acceleration)
+        problem, found = FrequencyCurve(balance, self.problem.band, self.problem.size), []
+        for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
+            along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
+            row = np.append(along, self.tangents[k, -1])
+            row /= np.linalg.norm(row)
+            z, history = correct(problem, problem.scaled(q @ shift, w), row, control)
+            if z is not None:
+                found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
+        return HarmonicCurve.of_points(problem, found)
+
+    @property
+    def folds(self) -> int:
+        """Number of turning points."""
+        return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
+
+    def direction(self, k: int) -> FloatArray:
+        """(R, m) change of the coefficients along the branch at point k, to a scale."""
+        return self.problem.unpacked(self.tangents[k, :-1])
+
+    def fundamental(self, row: FloatArray) -> np.ndarray:
+        """(p,) complex amplitude of the fundamental of row . q, base acceleration being A cos(wt)."""
+        return np.asarray(self.coefficients[:, 1] @ row - 1j * (self.coefficients[:, 2] @ row))
+
+    @property
+    def transmissibility(self) -> np.ndarray:
+        """(p,) complex: fundamental of the absolute tip acceleration over the base acceleration."""
+        tip = self.fundamental(self.balance.model.tip)
+        return 1.0 - self.frequencies**2 * tip / self.balance.acceleration
+
+
+def solve_response(
+    model: ReducedModel,
+    preload: ContactState,
+    laws: PointLaws,
+    *,
+    amplitude: float,
+    frequencies: tuple[float, float],
+    harmonics: int = 3,
+    samples: int = 64,
+    max_periods: int = MAX_PERIODS,
+    control: StepControl | None = None,
+    on_point: Callable[[float, int], None] | None = None,
+) -> HarmonicCurve:
+    """Steady response to a base acceleration A cos(wt) over a band of frequencies; see `response_curve`.
+
+    Parameters
+    ----------
+    harmonics, samples
+        H and samples per period.
+    max_periods
+        Periods that the hysteresis may take to become periodic.
+    """
+    contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
+    return response_curve(contact, amplitude=amplitude, frequencies=frequencies, control=control, on_point=on_point)
+
+
+def response_curve(
+    contact: HarmonicContact,
+    *,
+    amplitude: float,
+    frequencies: tuple[float, float],
+    control: StepControl | None = None,
+    on_point: Callable[[float, int], None] | None = None,
+) -> HarmonicCurve:
+    """Steady response to a base acceleration A cos(wt) over a band of frequencies, through folds.
+
+    The curve is followed from the first frequency. Where the response grows beyond `LARGEST_GROWTH`, the resonance has
+    practically no damping, or none that bounds it; the curve is then followed from the last frequency downwards as
+    well, and has a gap between the two ends. Narrow internal resonances, where a harmonic of the motion meets a mode
+    without damping, are stepped over.
+
+    Parameters
+    ----------
+    amplitude
+        A in m/s^2, 0-peak.
+    frequencies
+        First and last frequency, Hz.
+    on_point
+        Called with the frequency in Hz and the number of points so far.
+
+    Raises
+    ------
+    InputError
+        For an empty band or no amplitude.
+    ConvergenceError
+        With the curve until then in ``partial`` (HarmonicCurve).
+    """
+    low, high = (2.0 * np.pi * f for f in frequencies)
+    if not 0.0 < low < high:
+        raise InputError(f"band of {frequencies[0]:g} to {frequencies[1]:g} Hz", remedy="give two rising frequencies")
+    if not amplitude > 0.0:
+        raise InputError(f"base acceleration {amplitude:g} m/s^2", key="excitation.amplitude", remedy="use more than 0")
+    control = control or StepControl()
+    balance = HarmonicBalance(contact, amplitude)
+    start = solve_motion(balance, low, control=control)
+    problem = FrequencyCurve(balance, (low, high), _response_size(balance, start, low, high))
+
+    def report(points: list[CurvePoint]) -> None:
+        if on_point is not None:
+            on_point(problem.motion(points[-1].z)[1] / (2.0 * np.pi), len(points))
+
+    def branch(motion: FloatArray, frequency: float, end: float, before: list[CurvePoint]) -> list[CurvePoint]:
+        first = solve_at(problem, problem.scaled(motion, frequency), control)
+        points: list[CurvePoint] = []
+        while True:
+            try:
+                points += follow(problem, first, end, control, on_point=report, ends=problem.ended)
+                stopped = None
+            except ConvergenceError as error:
+                points += error.partial or []
+                stopped = error
+            if stopped is None and problem.overtones(points[-1].z) <= LARGEST_OVERTONES:
+                return points
+            beyond = _beyond(problem, points, end, control) if len(skipped) < MOST_SKIPPED else None
+            if beyond is None:
+                failure = stopped or _internal(problem, points[-1])
+                failure.partial = HarmonicCurve.of_points(problem, before + points)
+                raise failure
+            points, first = beyond
+            skipped.append(problem.motion(first)[1])
+
+    skipped: list[float] = []
+    points = branch(start, low, BAND_SCALE, [])
+    if not problem.grown(points[-1].z):
+        return HarmonicCurve.of_points(problem, points, skipped=skipped)
+    last = problem.motion(points[-1].z)[1]
+    try:
+        down = branch(solve_motion(balance, high, control=control), high, 0.0, points)
+    except ConvergenceError as error:
+        error.partial = HarmonicCurve.of_points(problem, points)
+        raise
+    upwards = [CurvePoint(p.z, -p.tangent, p.iterations, p.regular) for p in reversed(down)]
+    first = problem.motion(upwards[0].z)[1]
+    return HarmonicCurve.of_points(problem, points + upwards, (min(last, first), max(last, first)), skipped)
+
+
+def _beyond(
+    problem: FrequencyCurve, points: list[CurvePoint], end: float, control: StepControl
+) -> tuple[list[CurvePoint], FloatArray] | None:
+    """Points up to an internal resonance, and the first solution (n + 1,) past it; None if there is none nearby.
+
+    The frequency is stepped at the motion before it. A solution counts when its overtones are no larger than they were
+    well before, and its fundamental has not jumped.
+    """
+    forward = 1.0 if end > points[0].z[-1] else -1.0
+    calm = [k for k, p in enumerate(points) if problem.overtones(p.z) <= 0.3 * LARGEST_OVERTONES]
+    if not calm or len(calm) < 2:
+        return None
+    last = calm[-1] if calm[-1] < len(points) - 1 else max(calm[-1] - 2, 0)
+    kept = points[: last + 1]
+    here = kept[-1]
+    furthest = max(forward * p.z[-1] for p in points)
+    for step in STEPS_BEYOND:
+        z = here.z.copy()
+        place = max(furthest, forward * here.z[-1]) + step * BAND_SCALE
+        if place > forward * end:
+            return None
+        z[-1] = forward * place
+        try:
+            found = solve_at(problem, z, control)
+        except ConvergenceError:
+            continue
+        change = np.linalg.norm(found[:-1] - here.z[:-1]) / np.linalg.norm(here.z[:-1])
+        if problem.overtones(found) <= 0.3 * LARGEST_OVERTONES and change < LARGEST_JUMP:
+            return kept, found
+    return None
+
+
+def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
+    share = problem.overtones(point.z)
+    return ConvergenceError(
+        f"internal resonance without damping: a harmonic of the motion meets a mode ({problem.describe(point.z)})",
+        time_s=None, iterations=point.iterations, residual_history=[share],
+        advice="change the band, or compute a sweep",
+    )  # fmt: skip
+
+
+def _response_size(balance: HarmonicBalance, start: FloatArray, low: float, high: float) -> float:
+    """Scale of the motion in the band, J^(1/2): the larger of the start's and a tenth of a resonance at 1 % damping."""
+    model = balance.model
+    root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + low * high)
+    here = float(np.linalg.norm(start * root))
+    inside = (model.eigenvalues > (0.8 * low) ** 2) & (model.eigenvalues < (1.2 * high) ** 2)
+    resonant = balance.acceleration * np.abs(model.base[inside]) / (0.02 * model.eigenvalues[inside])
+    return max(here, float((0.5 * resonant * root[inside]).max(initial=0.0)), 1e-300)
