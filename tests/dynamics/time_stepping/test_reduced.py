@@ -103,7 +103,7 @@ def test_energy_identity_holds_in_the_reduced_model() -> None:
 def test_wide_separation_converges_and_a_larger_span_comes_closer() -> None:
     loose = ("preload.pressure=1.0e3",)
     errors = []
-    for tolerance in (2e-3, 5e-4):
+    for tolerance in (2e-3, 2.5e-4):
         run = stepper(*prepared(*loose), tolerance)
         history = simulate(*prepared(*loose), STRONG, dt=DT, scheme=HHT, stepper=run)
         errors.append(tip_error(history, exact(*loose)))
