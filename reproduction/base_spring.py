@@ -14,6 +14,8 @@ from reproduction.words import numbers, table
 from wroll_fem.plotting.study import PRESSURE, StudyCase, read
 
 STUDY, DWELLS, THESIS = "base_spring", "dwell_layers_spring", "layer_modulus_thesis"
+LEVEL = 5.0
+"""Base acceleration at which the resonance is read, m/s^2, 0-peak."""
 STIFFNESS, MODULUS = "coil.base_stiffness", "coil.material.E"
 
 
@@ -28,16 +30,23 @@ def over_preload(members: Sequence[StudyCase], stiffness: float, modulus: float)
     return sorted(own, key=lambda m: float(m.values[PRESSURE]))
 
 
+def resonance_at(member: StudyCase) -> float:
+    """Resonance (Hz) of a backbone at `LEVEL`, or at its largest amplitude if it needs less there."""
+    data = member.data
+    base, f = data["resonant_base_acceleration"].values, data["resonance_frequency"].values
+    above = np.flatnonzero(base >= LEVEL)
+    return float(f[above[0]] if above.size else f[-1])
+
+
 def span(members: Sequence[StudyCase]) -> float:
     """Difference of the largest and the smallest resonance over the preload, Hz; nan with fewer than two cases."""
-    f = [read(m).f_n for m in members]
+    f = [resonance_at(m) for m in members]
     return max(f) - min(f) if len(f) > 1 else math.nan
 
 
 def largest_zeta(members: Sequence[StudyCase]) -> float:
-    """Largest half-power damping over the preload; nan if none was read."""
-    zeta = [read(m).zeta for m in members if math.isfinite(read(m).zeta)]
-    return max(zeta, default=math.nan)
+    """Largest modal damping of the backbones over the preload; nan without a case."""
+    return max((float(m.data.attrs["zeta_max"]) for m in members), default=math.nan)
 
 
 def lost(members: Sequence[StudyCase]) -> str:
@@ -73,7 +82,10 @@ def thesis_text(evidence: Evidence) -> str:
     """Largest damping over the preload with the settings of the thesis, as text (C89)."""
     members = evidence.study(THESIS)
     moduli = sorted({float(m.values[MODULUS]) for m in members})
-    zeta = [100 * largest_zeta([m for m in members if m.values[MODULUS] == modulus]) for modulus in moduli]
+    zeta = []
+    for modulus in moduli:
+        found = [read(m).zeta for m in members if m.values[MODULUS] == modulus]
+        zeta.append(100 * max((z for z in found if math.isfinite(z)), default=math.nan))
     rings = any(read(m).rings for m in members)
     remark = " (they ring: half power reads a ripple)" if rings else ""
     return f"settings of the thesis, base clamped: {numbers(zeta, '.2f')} %{remark}"
@@ -104,7 +116,7 @@ def spring_table(evidence: Evidence) -> str:
         cells = [f"{k:g}"]
         for modulus in moduli:
             own = over_preload(members, k, modulus)
-            cells += [numbers((read(m).f_n for m in own), ".1f"), f"{100 * largest_zeta(own):.2f}"]
+            cells += [numbers((resonance_at(m) for m in own), ".1f"), f"{100 * largest_zeta(own):.2f}"]
         found = dwells.get(k)
         cells.append("" if found is None else f"{1e6 * np.max(outer_slips(found)[1]):.2f}")
         rows.append(cells)
