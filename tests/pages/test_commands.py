@@ -66,6 +66,7 @@ SMALLER: dict[str, list[str]] = {
     "design_map": ["design_map.mandrel_radius=[0.02, 0.03]", "design_map.mandrel_thickness=[0.002]", "mesh.axial=4"],
     "kapton_mandrel": [*COARSE, "modal.count=4"],
     "kapton_roll": SOLID,
+    "lab_buckling": [*COARSE, "modal.count=2"],
     "lab_dwell": [*COARSE, "excitation.cycles=8"],
     "lab_dwell_layers": [*COARSE, "excitation.cycles=2", "excitation.ramp_cycles=1"],
     "lab_backbone": [*COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1", "backbone.tip_largest=3e-5"],

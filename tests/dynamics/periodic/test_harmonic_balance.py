@@ -372,10 +372,10 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
          "excitation.ramp_cycles=20", "output.figures=false"],
     )  # fmt: skip
     steady = summarise(run_analysis(case, progress=SilentProgress()), case)
-    chirp = case.changed("analysis=sweep", "integrator.steps_per_cycle=30")
+    chirp = case.changed("analysis=sweep", "integrator.steps_per_cycle=60")  # at 30 the step lowers the peak by 2 %
     swept = summarise(run_analysis(chirp, progress=SilentProgress()), chirp)
-    assert steady["f_n_hz"] == pytest.approx(swept["f_n_hz"], rel=5e-3)
-    assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.02)
+    assert steady["f_n_hz"] == pytest.approx(swept["f_n_hz"], rel=3e-3)
+    assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.01)
     assert steady["energy_balance_error"] < 5e-3
     assert steady["slipping_area_fraction"][0] > 0.02
 

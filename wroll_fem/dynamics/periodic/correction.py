@@ -89,7 +89,7 @@ def correction(
         """D z: traction (3 n, R) of a jump (3 n, R)."""
         out = np.zeros_like(z)
         moved = z[dofs]  # (a, 3, R)
-        out[dofs] = (square @ moved.reshape(len(points), -1, 1)).reshape(moved.shape)
+        out[dofs] = (square @ moved.reshape(len(points), square.shape[1], 1)).reshape(moved.shape)
         return out
 
     def answer(z: FloatArray) -> FloatArray:
