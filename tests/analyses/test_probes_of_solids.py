@@ -24,7 +24,9 @@ def test_preload_presses_the_wall_inwards_by_pressure_over_stiffness() -> None:
         "layer": {"z": 0.15, "theta": 0.3, "direction": "radial", "body": "layer_01"},
         "turn": {"z": 0.15, "theta": 0.3, "direction": "hoop"},
     }
-    case = wf.load_case(CONFIGS / "lab_sweep.yaml", ["analysis=preload", "mesh.circumferential=16", "mesh.axial=8"])
+    case = wf.load_case(
+        CONFIGS / "lab_sweep.yaml", ["analysis=preload", "mesh={circumferential: 16, axial: 16, grading: 1}"]
+    )
     result = wf.run(case.replace({"probes": points}), progress=False)
     moved = dict(zip(result["probe"].values, result["probe_displacement"].values, strict=True))
     g, mandrel, coil, pressure = case.geometry, case.mandrel.material, case.coil.material, case.preload.pressure

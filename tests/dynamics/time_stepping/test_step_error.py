@@ -86,7 +86,7 @@ def test_the_error_of_a_sharp_peak_is_its_shift() -> None:
     assert curve_error(scheme, 0.5 * dt, Oscillator(10.0, zeta)) < 0.3 * curve_error(scheme, dt, Oscillator(10.0, zeta))
 
 
-@pytest.mark.parametrize(("frequency", "level"), [(120, 20.0), (150, 5.0), (165, 20.0)])
+@pytest.mark.parametrize(("frequency", "level"), [(120, 20.0), (150, 5.0), (175, 20.0)])
 def test_the_error_of_a_roll_that_slips_is_within_a_factor_of_two_of_a_ten_times_finer_run(
     frequency: float, level: float
 ) -> None:
@@ -109,6 +109,21 @@ def test_the_error_of_a_roll_that_slips_is_within_a_factor_of_two_of_a_ten_times
     assert fine.attrs["time_step_error"] < 0.03 * error
     told = [text for text in summarise(coarse)["warnings"] if "the time step changes the history" in text]
     assert bool(told) == (coarse.attrs["time_step_error"] > WANTED)
+
+
+def test_a_mode_that_friction_drives_at_a_harmonic_is_told() -> None:
+    """A second resonance at five times the excitation, which the time step detunes, is not in `time_step_error`."""
+    dwell = "excitation={kind: dwell, amplitude: 20, frequency: 165, cycles: 20, ramp_cycles: 5}"
+    words = [
+        dwell,
+        "solver.method=condensed",
+        "mesh={circumferential: 8, axial: 3, grading: 1}",
+        "output.figures=false",
+    ]
+    found = run_analysis(load_case(CONFIGS / "tiny.yaml", words), progress=SilentProgress())
+    told = [text for text in summarise(found)["warnings"] if "lies near 5 times the excitation" in text]
+    assert len(told) == 1
+    assert "which time_step_error misses" in told[0]
 
 
 def test_steps_that_are_left_out_are_chosen_by_the_error() -> None:
