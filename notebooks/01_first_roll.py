@@ -24,6 +24,7 @@
 
 # %%
 import tempfile
+import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -131,6 +132,7 @@ assert 0.97 < share < 1.0
 # second call reads the stored results; an interrupted run continues.
 
 # %%
+warnings.filterwarnings("ignore", category=wf.CaseWarning)  # a short dwell with coarse steps, which the program says
 with tempfile.TemporaryDirectory() as folder:
     small = wf.load_case("../configs/tiny.yaml", ["mesh.axial=12", "mesh.grading=6"])
     kept = wf.run(small, out=Path(folder) / "tiny")

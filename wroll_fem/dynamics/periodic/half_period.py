@@ -7,7 +7,8 @@ pair of points that S maps onto each other, one is evaluated.
 
 The symmetry is not assumed: `HalfPeriod.of` checks it on the profiles of all modes, on the laws and on the preload. One
 thing is chosen: sliding that stops in a state of rest leaves tractions behind that depend on how the motion began
-(shakedown), and here both points of a pair begin half a period apart, as in a motion that grows slowly.
+(shakedown), and here both points of a pair begin half a period apart, as in a motion that grows slowly. Points in the
+plane of the mirror, which pair with themselves, have no such leftover.
 """
 
 from __future__ import annotations
@@ -81,11 +82,16 @@ class HalfPeriod:
         return odd, vectors - odd
 
     def spread(self, coefficients: FloatArray, orders: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of harmonics ``orders`` (R,) of all points from those of the first (3 k, R)."""
+        """(3 n, R) Fourier coefficients of harmonics ``orders`` (R,) of all points from those of the first (3 k, R).
+
+        A point that is its own mirror image keeps the symmetric part: the rest is a leftover traction of its start.
+        """
         n, k = len(self.source), len(self.first)
         later = np.where(orders % 2 == 1, -1.0, 1.0)
         out = coefficients[contact_dofs(k)[self.source]]  # (n, 3, R)
-        out[self.mirrored] *= self.signs[:, None] * later
+        mirror = self.signs[:, None] * later  # (3, R)
+        out[self.mirrored] *= mirror
+        out[self.weight[self.source] == 1.0] *= 0.5 * (1.0 + mirror)  # points that are their own mirror image
         whole = np.empty((3 * n, coefficients.shape[1]))
         whole[contact_dofs(n)] = out
         return whole
