@@ -25,8 +25,8 @@ NEAR_RESONANCE = 0.02
 """The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""
 
 KRYLOV, KRYLOV_TOLERANCE = 150, 1e-5
-"""Maximum number of GMRES iterations, and the relative residual at which they end. Near a resonance the solution is less
-exact than its residual: with 1e-3 the estimate could not fall below 1e-3."""
+"""Maximum number of GMRES iterations, and the relative residual at which they end. The solution is less exact near a
+resonance: with 1e-3 the estimate could not fall below 1e-3."""
 
 
 @dataclass(frozen=True)
