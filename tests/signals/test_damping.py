@@ -11,6 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.signals.damping import half_power, least_damping, sweep_warning
+from wroll_fem.signals.estimators.curve_damping import estimate_damping
 
 
 def curve(r, zeta):
@@ -177,3 +178,13 @@ def test_a_ripple_on_a_slope_is_no_resonance():
     read = half_power(frequency, slope)
     assert not read.resonant
     assert "rises" in read.reason
+
+
+def test_a_high_point_in_antiphase_is_a_resonance_and_a_low_one_is_not() -> None:
+    """A sweep that rings through a sharp resonance has any phase at its highest point; a ripple is low."""
+    frequency = np.linspace(90.0, 110.0, 401)
+    magnitude = 1.0 / np.abs(1.0 - (frequency / 100.0) ** 2 + 0.02j * frequency / 100.0)  # 50 at 100 Hz
+    high, low = (estimate_damping(frequency, share * -magnitude.astype(complex)) for share in (1.0, 0.1))
+    assert high.shape.f_n == pytest.approx(100.0, rel=1e-3)
+    assert np.isnan(low.shape.f_n)
+    assert "no resonance inside" in low.shape.reason

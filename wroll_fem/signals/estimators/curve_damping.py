@@ -38,6 +38,10 @@ LEAST_QUADRATURE = 0.2
 """Least |Im T| / |T| at a resonance: 0.25 for one degree of freedom with a damping ratio of 1, 0.9 with 0.2. Away from
 resonances the response is in phase or in antiphase with the base, and its maxima are ripples."""
 
+LARGEST_RIPPLE = 10.0
+"""|T| above which a resonance is near whatever the phase: without damping, 1/|1 - (f/f_n)^2| exceeds it within 5 % of f_n.
+The ringing of a sweep through a sharp resonance has any phase."""
+
 LOOSE_FIT = 0.05
 """Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
 
@@ -144,7 +148,7 @@ def estimate_damping(
 def _in_quadrature(shape: HalfPower, f: npt.NDArray[np.float64], values: npt.NDArray[Any]) -> HalfPower:
     """Shape, without a resonance if the response at its highest point is in phase or in antiphase with the base."""
     at = values[int(np.argmin(np.abs(f - shape.f_n)))]
-    if abs(at.imag) >= LEAST_QUADRATURE * abs(at):
+    if abs(at.imag) >= LEAST_QUADRATURE * abs(at) or abs(at) > LARGEST_RIPPLE:
         return shape
     return shape.without_resonance(
         f"the highest point, at {shape.f_n:.5g} Hz, has a phase of {np.degrees(np.angle(at)):.0f} degrees, a resonance "
