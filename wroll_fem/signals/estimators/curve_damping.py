@@ -39,7 +39,7 @@ LEAST_QUADRATURE = 0.2
 resonances the response is in phase or in antiphase with the base, and its maxima are ripples."""
 
 LARGEST_RIPPLE = 10.0
-"""|T| above which a resonance is near whatever the phase: without damping, 1/|1 - (f/f_n)^2| exceeds it within 5 % of f_n.
+"""|T| above which a resonance is near whatever the phase: without damping it is within 5 % of f_n, |T| = 1/|1 - r^2|.
 The ringing of a sweep through a sharp resonance has any phase."""
 
 LOOSE_FIT = 0.05
