@@ -60,12 +60,12 @@ def _step(
     system: System, force: FloatArray, state: ContactState, load_factor: float, condensed: CondensedStatic | None
 ) -> ContactState:
     """Equilibrium under ``force``; a condensed step that does not converge is solved on the whole structure."""
-    if condensed is not None:
-        try:
-            return condensed(force, state, load_factor=load_factor)
-        except ConvergenceError:
-            pass
-    return solve_static(system, force, state, load_factor=load_factor)
+    if condensed is None:
+        return solve_static(system, force, state, load_factor=load_factor)
+    try:
+        return condensed(force, state, load_factor=load_factor)
+    except ConvergenceError:  # only the whole structure has the line search on the potential
+        return solve_static(system, force, state, load_factor=load_factor)
 
 
 def equilibrium_force(system: System, state: ContactState) -> FloatArray:
