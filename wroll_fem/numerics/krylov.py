@@ -1,19 +1,19 @@
-"""GMRES for linear maps between arrays of any shape, by scipy."""
+"""GMRES for linear maps between arrays of any shape."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from inspect import signature
 
-import scipy.sparse.linalg as spla
+import numpy as np
 
 from wroll_fem.typing import FloatArray
-
-_RELATIVE = "rtol" if "rtol" in signature(spla.gcrotmk).parameters else "tol"  # renamed in scipy 1.12
 
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:
     """Solve ``apply(z) = b`` by GMRES without restart.
+
+    The Krylov vectors are made orthogonal twice, and the small problem is solved by least squares: the residual does
+    not grow where the map is nearly singular.
 
     Parameters
     ----------
@@ -30,11 +30,40 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     -------
     numpy.ndarray
         Solution z, in the shape of ``b``.
+
+    References
+    ----------
+    Saad, Schultz (1986), SIAM J. Sci. Stat. Comput. 7, 856, doi:10.1137/0907058.
     """
-    if b.size == 0:  # a structure without interfaces
-        return b
-    # gcrotmk with nothing recycled is GMRES. It solves its small problem by least squares; spla.gmres does not, and its
-    # residual may grow by orders of magnitude where the map is nearly singular (scipy 1.10).
-    operator = spla.LinearOperator((b.size, b.size), lambda v: apply(v.reshape(b.shape)).ravel(), dtype=float)
-    z, _ = spla.gcrotmk(operator, b.ravel(), m=iterations, k=0, maxiter=1, atol=0.0, **{_RELATIVE: tolerance})
-    return z.reshape(b.shape)
+    size = float(np.linalg.norm(b))
+    if size == 0.0:  # a structure without interfaces as well
+        return np.zeros_like(b)
+    space = np.empty((iterations + 1, b.size))
+    space[0] = b.ravel() / size
+    matrix = np.zeros((iterations + 1, iterations))
+    triangle = np.zeros(iterations)  # column of the rotated matrix
+    turns: list[tuple[float, float]] = []
+    left, count = size, 0
+    while count < iterations and left > tolerance * size:
+        w = apply(space[count].reshape(b.shape)).ravel().copy()
+        before, known = float(np.linalg.norm(w)), space[: count + 1]
+        for _ in range(2):
+            part = known @ w
+            w -= part @ known
+            matrix[: count + 1, count] += part
+        rest = float(np.linalg.norm(w))
+        matrix[count + 1, count] = rest
+        triangle[: count + 1] = matrix[: count + 1, count]
+        for k, (c, s) in enumerate(turns):
+            triangle[k], triangle[k + 1] = c * triangle[k] + s * triangle[k + 1], c * triangle[k + 1] - s * triangle[k]
+        length = float(np.hypot(triangle[count], rest))
+        count += 1
+        if length == 0.0 or rest <= 1e-15 * before:  # the space holds the solution, or nothing more
+            break
+        turns.append((triangle[count - 1] / length, rest / length))
+        left *= rest / length
+        space[count] = w / rest
+    target = np.zeros(count + 1)
+    target[0] = size
+    weights = np.linalg.lstsq(matrix[: count + 1, :count], target, rcond=None)[0]
+    return np.asarray(weights @ space[:count]).reshape(b.shape)

@@ -26,6 +26,7 @@ import numpy as np
 from wroll_fem.contact.kernels import PointLaws, Reference
 from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
+from wroll_fem.dynamics.periodic.every_mode import EveryMode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -191,6 +192,11 @@ class HarmonicContact:
     def active(self) -> IntArray:
         """Place in the flattened (R, m) coefficients of every unknown, group after group."""
         return np.concatenate([(rows[:, None] * self.model.size + columns).ravel() for rows, columns in self.groups])
+
+    @cached_property
+    def every_mode(self) -> EveryMode:
+        """Maps between the points evaluated and all modes of the structure."""
+        return EveryMode(self.model.condensation, self.symmetry, self.sampling.orders)
 
     def spread(self, coefficients: FloatArray) -> FloatArray:
         """(3 n, R) Fourier coefficients of all points from those of the points evaluated."""

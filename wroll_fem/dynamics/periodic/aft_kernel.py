@@ -186,7 +186,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
     values, velocities, project = series
     count, size = values.shape
     n = laws.mu.shape[0]
-    de, trial, new = np.zeros((2, 2 * size)), np.zeros((2, 2 * size)), np.zeros((2, 2 * size))
+    # derivative of the elastic slip by the hoop, then the axial motion, less that of a point that only sticks
+    dh, dz = np.zeros(2 * size), np.zeros(2 * size)
     rows = np.zeros((count, 7 * size + 2))
     for index in range(points.shape[0]):
         k = points[index]
@@ -195,68 +196,55 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
         kn, separates = laws.kn[k], laws.separation[k]
         eh, ez = e_0[h], e_0[z]
         before_h = before_z = 0.0
-        de[:] = 0.0
+        dh[:] = 0.0
+        dz[:] = 0.0
         wh = wz = 0.0
-        for step in range(1, (periods[k] + 1) * count + 1):
+        end = (periods[k] + 1) * count
+        for step in range(1 if moved[k] else end - count + 1, end + 1):
             j = step % count
-            first = step <= count
-            last = step > periods[k] * count
-            if not moved[k] and not last:
-                continue
-            if first:
-                grown, growth, grown_before = ramp[step], ramp_rate[step], ramp[step - 1]
-            else:
-                grown, growth, grown_before = 1.0, 0.0, 1.0
-            now_h, now_z = grown * motion[h, j], grown * motion[z, j]
+            now_h, now_z = motion[h, j], motion[z, j]
             if moved[k]:
-                previous = (step - 1) % count
+                grown, growth = 1.0, 0.0
+                if step <= count:
+                    grown, growth = ramp[step], ramp_rate[step]
+                    now_h, now_z = grown * now_h, grown * now_z
                 th, tz = eh + now_h - before_h, ez + now_z - before_z
                 vh = grown * rate[h, j] + growth * motion[h, j]
                 vz = grown * rate[z, j] + growth * motion[z, j]
                 eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
-                for r in range(size):
-                    moves = grown * values[j, r] - grown_before * values[previous, r]
-                    for c in range(2):
-                        trial[c, r], trial[c, size + r] = de[c, r], de[c, size + r]
-                    trial[0, r] += moves
-                    trial[1, size + r] += moves
                 if slides or not laws.sticks[k]:
                     a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, laws, dt)
-                    for r in range(2 * size):
-                        new[0, r] = a00 * trial[0, r] + a01 * trial[1, r]
-                        new[1, r] = a10 * trial[0, r] + a11 * trial[1, r]
                     for r in range(size):
+                        here = grown * values[j, r]
                         fast = grown * velocities[j, r] + growth * values[j, r]
-                        new[0, r] += b00 * fast
-                        new[1, r] += b10 * fast
-                        new[0, size + r] += b01 * fast
-                        new[1, size + r] += b11 * fast
+                        hh, hz, zh, zz = dh[r] + here, dh[size + r], dz[r], dz[size + r] + here
+                        dh[r] = a00 * hh + a01 * zh + b00 * fast - here
+                        dh[size + r] = a00 * hz + a01 * zz + b01 * fast
+                        dz[r] = a10 * hh + a11 * zh + b10 * fast
+                        dz[size + r] = a10 * hz + a11 * zz + b11 * fast - here
                     # at fixed coefficients the velocity is (change per sample)/dt, so d/d ln(w) = B (change per sample)
                     wh, wz = a00 * wh + a01 * wz + b00 * vh + b01 * vz, a10 * wh + a11 * wz + b10 * vh + b11 * vz
-                    de[:] = new
-                else:
-                    de[:] = trial
             else:
                 eh, ez = e_0[h] + now_h, e_0[z] + now_z
-                for r in range(size):
-                    de[0, r] = values[j, r]
-                    de[1, size + r] = values[j, r]
             before_h, before_z = now_h, now_z
-            if last:
+            if step > end - count:
                 gn = g_0[normal_dof] + motion[normal_dof, j]
                 stiffness = kn if is_closed(gn, separates) else 0.0
                 pressed = pressure(penalty_traction(gn, kn, separates)) > 0.0
                 slope = stick * -stiffness if pressed else 0.0  # of the stick stiffness with the gap
                 kt = slope * gn
-                for r in range(2 * size):
-                    rows[j, r] = kt * de[0, r]
-                    rows[j, 2 * size + r] = kt * de[1, r]
+                row = rows[j]
                 for r in range(size):
-                    rows[j, 4 * size + r] = slope * eh * values[j, r]
-                    rows[j, 5 * size + r] = slope * ez * values[j, r]
-                    rows[j, 6 * size + r] = stiffness * values[j, r]
-                rows[j, 7 * size] = kt * wh
-                rows[j, 7 * size + 1] = kt * wz
+                    here = values[j, r]
+                    row[r] = kt * (dh[r] + here)
+                    row[size + r] = kt * dh[size + r]
+                    row[2 * size + r] = kt * dz[r]
+                    row[3 * size + r] = kt * (dz[size + r] + here)
+                    row[4 * size + r] = slope * eh * here
+                    row[5 * size + r] = slope * ez * here
+                    row[6 * size + r] = stiffness * here
+                row[7 * size] = kt * wh
+                row[7 * size + 1] = kt * wz
         found = np.dot(project, rows)
         for r in range(size):
             for q in range(size):

@@ -17,7 +17,6 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
-from wroll_fem.dynamics.reduction.reduced_model import contact_jump, modal_force
 from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
 
@@ -61,61 +60,68 @@ def correction(
     ``damping`` is the negative modal damping of a nonlinear mode.
     """
     contact, model = balance.contact, balance.model
-    c, orders = model.condensation, balance.orders
-    modal = model.vectors @ coefficients.T  # (r, R)
+    c, orders, every = model.condensation, balance.orders, contact.every_mode
+    groups = every.groups
     state = contact.evaluate(contact.motion(coefficients), frequency)
-    squares = (orders * frequency) ** 2
-    weights = contact.all_weights[:, None]
-    force = modal_force(c, weights * contact.spread(state.coefficients))
-    residual = (c.eigenvalues[:, None] - squares) * modal + force
-    residual[:, 1] += balance.acceleration * c.base
-    if c.damping is not None:
-        w = orders[1::2] * frequency
-        residual[:, 1::2] += w * (c.damping @ modal[:, 2::2])
-        residual[:, 2::2] -= w * (c.damping @ modal[:, 1::2])
-    if damping:
-        w = orders[1::2] * frequency
-        residual[:, 1::2] -= 2.0 * damping * frequency * w * modal[:, 2::2]
-        residual[:, 2::2] += 2.0 * damping * frequency * w * modal[:, 1::2]
-    each = (np.unique(orders) * frequency) ** 2
-    stiffness = c.eigenvalues - each[:, None]  # (H + 1, r)
-    least = NEAR_RESONANCE * np.maximum(c.eigenvalues, each[:, None])
-    stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
-    inverse = 1.0 / stiffness[orders.astype(int)].T  # (r, R)
+    weights = contact.laws.area[every.points][:, None, None]
+    modal = every.split(model.vectors @ coefficients.T)
+    residual = every.force(weights * state.coefficients[every.dofs])
+    inverse, root = [], []
+    for group, motion, force in zip(groups, modal, residual, strict=True):
+        squares = (orders[group.columns] * frequency) ** 2
+        values = group.of_modes(c.eigenvalues, fill=1.0)[:, :, None]
+        stiffness = values - squares
+        force += stiffness * motion
+        force[:, :, group.columns == 1] += balance.acceleration * group.of_modes(c.base)[:, :, None]
+        least = NEAR_RESONANCE * np.maximum(values, squares)
+        stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
+        inverse.append(1.0 / stiffness)
+        root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
+    if c.damping is not None or damping:
+        speed = balance.velocity(coefficients, frequency) @ model.vectors.T  # (R, r)
+        viscous = -2.0 * damping * frequency * speed
+        if c.damping is not None:
+            viscous += speed @ c.damping.T
+        for force, part in zip(residual, every.split(viscous.T), strict=True):
+            force += part
     points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-    dofs, own = contact.dofs[points], contact.own
+    own = np.zeros(contact.n, np.int64)
+    own[every.points] = np.arange(contact.n)
+    own = own[points]
     square = blocks.reshape(len(points), 3 * len(orders), 3 * len(orders))
+    square *= contact.laws.area[points][:, None, None]
 
-    def changed(z: FloatArray) -> FloatArray:
-        """D z: traction (3 n, R) of a jump (3 n, R)."""
-        out = np.zeros_like(z)
-        moved = z[dofs]  # (a, 3, R)
-        out[dofs] = (square @ moved.reshape(len(points), square.shape[1], 1)).reshape(moved.shape)
-        return out
+    def answer(z: FloatArray) -> list[FloatArray]:
+        """L^{-1} G^T W D z: modal displacements of a jump (n, 3, R)."""
+        traction = np.zeros_like(z)
+        traction[own] = (square @ z[own].reshape(len(own), -1, 1)).reshape(len(own), 3, -1)
+        return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]
 
-    def answer(z: FloatArray) -> FloatArray:
-        """L^{-1} G^T W D z: modal displacement (r, R)."""
-        return np.asarray(inverse * modal_force(c, weights * contact.spread(changed(z))))
-
-    direct = -inverse * residual
+    direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
     z = gmres(
-        lambda v: v + contact_jump(c, answer(v))[own],
-        contact_jump(c, direct)[own],
-        tolerance=KRYLOV_TOLERANCE,
-        iterations=KRYLOV,
+        lambda v: v + every.motion(answer(v)), every.motion(direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
     )
-    delta = direct - answer(z)
-    root = np.sqrt(np.maximum(c.eigenvalues, 0.0) + frequency**2)[:, None]
+    delta = [part - change for part, change in zip(direct, answer(z), strict=True)]
+    scaled = _stacked([r * part for r, part in zip(root, delta, strict=True)])
     if along is not None:
-        shapes = root * (along @ model.vectors.T).transpose(0, 2, 1)
-        directions = la.qr(shapes.reshape(len(along), -1).T, mode="economic")[0]
-        scaled = (root * delta).ravel()
-        delta = (scaled - directions @ (directions.T @ scaled)).reshape(delta.shape) / root
-    tip, moved = c.tip @ delta[:, 1:3], c.tip @ modal[:, 1:3]
-    size = float(np.linalg.norm(root * modal))
+        shapes = [every.split(model.vectors @ one.T) for one in along]
+        directions = np.column_stack([_stacked([r * p for r, p in zip(root, one, strict=True)]) for one in shapes])
+        directions = la.qr(directions, mode="economic", check_finite=False)[0]
+        scaled -= directions @ (directions.T @ scaled)
+    ends = np.cumsum([0, *(part.size for part in delta)])
+    delta = [
+        scaled[first:last].reshape(part.shape) / r
+        for first, last, part, r in zip(ends[:-1], ends[1:], delta, root, strict=True)
+    ]
+    found = every.joined(delta)
+    size = float(np.linalg.norm(_stacked([r * part for r, part in zip(root, modal, strict=True)])))
     return Correction(
-        delta,
-        delta / size,
-        float(np.linalg.norm(root * delta)) / size,
-        float(np.linalg.norm(tip) / np.linalg.norm(moved)),
+        found,
+        found / size,
+        float(np.linalg.norm(scaled)) / size,
+        float(np.linalg.norm(c.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
     )
+
+
+def _stacked(parts: list[FloatArray]) -> FloatArray:
+    return np.concatenate([part.ravel() for part in parts])
