@@ -18,7 +18,7 @@ from support.fake_analyses import CONFIGS, TINY, FakeAnalyses, failure, tree
 from typer.testing import Result
 
 from wroll_fem import example_case, load_case
-from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.folder import RunFolder, Status
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
@@ -244,6 +244,24 @@ def test_interrupted_analysis_without_checkpoints_promises_none(
     stopped = wroll("run", TINY.parent / "lab_modal.yaml")
     assert stopped.exit_code == 130, stopped.stderr
     assert stopped.stderr == "interrupted; this analysis has no checkpoints: run the same command again\n"
+
+
+def test_an_interrupt_while_the_end_is_recorded_leaves_the_record(
+    wroll: Callable[..., Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record, ends = RunFolder.record, []
+
+    def interrupted_once(folder: RunFolder, status: Status, **entries: object) -> None:
+        if status != "running" and not ends:
+            ends.append(status)
+            raise KeyboardInterrupt
+        record(folder, status, **entries)
+
+    monkeypatch.setattr(RunFolder, "record", interrupted_once)
+    assert wroll("run", TINY, "--out", "here").exit_code == 130
+    assert ends == ["complete"]
+    assert RunFolder(tmp_path / "here").status() == "complete"
+    assert "already" in wroll("run", TINY, "--out", "here").stdout
 
 
 def test_resume_without_a_checkpoint_starts_from_the_beginning(

@@ -104,7 +104,12 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         raise
     finally:
         seeds = {} if dataset is None else {k: v for k, v in dataset.attrs.items() if "seed" in str(k)}
-        folder.record(status, wall_time_s=time.perf_counter() - started, resumed=resume, seeds=seeds, **failure)
+        ended = {"wall_time_s": time.perf_counter() - started, "resumed": resume, "seeds": seeds, **failure}
+        try:
+            folder.record(status, **ended)
+        except KeyboardInterrupt:  # the folder must not say "running" for ever
+            folder.record(status, **ended)
+            raise
     folder.checkpoint_file.unlink(missing_ok=True)
     return Run(folder, summary, figures)
 
