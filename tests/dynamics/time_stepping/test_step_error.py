@@ -18,7 +18,13 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.time_stepping.simulate import simulate
-from wroll_fem.dynamics.time_stepping.step_error import Oscillator, curve_error, fitted_oscillator, history_error
+from wroll_fem.dynamics.time_stepping.step_error import (
+    FITTED_CYCLES,
+    Oscillator,
+    curve_error,
+    fitted_oscillator,
+    history_error,
+)
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
@@ -75,6 +81,16 @@ def test_the_error_of_a_dwell_is_that_against_the_exact_solution(driven: float, 
     assert misfit < 1e-3
     assert (fitted.frequency_hz, fitted.zeta) == pytest.approx((10.0, zeta), rel=0.02)
     assert history_error(scheme, dt, motion, fitted) == pytest.approx(error, rel=0.1)
+
+
+def test_a_long_record_is_fitted_by_its_first_cycles_alone() -> None:
+    motion, dt, scheme = Dwell(5.0, 9.8, 600, 10), 1.0 / (9.8 * 40), Scheme.hht(-0.05)
+    found = integrated(10.0, 0.003, motion, dt, scheme)
+    later = found.copy()
+    later[dt * np.arange(len(found)) > FITTED_CYCLES / 9.8 + dt] = 0.0
+    fits = [fitted_oscillator(scheme, dt, motion, record) for record in (found, later)]
+    assert fits[0] == fits[1]
+    assert (fits[0][0].frequency_hz, fits[0][0].zeta) == pytest.approx((10.0, 0.003), rel=0.01)
 
 
 def test_the_error_of_a_sharp_peak_is_its_shift() -> None:

@@ -53,6 +53,12 @@ BAND = 0.4, 2.5
 
 MOST_TRIALS = 400
 
+FITTED_CYCLES = 100
+"""Excitation cycles from the start of a record that a fit compares: later ones repeat, or tell no more."""
+
+LEAST_SHAPE = 1e-9
+"""Share of a response besides the base motion below which it tells nothing."""
+
 ELEMENTS = 16
 """Friction elements of an oscillator."""
 
@@ -186,20 +192,30 @@ def fitted_oscillator(
     Returns
     -------
     oscillator : Oscillator
-    misfit : root mean square difference over that of the displacement
+    misfit : root mean square difference over that of the displacement, both in the first `FITTED_CYCLES` cycles
     """
+    driven = float(np.mean(motion.frequency(np.array([0.0, motion.duration]))))
+    displacement = displacement[: 1 + int(FITTED_CYCLES / (driven * dt))]
     base = motion.acceleration(dt * np.arange(len(displacement)))
-    size = float(np.linalg.norm(displacement))
+    rigid = base / np.linalg.norm(base)
+    wanted = displacement / np.linalg.norm(displacement)
+    wanted -= (rigid @ wanted) * rigid  # the part along the base motion, which any factor of it takes up
 
     def gap(oscillator: Oscillator) -> FloatArray:
-        shapes = np.column_stack([oscillator.response(scheme, dt, base), base])
-        shapes /= np.linalg.norm(shapes, axis=0)
-        factors = np.linalg.lstsq(shapes, displacement, rcond=None)[0]
-        return np.asarray(shapes @ factors - displacement) / size
+        """Least-squares residual (n,) of the response and the base motion, over the size of the displacement."""
+        shape = oscillator.response(scheme, dt, base)
+        shape /= np.linalg.norm(shape)
+        shape -= (rigid @ shape) * rigid
+        size = float(np.linalg.norm(shape))
+        if size < LEAST_SHAPE:
+            return -wanted
+        shape /= size
+        shape *= shape @ wanted
+        shape -= wanted
+        return shape
 
-    driven = float(np.mean(motion.frequency(np.array([0.0, motion.duration]))))
     low, high = (driven * part for part in BAND)
-    count = int(np.clip(np.log(high / low) * driven * motion.duration / TRIALS, 30, MOST_TRIALS))
+    count = int(np.clip(np.log(high / low) * driven * dt * len(base) / TRIALS, 30, MOST_TRIALS))
     trials = [Oscillator(f, zeta) for f in np.geomspace(low, high, count) for zeta in TRIAL_DAMPING]
     start = min(trials, key=lambda one: float(np.linalg.norm(gap(one))))
     least, most = np.log([0.5 * low, 1e-6]), np.log([2.0 * high, 0.9])
