@@ -16,10 +16,10 @@ run: setup ## the main job: the lab roll chirped through its resonance
 	.venv/bin/wroll run configs/lab_sweep.yaml --out runs/lab_sweep --resume
 
 test: setup ## the test suite
-	$(PYTHON) -m pytest -q -n $(WORKERS) -m "not slow"
+	$(PYTHON) -m pytest -q -n $(WORKERS) --dist worksteal -m "not slow"
 
 test-all: setup ## the test suite with the slow tests
-	$(PYTHON) -m pytest -q -n $(WORKERS)
+	$(PYTHON) -m pytest -q -n $(WORKERS) --dist worksteal
 
 test-debian13: ## the test suite on Debian 13 (dolfinx 0.9) in a chroot; says so where none can be made
 	@tools/debian13.sh

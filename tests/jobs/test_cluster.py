@@ -24,10 +24,11 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import load_grid
 
 GRID = f"""
-base: {ROOT / "configs" / "tiny.yaml"}
+base: {ROOT / "configs" / "oscillator.yaml"}
 grid:
-  preload.pressure: [1.0e+5, 6.0e+4, 3.0e+4]
-  excitation.cycles: [700]
+  analysis: [dwell]
+  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 1500}}]
+  integrator.alpha: [0.0, -0.05, -0.1]
   solver.checkpoint_seconds: [0.3]
   output.figures: [false]
   output.fields: [none]
