@@ -1,6 +1,7 @@
 """Random rolls through every vibration analysis: seconds, outcome and cause of each, in a table.
 
 Usage: python benchmarks/random_rolls.py [--count N] [--first I] [--analyses harmonic ...] [--limit S] [--out FILE]
+       python benchmarks/random_rolls.py --page docs/tables/random_rolls.md --read FILE [FILE ...]
 
 Roll I is the same in every run and on every machine: its numbers come from the generator seeded with (SEED, I). Each
 case runs in a process of its own, on one core, and is stopped at a limit of CPU seconds. Seconds include mesh, preload
@@ -11,6 +12,9 @@ and modes, not the imports. Outcomes:
 * `late`: such a message after that;
 * `stopped`: a message without a cause;
 * `limit`: stopped at the limit; `crash`: any other end.
+
+`slow` is a sweep over the resonance of the roll's harmonic curve at a fifth of the rate that ISO 7626-2 allows for its
+zeta, at most `SLOW_CYCLES` long; it runs where `harmonic` found both. `roll_agreement` compares all with `harmonic`.
 
 Lengths, thicknesses, moduli, tip mass, gamma*, pressure, friction and excitation are log-uniform in the ranges below;
 the band of frequencies covers the estimates of the frictionless and the bonded resonance.
@@ -23,7 +27,6 @@ import json
 import os
 import resource
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,26 +36,35 @@ from typing import Any
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
+from roll_agreement import agreement_lines, outcome_lines
 
-from wroll_fem import load_case
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.preflight import beam_frequency
 from wroll_fem.case.loader import build_case
 from wroll_fem.case.roll import RollSections
 from wroll_fem.errors import WrollError
 from wroll_fem.progress import SilentProgress
+from wroll_fem.signals.base_motion import sweep_rate_limit
 
 SEED = 12
 LIMIT, TOLD = 60.0, 15.0
 """CPU seconds after which a case is stopped, and within which the cause of a failure has to be told."""
 
-ANALYSES = ("harmonic", "backbone", "sweep", "dwell")
-NAMED = ("surfaces open", "undetermined", "unbounded", "internal resonance")
+ANALYSES = ("harmonic", "backbone", "sweep", "dwell", "slow")
+NAMED = ("surfaces open at", "undetermined", "unbounded", "internal resonance")
 """Words of the messages that name the cause why there is no result."""
 
+TARGET = 200
+QUICK = 10  # a roll whose analyses take a second each
 EARTH = 9.80665  # m/s^2
-SWEPT_CYCLES, DWELL_CYCLES = 600, 60
-READINGS = ("f_n_hz", "zeta", "peak_transmissibility", "zeta_max", "energy_balance_error", "reduction_error_estimate")
+SWEPT_CYCLES, DWELL_CYCLES, SLOW_CYCLES = 600, 100, 3000
+SLOW_SHARE, SLOW_WIDTHS = 0.2, 2.5
+"""Rate of a slow sweep over that of ISO 7626-2, and how far it reaches from the resonance, in half-power distances."""
+
+READINGS = (
+    "f_n_hz", "zeta", "peak_transmissibility", "zeta_max", "steady_magnitude", "energy_balance_error",
+    "reduction_error_estimate", "time_step_error", "half_power_low_hz", "half_power_high_hz", "frequency_hz", "steps",
+)  # fmt: skip
 
 
 def random_roll(index: int) -> dict[str, Any]:
@@ -88,17 +100,37 @@ def random_roll(index: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def random_case(index: int, analysis: str) -> dict[str, Any]:
-    """Content of the case file of roll ``index`` for an analysis."""
+def slow_sweep(harmonic: dict[str, Any]) -> dict[str, Any] | None:
+    """Excitation of a slow sweep over the resonance that a harmonic curve has found; None without one."""
+    low, f_n, high, zeta = (
+        harmonic.get(key, np.nan) for key in ("half_power_low_hz", "f_n_hz", "half_power_high_hz", "zeta")
+    )
+    if not np.isfinite([low, f_n, high, zeta]).all():
+        return None
+    start, end = max(f_n - SLOW_WIDTHS * (f_n - low), 0.3 * f_n), f_n + SLOW_WIDTHS * (high - f_n)
+    octaves = float(np.log2(end / start))
+    fewest = 60.0 * octaves * f_n / SLOW_CYCLES  # oct/min
+    rate = max(SLOW_SHARE * sweep_rate_limit(f_n, zeta), fewest)
+    return {
+        "kind": "chirp", "f_start": round(start, 3), "f_end": round(end, 3), "rate_oct_per_min": float(f"{rate:.3g}"),
+        "ramp_cycles": 10,
+    }  # fmt: skip
+
+
+def random_case(index: int, analysis: str, harmonic: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Content of the case file of roll ``index`` for an analysis; a slow sweep needs the report of `harmonic`."""
     case = random_roll(index)
     motion = case["excitation"]
     sections = ("geometry", "mandrel", "coil", "mesh")
     roll = RollSections(**{name: case[name] for name in sections})
     low, high = beam_frequency(roll, bonded=False), beam_frequency(roll, bonded=True)
     band = {"f_start": round(0.75 * low, 2), "f_end": round(1.15 * max(low, high), 2)}
+    if analysis == "slow":
+        motion |= slow_sweep(harmonic or {}) or {}
+        return case | {"analysis": "sweep"}
     if analysis == "dwell":
         place = np.random.default_rng([SEED, index, 1]).uniform(low, max(low, high))
-        motion |= {"kind": "dwell", "frequency": round(place, 2), "cycles": DWELL_CYCLES}
+        motion |= {"kind": "dwell", "frequency": round(place, 2), "cycles": DWELL_CYCLES, "ramp_cycles": 20}
     elif analysis == "backbone":
         del case["excitation"]
         case["backbone"] = {"tip_smallest": 1e-7, "tip_largest": 5e-4}
@@ -133,13 +165,17 @@ class Told(SilentProgress):
         self.lines.append(text)
 
 
-def solve(index: int, analysis: str) -> dict[str, Any]:
+def solve(index: int, analysis: str, harmonic: dict[str, Any] | None) -> dict[str, Any]:
     """Run one case in this process: outcome, cause, stages, readings."""
     told, started = Told(), time.process_time()
     report: dict[str, Any] = {"outcome": "curve", "cause": ""}
     try:
-        dataset = run_analysis(build_case(random_case(index, analysis)), progress=told)
+        dataset = run_analysis(build_case(random_case(index, analysis, harmonic)), progress=told)
         report |= {key: float(dataset.attrs[key]) for key in READINGS if key in dataset.attrs}
+        told.warnings = [text for text in str(dataset.attrs.get("warnings", "")).split("\n") if text]
+        if analysis == "harmonic":
+            size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
+            report |= {"curve_hz": dataset["frequency"].values.tolist(), "curve_magnitude": size.tolist()}
     except WrollError as error:
         report |= {"outcome": "told", "cause": str(error), "partial": error.__dict__.get("partial") is not None}
     except Exception as error:  # anything else is a defect, and the table has to show it
@@ -153,7 +189,7 @@ def solve(index: int, analysis: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def in_child(index: int, analysis: str, limit: float) -> dict[str, Any]:
+def in_child(index: int, analysis: str, limit: float, harmonic: dict[str, Any] | None = None) -> dict[str, Any]:
     """Run one case in a child process with a limit of CPU time."""
     reading, writing = os.pipe()
     child = os.fork()
@@ -163,7 +199,7 @@ def in_child(index: int, analysis: str, limit: float) -> dict[str, Any]:
         resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 5))
         signal.signal(signal.SIGXCPU, signal.SIG_DFL)
         with os.fdopen(writing, "w") as pipe:
-            json.dump(solve(index, analysis), pipe)
+            json.dump(solve(index, analysis, harmonic), pipe)
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as pipe:
@@ -191,36 +227,65 @@ def main() -> None:
     parser.add_argument("--analyses", nargs="+", choices=ANALYSES, default=list(ANALYSES))
     parser.add_argument("--limit", type=float, default=LIMIT, help="CPU seconds per case")
     parser.add_argument("--out", type=Path, help="file for one JSON report per line; finished cases are skipped")
+    parser.add_argument("--read", nargs="+", type=Path, default=[], help="further files of reports, for the tables")
+    parser.add_argument("--page", type=Path, help="write the tables of the reports to this page; no run")
     parser.add_argument("--print-case", action="store_true", help="print the case of --first as JSON (YAML), no run")
     chosen = parser.parse_args()
     if chosen.print_case:
         print(json.dumps(random_case(chosen.first, chosen.analyses[0]), indent=1))
         return
-    warm = load_case(
-        Path(__file__).parents[1] / "configs" / "lab_harmonic.yaml", ["mesh={circumferential: 8, axial: 2}"]
-    )
-    run_analysis(warm, progress=SilentProgress())  # compilation caches and imports, once for all children
-    reports = []
-    if chosen.out and chosen.out.is_file():
-        reports = [json.loads(line) for line in chosen.out.read_text(encoding="utf-8").splitlines()]
-    done = {(r["roll"], r["analysis"]) for r in reports}
+    reports = [r for path in [*chosen.read, chosen.out] if path and path.is_file() for r in read_reports(path)]
+    if chosen.page:
+        chosen.page.write_text("\n".join(page(reports)) + "\n", encoding="utf-8")
+        return
+    for analysis in ANALYSES[:4]:  # compilation caches and imports, once for all children
+        run_analysis(build_case(random_case(QUICK, analysis)), progress=Told())
+    found = {(r["roll"], r["analysis"]): r for r in reports}
     print("| roll | analysis | CPU s | outcome | cause, or readings |\n|---|---|---|---|---|")
     for index in range(chosen.first, chosen.first + chosen.count):
         for analysis in chosen.analyses:
-            if (index, analysis) in done:
+            harmonic = found.get((index, "harmonic"))
+            if (index, analysis) in found or (analysis == "slow" and slow_sweep(harmonic or {}) is None):
                 continue
-            report = {"roll": index, "analysis": analysis} | in_child(index, analysis, chosen.limit)
+            report = {"roll": index, "analysis": analysis} | in_child(index, analysis, chosen.limit, harmonic)
             print(row(report), flush=True)
-            reports.append(report)
+            found[index, analysis] = report
             if chosen.out:
                 with chosen.out.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(report) + "\n")
-    for analysis in chosen.analyses:
-        outcomes = [r["outcome"] for r in reports if r["analysis"] == analysis]
-        counts = ", ".join(f"{outcomes.count(name)} {name}" for name in sorted(set(outcomes)))
-        good = sum(name in ("curve", "told") for name in outcomes) / max(len(outcomes), 1)
-        print(f"{analysis}: {len(outcomes)} cases, {counts}; {100 * good:.1f} % end well")
-    sys.exit(0)
+    print("\n".join([*outcome_lines(found.values(), ANALYSES), "", *agreement_lines(found.values())]))
+
+
+def read_reports(path: Path) -> list[dict[str, Any]]:
+    """Reports of a file of JSON lines."""
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def page(reports: list[dict[str, Any]]) -> list[str]:
+    """Lines of the page: what was run, outcomes, agreement, and the causes of cases without a result."""
+    rolls = {r["roll"] for r in reports}
+    failed = sorted((r for r in reports if r["outcome"] != "curve"), key=lambda r: (r["roll"], r["analysis"]))
+    return [
+        f"{len(rolls)} random valid rolls, of {TARGET} that the generator numbers from 0 (seed {SEED}): 1 to 4 layers,",
+        "all bases and tips, 5 to 200 kPa, friction 0.05 to 1, 0.05 to 3 g, 14 x 7 cells. Limit of 60 CPU s per case,",
+        "mesh, preload and modes included; `told` is a failure whose cause was printed within 15 CPU s. Computed by",
+        "`.venv/bin/python benchmarks/random_rolls.py --out FILE`, and this page from FILE by",
+        "`.venv/bin/python benchmarks/random_rolls.py --page docs/tables/random_rolls.md --read FILE`.",
+        "",
+        *outcome_lines(reports, ANALYSES),
+        "",
+        "Sweep and harmonic agree when f_n differs by at most 1 % and the peak by at most 5 %, dwell and harmonic",
+        "when the magnitude at the dwell's frequency differs by at most 5 %. A slow sweep runs at a fifth of the rate",
+        "of ISO 7626-2 for the zeta of the harmonic curve, or as fast as 3000 cycles ask for.",
+        "",
+        *agreement_lines(reports),
+        "",
+        "Cases without a curve:",
+        "",
+        "| roll | analysis | CPU s | outcome | cause |",
+        "|---|---|---|---|---|",
+        *(row(report) for report in failed),
+    ]
 
 
 if __name__ == "__main__":

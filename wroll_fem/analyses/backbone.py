@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass_line
+from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass_line, reduction_remark
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.estimates import estimate_roll
@@ -86,6 +86,16 @@ def range_remark(dataset: xr.Dataset) -> str:
     )
 
 
+def end_remark(curve: BackboneCurve, largest: float) -> str:
+    """Warning if a backbone ends before the ``largest`` tip amplitude asked for, m; else empty."""
+    if not curve.cut:
+        return ""
+    return (
+        f"the backbone ends at a tip amplitude of {float(curve.tip[-1]):.2g} m of {largest:.2g} m: {curve.cut}; "
+        "lower backbone.tip_largest, raise preload.pressure, or compute a time history"
+    )
+
+
 def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
     """Compute frequency and damping of the most excited resonance over amplitude, from sticking to gross slip.
 
@@ -116,7 +126,8 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
             error.partial = backbone_dataset(system, error.partial)
         raise error from stop
     dataset = backbone_dataset(system, trained.curve)
-    for remark in (memory_remark(dataset), range_remark(dataset)):
+    end, loose = end_remark(trained.curve, case.backbone.tip_largest), reduction_remark(trained.energy_error, settings)
+    for remark in (memory_remark(dataset), end or range_remark(dataset), loose):
         if remark:
             progress.warning(remark)
     return dataset.assign_attrs(

@@ -35,6 +35,7 @@ from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, StructuralCase
+    from wroll_fem.case.harmonic import Harmonic
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
@@ -122,7 +123,8 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping)
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
-    remarks = (memory_remark(dataset), missed, skipped_remark(trained.curve), drift_remark(trained.curve))
+    curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
+    remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), loose)
     for text in (*read.warnings, *remarks):
         if text:
             progress.warning(text)
@@ -249,6 +251,16 @@ def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:
         "method": "harmonic balance",
     }
     return annotate(dataset).assign_attrs(dataset.attrs | attrs)
+
+
+def reduction_remark(error: float, settings: Harmonic) -> str:
+    """Warning if the error estimate of the reduced model is above its tolerance; else empty."""
+    if error <= settings.reduction_tolerance:
+        return ""
+    return (
+        f"the estimated error of the reduced model is {100 * error:.2g} % of the motion, above "
+        "harmonic.reduction_tolerance, and its basis grows no further"
+    )
 
 
 def memory_remark(dataset: xr.Dataset) -> str:

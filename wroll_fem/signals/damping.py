@@ -17,6 +17,10 @@ LEAST_PROMINENCE = 0.01
 """Height of the highest point above its higher foot, over its height, below which it is a ripple, unless a half-power
 point stands beside it (the band then ends close to the resonance)."""
 
+LARGEST_PARTICIPATION = 3.0
+"""Height of a peak times twice its damping ratio, at most: 1 for a single mass, 1.6 for the first mode of a cantilever,
+and up to 2 for resonances of random rolls with friction, whose width is not that of a linear one."""
+
 
 @dataclass(frozen=True)
 class HalfPower:
@@ -219,22 +223,35 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
     Notes
     -----
     A sweep that is too fast gives a zeta that is too high, so the limit computed from it is too high as well. Repeat
-    the check with the slower sweep. Ringing can hide a half-power point. The limit then comes from the smallest damping
-    that the peak allows (`least_damping`).
+    the check with the slower sweep. Ringing can hide a half-power point, or add the width of its own hump to that of a
+    sharp peak. The limit then comes from the damping that the height of the peak allows (`likely_damping`).
     """
     if not read.resonant:
         return None
-    zeta = read.zeta if read.complete else least_damping(read)
+    zeta, origin = likely_damping(read)
     limit = sweep_rate_limit(read.f_n, zeta)
     share = motion.rate_oct_per_min / limit
     if share <= 0.25:
         return None
-    source = "" if read.complete else " (from the height or one side of the peak, as a half-power point is missing)"
     return (
         f"sweep of {motion.rate_oct_per_min:.3g} oct/min runs at {100 * share:.0f} % of the ISO 7626-2 limit for "
-        f"{read.f_n:.1f} Hz and zeta = {100 * zeta:.2f} %{source}: the peak lags, and zeta and skewness are biased; "
+        f"{read.f_n:.1f} Hz and zeta = {100 * zeta:.2f} %{origin}: the peak lags, and zeta and skewness are biased; "
         f"set excitation.rate_oct_per_min to {0.25 * limit:.2g} or less"
     )
+
+
+def likely_damping(read: HalfPower) -> tuple[float, str]:
+    """Damping ratio of a resonance for criteria that need one, and where it comes from (empty: the half-power width).
+
+    A single mode with the participation p has the height p / (2 zeta). A peak that is far higher than its width allows,
+    p above `LARGEST_PARTICIPATION`, rings: the width is not its own, and the height gives the damping.
+    """
+    if not read.complete:
+        return least_damping(read), " (from the height or one side of the peak, as a half-power point is missing)"
+    from_height = 0.5 * LARGEST_PARTICIPATION / read.peak
+    if from_height < read.zeta:
+        return from_height, " (from the height of the peak: it is too high for its half-power width, which is ringing)"
+    return read.zeta, ""
 
 
 def least_damping(read: HalfPower) -> float:

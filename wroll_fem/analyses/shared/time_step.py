@@ -18,7 +18,7 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     steps_for,
 )
 from wroll_fem.signals.base_motion import base_motion
-from wroll_fem.signals.damping import HalfPower, least_damping
+from wroll_fem.signals.damping import HalfPower, likely_damping
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +96,7 @@ def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
     if not read.resonant:
         return np.nan, ""
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
-    oscillator = Oscillator(read.f_n, read.zeta if read.complete else least_damping(read))
+    oscillator = Oscillator(read.f_n, likely_damping(read)[0])
     error = curve_error(scheme, dt, oscillator)
     return error, _warning("|T| on the flanks of the peak", error, case, oscillator)
 

@@ -35,8 +35,15 @@ LENGTH = 10.0
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Relative change of the frequency, and damping ratio, that count as one."""
 
-BACKBONE_STEPS = StepControl(largest=0.15)
-"""Steps along a backbone."""
+BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
+"""Steps along a backbone; a smooth one has some 80 points, one in a maze of internal resonances has no end."""
+
+LARGEST_STRAY, CALM = 0.5, 0.15
+"""Shares of the mean displacement, or of the overtones, in the norm of a motion: above the first it is not one of the
+mode; a backbone that comes there is cut where they were below the second."""
+
+NEAR_END = 0.95
+"""Share of the largest amplitude that a backbone without an end has reached, at which it is cut."""
 
 
 def main_mode(model: ReducedModel) -> int:
@@ -127,6 +134,17 @@ class ModalMotion:
         out[-2:, :-3] = ends.reshape(2, -1)[:, active]
         return out
 
+    def strays(self, z: FloatArray) -> tuple[float, float]:
+        """Shares of the mean displacement and of the harmonics above the fundamental in the norm of the motion."""
+        y = np.zeros(self.shape)
+        y.ravel()[self.active] = z[:-3]
+        size = max(float(np.linalg.norm(y)), 1e-300)
+        return float(np.linalg.norm(y[0])) / size, float(np.linalg.norm(y[3:])) / size
+
+    def strayed(self, z: FloatArray) -> bool:
+        """Whether a motion is no longer one of the mode: the backbone is not followed beyond."""
+        return max(self.strays(z)) > LARGEST_STRAY
+
     def describe(self, z: FloatArray) -> str:
         """See `CurveProblem`."""
         shape, frequency, damping, amplitude = self.motion(z)
@@ -147,6 +165,7 @@ class BackboneCurve:
     tangents : (p, n + 1) scaled
     balance : the equations
     problem : their scaling
+    cut : why it ends before the largest amplitude asked for; empty if it does not
     """
 
     frequencies: FloatArray
@@ -156,6 +175,7 @@ class BackboneCurve:
     tangents: FloatArray
     balance: HarmonicBalance
     problem: ModalMotion = field(repr=False)
+    cut: str = ""
 
     @classmethod
     def of_points(cls, problem: ModalMotion, points: list[CurvePoint]) -> BackboneCurve:
@@ -175,6 +195,18 @@ class BackboneCurve:
         """Some of the points."""
         names = ("frequencies", "damping", "coefficients", "iterations", "tangents")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
+
+    @property
+    def places(self) -> FloatArray:
+        """(p,) curve parameter, 0 at the smallest amplitude and `LENGTH` at the largest."""
+        amplitude = np.linalg.norm(self.coefficients[:, 1:3], axis=(1, 2))
+        return np.asarray((np.log(amplitude) - self.problem.first) / self.problem.per_unit)
+
+    def up_to(self, place: float, reason: str) -> BackboneCurve:
+        """The part before it first passes a ``place``."""
+        beyond = np.flatnonzero(self.places > place + 1e-9)
+        count = int(beyond[0]) if len(beyond) else len(self.frequencies)
+        return replace(self.take(np.arange(count)), cut=reason)
 
     def moved_to(self, contact: HarmonicContact, control: StepControl) -> BackboneCurve:
         """These points in another model, at the same amplitudes; those that do not converge are left out."""
@@ -260,8 +292,12 @@ def backbone_curve(
     tip_amplitudes: tuple[float, float],
     mode: int | None = None,
     control: StepControl | None = None,
+    until: float = LENGTH,
 ) -> BackboneCurve:
-    """Backbone of a model with its contact; arguments and errors as `solve_backbone`."""
+    """Backbone of a model with its contact; arguments and errors as `solve_backbone`.
+
+    ``until`` is the place (`BackboneCurve.places`) at which it ends.
+    """
     model = contact.model
     if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
         raise InputError(f"amplitudes {tip_amplitudes} do not rise", key="backbone", remedy="give two rising, in m")
@@ -274,9 +310,26 @@ def backbone_curve(
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
     first = solve_at(problem, problem.start(), control)
     try:
-        points = follow(problem, first, LENGTH, control)
+        points = follow(problem, first, until, control, ends=problem.strayed)
     except ConvergenceError as error:
-        points = error.partial or []
-        error.partial = BackboneCurve.of_points(problem, points)
+        error.partial = BackboneCurve.of_points(problem, error.partial or [])
         raise
+    if problem.strayed(points[-1].z):
+        raise _strayed(problem, points)
     return BackboneCurve.of_points(problem, points)
+
+
+def _strayed(problem: ModalMotion, points: list[CurvePoint]) -> ConvergenceError:
+    mean, overtones = problem.strays(points[-1].z)
+    calm = next(k for k in range(len(points), 0, -1) if k == 1 or max(problem.strays(points[k - 1].z)) <= CALM)
+    what = (
+        "friction then holds some layer nowhere within a period, so that its mean displacement is undetermined"
+        if mean > overtones
+        else "a harmonic of the motion meets another mode there: an internal resonance"
+    )
+    error = ConvergenceError(
+        f"the backbone leaves its mode ({problem.describe(points[-1].z)})", time_s=None,
+        iterations=points[-1].iterations, residual_history=[max(mean, overtones)], advice=what,
+    )  # fmt: skip
+    error.partial = replace(BackboneCurve.of_points(problem, points[:calm]), cut=what)
+    return error

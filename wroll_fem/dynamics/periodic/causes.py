@@ -13,6 +13,9 @@ from wroll_fem.errors import ConvergenceError
 WIDE = 0.2
 """Share of the points that open within a period above which opening is the cause."""
 
+SOME = 0.02
+"""Share of the points that open above which a backbone that ends does so because of it."""
+
 FREE = 1e-6
 """Eigenvalue, over that of the main mode, of a body that nothing holds."""
 
@@ -26,15 +29,31 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
         )
     curve = error.partial
     if isinstance(curve, HarmonicCurve | BackboneCurve) and len(curve.frequencies):
-        contact = curve.balance.contact
-        state = contact.evaluate(contact.motion(curve.coefficients[-1]), float(curve.frequencies[-1]))
-        share = float(state.open.any(axis=1).mean()) if contact.n else 0.0
+        share = opening(curve)
         if share > WIDE:
             return (
                 f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
                 "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
             )
     return ""
+
+
+def opening(curve: HarmonicCurve | BackboneCurve) -> float:
+    """Share of the points that open in the largest motion of a curve."""
+    contact = curve.balance.contact
+    if not contact.n:
+        return 0.0
+    largest = int(np.argmax(np.abs(curve.fundamental(curve.balance.model.tip))))
+    state = contact.evaluate(contact.motion(curve.coefficients[largest]), float(curve.frequencies[largest]))
+    return float(state.open.any(axis=1).mean())
+
+
+def end_of_backbone(curve: BackboneCurve) -> str:
+    """Why a backbone is not followed beyond its largest motion."""
+    share = opening(curve)
+    if share > SOME:
+        return f"the surfaces then open at {100 * share:.0f} % of the points within a period, and the layers rattle"
+    return "no periodic motion is found beyond it, as where a harmonic of the motion meets another mode"
 
 
 def unheld(condensation: Condensation) -> bool:

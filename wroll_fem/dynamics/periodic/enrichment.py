@@ -16,8 +16,9 @@ import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
+from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, LENGTH, NEAR_END, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
+from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.correction import Correction, correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
@@ -44,6 +45,15 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 
 LARGEST_BASIS = 250
 """Vectors of a basis beyond which a curve takes minutes."""
+
+CUT_ROUNDS, CUT_ERROR = 3, 100.0
+"""Curves after which the points that the basis still misses, by this multiple of the tolerance, are cut off."""
+
+FEWEST_POINTS = 5
+"""Points of a backbone that ends early."""
+
+DOUBTFUL = 0.01
+"""Error up to which a curve whose basis grows no further is returned, for the analysis to warn; above, it fails."""
 
 BACKBONE_POINTS = 15
 """Points of a backbone that are compared with the whole structure."""
@@ -151,6 +161,7 @@ def _trained(
     chosen: Callable[[Curve], Curve],
     check: Callable[[Curve], list[Correction]],
     again: Callable[[Curve, ReducedModel], Curve],
+    shortened: Callable[[Curve, Curve, list[bool]], Curve | None],
 ) -> Trained[Curve]:
     """Curves in bases that grow until the corrections are below the tolerance.
 
@@ -160,12 +171,13 @@ def _trained(
     chosen : a few points of a curve
     check : corrections of the whole structure at points
     again : the same points computed in another model; points that do not converge are left out
+    shortened : the part of a curve between its good points, from the curve, its points, and which are good; or None
     """
     symmetry, tolerance = structure.symmetry, training.tolerance
     model = structure.coarse.first_model()
     small = len(structure.condensation.eigenvalues) <= SMALL
     factor = 1.0 if small else COARSE
-    compress = not small
+    compress, stuck = not small, False
     for number in range(1, training.max_rounds + 1):
         stopped: ConvergenceError | None = None
         try:
@@ -179,12 +191,21 @@ def _trained(
         error = max(f.energy for f in found)
         if training.on_round is not None:
             training.on_round(number, model, error)
-        if (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS:
+        hopeless = (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS
+        late = number >= CUT_ROUNDS and error > CUT_ERROR * tolerance
+        if error > tolerance and (hopeless or late or stuck or number == training.max_rounds):
+            good = [f.energy <= tolerance for f in found]
+            part = shortened(curve, points, good)
+            if part is not None and factor == 1.0:
+                held = [f for f, kept in zip(found, good, strict=True) if kept]
+                return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
+        if hopeless or stuck:
             break
         if error <= tolerance and (factor == 1.0 or stopped is not None):
             if stopped is not None:
                 raise stopped
             return Trained(curve, error, max(f.tip for f in found), number)
+        size, coarse = model.size, factor > 1.0
         for _ in range(POINT_ROUNDS):
             here = max(f.energy for f in found)
             if here <= POINT_SHARE * tolerance:
@@ -196,13 +217,15 @@ def _trained(
             found = check(points)
         if compress and factor > 1.0 and len(points.frequencies) == wanted:
             model = principal_span(model, points.coefficients, COMPRESSION * tolerance, symmetry)
-        factor = 1.0
+        stuck, factor = model.size == size and not coarse, 1.0
+    if stopped is None and error <= DOUBTFUL:
+        return Trained(curve, error, max(f.tip for f in found), number)
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
         iterations=number,
         residual_history=[error],
-        advice="use a larger harmonic.reduction_tolerance, or check whether the surfaces open widely",
+        advice="use a larger harmonic.reduction_tolerance",
     )
     failure.partial = curve
     raise failure
@@ -259,8 +282,18 @@ def trained_response(
     def chosen(curve: HarmonicCurve) -> HarmonicCurve:
         return curve.take(checked_points(curve))
 
+    def shortened(curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
+        if curve.gap is None:
+            return None
+        below = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w <= curve.gap[0]]
+        above = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w >= curve.gap[1]]
+        bad = [w for w, kept in zip(points.frequencies, good, strict=True) if not kept]
+        if not below or not above or any(w < max(below) or w > min(above) for w in bad):
+            return None
+        return curve.with_gap(max(below), min(above))
+
     training = Training(tolerance, max_rounds, on_round)
-    return _trained(structure, training, solve, chosen, check, again)
+    return _trained(structure, training, solve, chosen, check, again, shortened)
 
 
 def trained_backbone(
@@ -281,9 +314,28 @@ def trained_backbone(
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps = control or BACKBONE_STEPS
 
+    end, why = LENGTH, ""  # where the backbone ends, and why
+
     def solve(model: ReducedModel, factor: float) -> BackboneCurve:
-        level = structure.coarse if factor > 1.0 else structure
-        return backbone_curve(level.contact(model), tip_amplitudes=tip_amplitudes, control=steps.longer(factor))
+        nonlocal end, why
+        contact = (structure.coarse if factor > 1.0 else structure).contact(model)
+        try:
+            curve = backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), until=end)
+        except ConvergenceError as stop:
+            part = stop.partial
+            if factor > 1.0 or not isinstance(part, BackboneCurve) or len(part.frequencies) < FEWEST_POINTS:
+                raise
+            end = float(part.places.max()) + float(np.log(NEAR_END)) / part.problem.per_unit
+            why = part.cut or end_of_backbone(part)
+            curve = part.up_to(end, why)
+            if len(curve.frequencies) < FEWEST_POINTS:
+                raise
+        return replace(curve, cut=why)
+
+    def shortened(curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
+        count = good.index(False) if False in good else len(good)
+        part = curve.up_to(float(points.places[:count].max(initial=-1.0)), end_of_backbone(points))
+        return part if len(part.frequencies) >= FEWEST_POINTS and not any(good[count:]) else None
 
     def free_of(curve: BackboneCurve, k: int) -> FloatArray:
         q = curve.coefficients[k]
@@ -303,4 +355,4 @@ def trained_backbone(
         return curve.take(np.unique(np.linspace(0, len(curve.frequencies) - 1, BACKBONE_POINTS).astype(int)))
 
     training = Training(tolerance, max_rounds, on_round)
-    return _trained(structure, training, solve, chosen, check, again)
+    return _trained(structure, training, solve, chosen, check, again, shortened)

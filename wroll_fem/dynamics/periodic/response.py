@@ -86,6 +86,11 @@ class HarmonicCurve:
         names = ("frequencies", "coefficients", "tangents", "iterations", "stable")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
 
+    def with_gap(self, low: float, high: float) -> HarmonicCurve:
+        """The curve without its points between two frequencies, rad/s, those of the new gap."""
+        kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
+        return replace(self.take(kept.tolist()), gap=(low, high))
+
     def moved_to(self, contact: HarmonicContact, control: StepControl) -> HarmonicCurve:
         """These points in another model, in planes normal to the curve; those that do not converge are left out."""
         shift = self.balance.model.vectors.T @ contact.model.vectors

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.contact.point import normals
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.time_stepping.records import (
     CONTACT,
     FRICTION,
@@ -25,8 +28,17 @@ ABSURD = 100.0
 LEAST = 1e-6
 """Share of the largest stored energy below which created energy is ignored (rounding at the start)."""
 
+ROUNDING = 1e-12
+"""The same, as a share of the energy that the preload has stored in the contact: its terms cancel in every step."""
 
-def check_energy(records: FloatArray, times: FloatArray, largest: float) -> float:
+
+def rounding_energy(laws: PointLaws, preload: ContactState) -> float:
+    """Energy, J, below which a step that seems to create energy is one of rounding."""
+    pressure = normals(preload.traction)
+    return float(ROUNDING * 0.5 * np.sum(laws.area * pressure**2 / laws.kn)) if laws.n else 0.0
+
+
+def check_energy(records: FloatArray, times: FloatArray, largest: float, rounding: float = 0.0) -> float:
     """Refuse steps that create far more energy than the system ever stored; return the largest stored energy, J.
 
     A point that turns round in the step after it opened gains a little energy (docs/theory.md). A step that creates a
@@ -41,6 +53,8 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float) -> floa
         (k + 1,) s, at which these steps end.
     largest
         Largest stored energy before, J.
+    rounding
+        `rounding_energy`, J.
 
     Raises
     ------
@@ -51,7 +65,10 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float) -> floa
     missed = records[:, INPUT] - stored - records[:, [FRICTION, MODULATION, NUMERICAL, VISCOUS, IMPACT]].sum(axis=1)
     most = np.maximum.accumulate(np.maximum(np.maximum(stored, np.abs(records[:, INPUT])), largest))
     made = np.abs(np.diff(missed)) + np.maximum(-np.diff(records[:, IMPACT]), 0.0)
-    bad = np.flatnonzero((made > ABSURD * most[:-1]) & (made > LEAST * most[-1]) | (-records[1:, IMPACT] > most[1:]))
+    least = max(LEAST * float(most[-1]), rounding)
+    bad = np.flatnonzero(
+        (made > ABSURD * most[:-1]) & (made > least) | (-records[1:, IMPACT] > np.maximum(most[1:], rounding))
+    )
     if bad.size:
         raise ConvergenceError(
             f"energy balance violated: a step created {made[bad[0]]:.2g} J, at most {most[bad[0]]:.2g} J was stored",

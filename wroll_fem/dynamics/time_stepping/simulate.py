@@ -16,7 +16,7 @@ from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
-from wroll_fem.dynamics.time_stepping.energy_check import check_energy
+from wroll_fem.dynamics.time_stepping.energy_check import check_energy, rounding_energy
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -183,6 +183,7 @@ class _Run:
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
+        self._rounding = rounding_energy(self.stepper.system.laws, self.stepper.preload)
 
     @property
     def done(self) -> int:
@@ -206,7 +207,7 @@ class _Run:
         self.records[done : done + count] = part
         first = max(done - 1, 0)
         self.largest_energy = check_energy(
-            self.records[first : done + count], times[first + 1 : done + count + 1], self.largest_energy
+            self.records[first : done + count], times[first + 1 : done + count + 1], self.largest_energy, self._rounding
         )
         done += count
         if every and done % every == 0 and len(self.kept) < done // every:
