@@ -34,6 +34,8 @@ REASONS = {
 }
 """Reason of a disagreement -> words of the warning that names it."""
 
+EARLY = "the backbone ends at"
+
 Report = Mapping[str, Any]
 
 
@@ -131,4 +133,7 @@ def outcome_lines(reports: Iterable[Report], analyses: Iterable[str]) -> list[st
         cost = f"{np.median(seconds):.1f}, {np.percentile(seconds, 95):.1f}, {seconds.max():.1f}"
         counts = " | ".join(str(outcomes.count(kind)) for kind in kinds)
         lines.append(f"| {analysis} | {len(mine)} | {counts} | {good:.1f} % | {cost} |")
-    return lines
+    early = sum(any(EARLY in text for text in r.get("warnings", ())) for r in everything)
+    return lines + (
+        ["", f"{early} of the backbones end before their largest amplitude, with the cause."] if early else []
+    )

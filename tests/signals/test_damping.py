@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.step_error import Oscillator
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
-from wroll_fem.signals.damping import half_power, least_damping, sweep_warning
+from wroll_fem.signals.damping import half_power, least_damping, likely_damping, sweep_warning
 from wroll_fem.signals.estimators.curve_damping import estimate_damping
+from wroll_fem.signals.transmissibility import demodulated, magnitude
 
 
 def curve(r, zeta):
@@ -156,6 +159,30 @@ def test_too_fast_sweep_is_named_without_half_power_points(band):
     limit = sweep_rate_limit(150.0, 0.01)
     assert sweep_warning(Chirp(5.0, *band, 0.2 * limit), read) is None
     assert "as a half-power point is missing" in (sweep_warning(Chirp(5.0, *band, 0.3 * limit), read) or "")
+
+
+def test_a_sweep_that_rings_through_an_undamped_resonance_is_too_fast():
+    """Its hump of ringing is wide and complete, f_n 2 % high: by that width alone the rate would be admissible."""
+    motion = Chirp(5.0, 450.0, 700.0, 65.0, ramp_cycles=10.0)
+    dt = 1.0 / (40.0 * 700.0)
+    time = dt * np.arange(int(motion.duration / dt))
+    base = motion.acceleration(time)
+    relative = Oscillator(600.0, 1e-6).response(Scheme.named("no_damping"), dt, base)
+    acceleration = base + np.gradient(np.gradient(relative, dt), dt)
+    found = demodulated(time, acceleration, motion)
+    read = half_power(found["frequency"].values, np.abs(magnitude(found).values))
+    assert read.complete
+    assert read.f_n / 600.0 - 1.0 > 0.01
+    assert motion.rate_oct_per_min < 0.25 * sweep_rate_limit(read.f_n, read.zeta)
+    assert "ringing" in (sweep_warning(motion, read) or "")
+
+
+@pytest.mark.parametrize("zeta", [0.005, 0.02, 0.05])
+def test_a_linear_resonance_does_not_ring(zeta):
+    frequency = np.linspace(100.0, 200.0, 8001)
+    for participation in (1.0, 1.6):  # a single mass, the first mode of a cantilever
+        read = half_power(frequency, participation * curve(frequency / 150.0, zeta))
+        assert likely_damping(read) == (read.zeta, "")
 
 
 @pytest.mark.parametrize("band", [(155.0, 170.0), (120.0, 145.0), (10.0, 20.0)])

@@ -87,3 +87,30 @@ def test_backbone_of_the_roll_starts_stuck_and_agrees_with_the_forced_peak() -> 
     assert size[top] == pytest.approx(expected, rel=0.02)
     at = np.interp(size[top], curve.tip[level], curve.frequencies[level])
     assert response.frequencies[top] == pytest.approx(at, rel=0.01)
+
+
+def test_backbone_ends_where_friction_no_longer_holds_a_layer_whatever_the_range() -> None:
+    """At 2 kPa all points slide and open in every period: the layer's mean displacement is free, the curve turns.
+
+    The end belongs to the roll, not to the range asked for, and below it both curves are the same.
+    """
+    system, preload, condensation = small_roll(8, 3, "preload.pressure=2000.0")
+    short, long = (
+        trained_backbone(condensation, preload, system.laws, tip_amplitudes=(1e-7, top)).curve for top in (1e-3, 1e-2)
+    )
+    for curve, top in ((short, 1e-3), (long, 1e-2)):
+        assert "mean displacement is undetermined" in curve.cut
+        assert curve.beyond == 0
+        assert curve.tip[-1] < 0.5 * top
+    assert short.tip[-1] == pytest.approx(long.tip[-1], rel=0.05)
+    for values in ("frequencies", "damping"):
+        at = np.interp(np.log(long.tip), np.log(short.tip), getattr(short, values))
+        scale = np.abs(getattr(short, values)).max()
+        np.testing.assert_allclose(getattr(long, values), at, atol=0.01 * scale)
+
+
+def test_backbone_with_a_reachable_range_is_not_cut() -> None:
+    system, preload, condensation = small_roll(8, 3, "preload.pressure=2000.0")
+    curve = trained_backbone(condensation, preload, system.laws, tip_amplitudes=(1e-7, 1e-4)).curve
+    assert curve.cut == ""
+    assert curve.tip[-1] > 0.9e-4

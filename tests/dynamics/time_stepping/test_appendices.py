@@ -18,8 +18,9 @@ from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping import hht
+from wroll_fem.dynamics.time_stepping.energy_check import check_energy, rounding_energy
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
-from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL
+from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, RECORDS
 from wroll_fem.dynamics.time_stepping.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
@@ -237,6 +238,25 @@ def test_a_history_that_makes_energy_stops(share, stops):
         simulate(system, state, motion, dt=dt, scheme=scheme, stepper=run)
     assert error.value.time_s == pytest.approx((2 * CHUNK + 40) * dt)
     assert error.value.partial.attrs["steps"] == 2 * CHUNK
+
+
+def test_rounding_at_the_start_of_a_slow_ramp_makes_no_energy():
+    """The preload has stored A p^2 / (2 kn); its rounding is no created energy, a millionth of it is."""
+    system = slipping_pair(gamma=2e-4)
+    kn, rest = float(system.laws.kn[0]), ContactState.unloaded(system)
+    state = replace(rest, traction=np.array([0.0, 0.0, -50.0]))
+    stored = 0.5 * float(system.laws.area[0]) * 50.0**2 / kn
+    rounding = rounding_energy(system.laws, state)
+    assert rounding == pytest.approx(1e-12 * stored)
+    records, times = np.zeros((3, len(RECORDS))), np.arange(3.0)
+    records[:, KINETIC] = [0.0, 1e-22 * stored, 1e-21 * stored]
+    records[1:, FRICTION] = 1e-16 * stored  # not missing in the first step, which has nothing before it
+    assert check_energy(records, times, 0.0, rounding) == records[-1, KINETIC]
+    with pytest.raises(ConvergenceError, match="energy balance violated"):
+        check_energy(records, times, 0.0)
+    records[1:, FRICTION] = 1e-6 * stored
+    with pytest.raises(ConvergenceError, match="energy balance violated"):
+        check_energy(records, times, 0.0, rounding)
 
 
 # --- the smoothed sign in the two-mass model (appendix C) -------------------------------------------------------------

@@ -38,12 +38,11 @@ FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
 """Steps along a backbone; a smooth one has some 80 points, one in a maze of internal resonances has no end."""
 
-LARGEST_STRAY, CALM = 0.5, 0.15
-"""Shares of the mean displacement, or of the overtones, in the norm of a motion: above the first it is not one of the
-mode; a backbone that comes there is cut where they were below the second."""
+LARGEST_STRAY = 0.5
+"""Share of the mean displacement, or of the overtones, in the norm of a motion that is no longer one of the mode."""
 
-NEAR_END = 0.95
-"""Share of the largest amplitude that a backbone without an end has reached, at which it is cut."""
+NEAR_END = float(np.log(0.95))
+"""Logarithm of the share of the largest amplitude that a backbone without an end has reached, at which it is cut."""
 
 
 def main_mode(model: ReducedModel) -> int:
@@ -166,6 +165,7 @@ class BackboneCurve:
     balance : the equations
     problem : their scaling
     cut : why it ends before the largest amplitude asked for; empty if it does not
+    beyond : number of last points that lie beyond this end, for the training of a basis
     """
 
     frequencies: FloatArray
@@ -176,6 +176,7 @@ class BackboneCurve:
     balance: HarmonicBalance
     problem: ModalMotion = field(repr=False)
     cut: str = ""
+    beyond: int = 0
 
     @classmethod
     def of_points(cls, problem: ModalMotion, points: list[CurvePoint]) -> BackboneCurve:
@@ -202,11 +203,20 @@ class BackboneCurve:
         amplitude = np.linalg.norm(self.coefficients[:, 1:3], axis=(1, 2))
         return np.asarray((np.log(amplitude) - self.problem.first) / self.problem.per_unit)
 
+    def cut_off(self, reason: str) -> BackboneCurve:
+        """Itself, ending just before the largest amplitude that it has reached; what follows is `beyond`."""
+        past = np.flatnonzero(self.places > self.places.max(initial=0.0) + NEAR_END / self.problem.per_unit)
+        return replace(self, cut=self.cut or reason, beyond=len(self.places) - int(past[0]))
+
+    def without_beyond(self) -> BackboneCurve:
+        """The curve up to its end."""
+        return replace(self.take(np.arange(len(self.frequencies) - self.beyond)), beyond=0)
+
     def up_to(self, place: float, reason: str) -> BackboneCurve:
         """The part before it first passes a ``place``."""
         beyond = np.flatnonzero(self.places > place + 1e-9)
         count = int(beyond[0]) if len(beyond) else len(self.frequencies)
-        return replace(self.take(np.arange(count)), cut=reason)
+        return replace(self.take(np.arange(count)), cut=reason, beyond=0)
 
     def moved_to(self, contact: HarmonicContact, control: StepControl) -> BackboneCurve:
         """These points in another model, at the same amplitudes; those that do not converge are left out."""
@@ -292,12 +302,8 @@ def backbone_curve(
     tip_amplitudes: tuple[float, float],
     mode: int | None = None,
     control: StepControl | None = None,
-    until: float = LENGTH,
 ) -> BackboneCurve:
-    """Backbone of a model with its contact; arguments and errors as `solve_backbone`.
-
-    ``until`` is the place (`BackboneCurve.places`) at which it ends.
-    """
+    """Backbone of a model with its contact; arguments and errors as `solve_backbone`."""
     model = contact.model
     if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
         raise InputError(f"amplitudes {tip_amplitudes} do not rise", key="backbone", remedy="give two rising, in m")
@@ -310,7 +316,7 @@ def backbone_curve(
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
     first = solve_at(problem, problem.start(), control)
     try:
-        points = follow(problem, first, until, control, ends=problem.strayed)
+        points = follow(problem, first, LENGTH, control, ends=problem.strayed)
     except ConvergenceError as error:
         error.partial = BackboneCurve.of_points(problem, error.partial or [])
         raise
@@ -321,7 +327,6 @@ def backbone_curve(
 
 def _strayed(problem: ModalMotion, points: list[CurvePoint]) -> ConvergenceError:
     mean, overtones = problem.strays(points[-1].z)
-    calm = next(k for k in range(len(points), 0, -1) if k == 1 or max(problem.strays(points[k - 1].z)) <= CALM)
     what = (
         "friction then holds some layer nowhere within a period, so that its mean displacement is undetermined"
         if mean > overtones
@@ -331,5 +336,5 @@ def _strayed(problem: ModalMotion, points: list[CurvePoint]) -> ConvergenceError
         f"the backbone leaves its mode ({problem.describe(points[-1].z)})", time_s=None,
         iterations=points[-1].iterations, residual_history=[max(mean, overtones)], advice=what,
     )  # fmt: skip
-    error.partial = replace(BackboneCurve.of_points(problem, points[:calm]), cut=what)
+    error.partial = replace(BackboneCurve.of_points(problem, points), cut=what)
     return error

@@ -16,7 +16,7 @@ import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, LENGTH, NEAR_END, BackboneCurve, backbone_curve
+from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.correction import Correction, correction
@@ -48,6 +48,10 @@ LARGEST_BASIS = 250
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
 """Curves after which the points that the basis still misses, by this multiple of the tolerance, are cut off."""
+
+UNSURE, SURE_ROUNDS = 0.1, 5
+"""Error of the motion beyond the end of a backbone above which this end may be one of the basis, and the number of
+curves after which it is taken as it is."""
 
 FEWEST_POINTS = 5
 """Points of a backbone that ends early."""
@@ -188,27 +192,28 @@ def _trained(
             curve, stopped = stop.partial, stop
         points = chosen(curve)
         wanted, found = len(points.frequencies), check(points)
-        error = max(f.energy for f in found)
+        held = found[: wanted - points.beyond]
+        error = max(f.energy for f in held)
+        unsure = max((f.energy for f in found[len(held) :]), default=0.0) > UNSURE and number < SURE_ROUNDS
         if training.on_round is not None:
             training.on_round(number, model, error)
         hopeless = (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS
         late = number >= CUT_ROUNDS and error > CUT_ERROR * tolerance
         if error > tolerance and (hopeless or late or stuck or number == training.max_rounds):
-            good = [f.energy <= tolerance for f in found]
+            good = [f.energy <= tolerance for f in held]
             part = shortened(curve, points, good)
             if part is not None and factor == 1.0:
-                held = [f for f, kept in zip(found, good, strict=True) if kept]
+                held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
         if hopeless or stuck:
             break
-        if error <= tolerance and (factor == 1.0 or stopped is not None):
+        if error <= tolerance and (factor == 1.0 or stopped is not None) and not unsure:
             if stopped is not None:
                 raise stopped
-            return Trained(curve, error, max(f.tip for f in found), number)
+            return Trained(curve.without_beyond(), error, max(f.tip for f in held), number)
         size, coarse = model.size, factor > 1.0
         for _ in range(POINT_ROUNDS):
-            here = max(f.energy for f in found)
-            if here <= POINT_SHARE * tolerance:
+            if max(f.energy for f in found) <= POINT_SHARE * tolerance:
                 break
             model = with_shapes(model, np.column_stack([f.shapes for f in found]), 0.2 * tolerance, symmetry)
             points = again(points, model)
@@ -219,7 +224,7 @@ def _trained(
             model = principal_span(model, points.coefficients, COMPRESSION * tolerance, symmetry)
         stuck, factor = model.size == size and not coarse, 1.0
     if stopped is None and error <= DOUBTFUL:
-        return Trained(curve, error, max(f.tip for f in found), number)
+        return Trained(curve.without_beyond(), error, max(f.tip for f in held), number)
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
@@ -314,27 +319,23 @@ def trained_backbone(
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps = control or BACKBONE_STEPS
 
-    end, why = LENGTH, ""  # where the backbone ends, and why
-
     def solve(model: ReducedModel, factor: float) -> BackboneCurve:
-        nonlocal end, why
         contact = (structure.coarse if factor > 1.0 else structure).contact(model)
         try:
-            curve = backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), until=end)
+            return backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor))
         except ConvergenceError as stop:
             part = stop.partial
-            if factor > 1.0 or not isinstance(part, BackboneCurve) or len(part.frequencies) < FEWEST_POINTS:
+            if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
                 raise
-            end = float(part.places.max()) + float(np.log(NEAR_END)) / part.problem.per_unit
-            why = part.cut or end_of_backbone(part)
-            curve = part.up_to(end, why)
-            if len(curve.frequencies) < FEWEST_POINTS:
+            part = part.cut_off(end_of_backbone(part))
+            if len(part.frequencies) - part.beyond < FEWEST_POINTS:
                 raise
-        return replace(curve, cut=why)
+            return part
 
     def shortened(curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
         count = good.index(False) if False in good else len(good)
-        part = curve.up_to(float(points.places[:count].max(initial=-1.0)), end_of_backbone(points))
+        part = curve.take(np.arange(len(curve.frequencies) - curve.beyond))
+        part = part.up_to(float(points.places[:count].max(initial=-1.0)), end_of_backbone(points))
         return part if len(part.frequencies) >= FEWEST_POINTS and not any(good[count:]) else None
 
     def free_of(curve: BackboneCurve, k: int) -> FloatArray:
@@ -352,7 +353,11 @@ def trained_backbone(
         return points.moved_to(structure.like(points.balance.contact).contact(model), steps)
 
     def chosen(curve: BackboneCurve) -> BackboneCurve:
-        return curve.take(np.unique(np.linspace(0, len(curve.frequencies) - 1, BACKBONE_POINTS).astype(int)))
+        last = len(curve.frequencies) - 1
+        points = np.unique(np.linspace(0, last - curve.beyond, BACKBONE_POINTS).astype(int))
+        if curve.beyond:
+            points = np.append(points, last)
+        return replace(curve.take(points), beyond=min(curve.beyond, 1))
 
     training = Training(tolerance, max_rounds, on_round)
     return _trained(structure, training, solve, chosen, check, again, shortened)

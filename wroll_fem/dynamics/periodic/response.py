@@ -86,6 +86,15 @@ class HarmonicCurve:
         names = ("frequencies", "coefficients", "tangents", "iterations", "stable")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
 
+    @property
+    def beyond(self) -> int:
+        """Number of last points that are no part of the curve: none; see `BackboneCurve`."""
+        return 0
+
+    def without_beyond(self) -> HarmonicCurve:
+        """The curve."""
+        return self
+
     def with_gap(self, low: float, high: float) -> HarmonicCurve:
         """The curve without its points between two frequencies, rad/s, those of the new gap."""
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
