@@ -94,7 +94,7 @@ def correction(
     def answer(z: FloatArray) -> list[FloatArray]:
         """L^{-1} G^T W D z: modal displacements of a jump (n, 3, R)."""
         traction = np.zeros_like(z)
-        traction[own] = (square @ z[own].reshape(len(own), -1, 1)).reshape(len(own), 3, -1)
+        traction[own] = (square @ z[own].reshape(len(own), square.shape[1], 1)).reshape(len(own), 3, len(orders))
         return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]
 
     direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
