@@ -90,8 +90,9 @@ SMALLER: dict[str, list[str]] = {
 }  # fmt: skip
 """Case file -> what is changed in the scratch copy so that a run takes seconds: coarse mesh, short motion, few values.
 
-The commands stay as they are printed. A grid keeps the ends of its longest axis, the first value of the others, and
-none of mesh, band and counts; its cases run in this process, one after the other.
+The commands stay as they are printed. A grid keeps the middle and the end of its longest axis (the lowest preload
+of a study may have no reading in so short a sweep), the first value of the others, and none of mesh, band and counts;
+its cases run in this process, one after the other.
 """
 
 SLOW = ("docs/chapter4.md",)
@@ -258,7 +259,8 @@ def scratch(folder: Path) -> None:
         longest = max(axes, key=lambda key: len(axes[key]), default="")
         for key in axes:
             if key != "analysis":
-                axes[key] = [axes[key][0], axes[key][-1]] if key == longest and len(axes[key]) > 1 else axes[key][:1]
+                middle = axes[key][(len(axes[key]) - 1) // 2]
+                axes[key] = [middle, axes[key][-1]] if key == longest and len(axes[key]) > 1 else axes[key][:1]
         grid["grid"] = axes | meshes
         path.write_text(yaml.safe_dump(grid), encoding="utf-8")
     for name, replaced in TOOLS.items():
