@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,8 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
 from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
@@ -70,53 +72,68 @@ def time_history(
     ConvergenceError
         If a step does not converge; ``partial`` has the history up to that step.
     """
-    motion = base_motion(case.excitation)
+    solver = case.solver
     system, state = prepare(case, progress)
-    integrator, solver = case.integrator, case.solver
-    scheme = Scheme.named(integrator.scheme, integrator.alpha)
-    options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
-    dt = time_step(case)
     saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
-    small = 3 * system.n_points <= FALLBACK_SIZE
-    limit = max(LARGE_REDUCTION_ERROR, 5.0 * solver.reduction_tolerance)
+    run = _Integration(case, system, state, progress)
+    method, reason = solver.method, "an earlier part of this run found the reduced model too inaccurate"
+    fell_back = method == "reduced" and saved_method(saving) == "condensed"
+    if not fell_back:
+        try:
+            history = run.history(method, saving)
+        except ReductionError as error:
+            fell_back, reason = True, error.problem
+            saving = None if saving is None else replace(saving, resume=False)
+    if fell_back:
+        progress.warning(f"{reason}: the run falls back to solver.method: condensed, which is exact and slower")
+        history = run.history("condensed", saving)
+    estimate = history.attrs.get("reduction_error_estimate", 0.0)
+    if estimate > run.largest_error:
+        progress.warning(
+            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide widely; "
+            "compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
+        )
+    return history
 
-    def integrated(method: str, saving: Checkpointing | None) -> xr.Dataset:
-        with progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
+
+@dataclass(frozen=True)
+class _Integration:
+    """Time integration of a prepared case by any method."""
+
+    case: SweepCase | DwellCase
+    system: System
+    state: ContactState
+    progress: Progress
+
+    @property
+    def largest_error(self) -> float:
+        """Error estimate of the reduced model that is still good enough."""
+        return max(LARGE_REDUCTION_ERROR, 5.0 * self.case.solver.reduction_tolerance)
+
+    def history(self, method: str, saving: Checkpointing | None) -> xr.Dataset:
+        """Integrate by ``method``."""
+        case, solver, dt = self.case, self.case.solver, time_step(self.case)
+        scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+        options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
+        falls_back = 3 * self.system.n_points <= FALLBACK_SIZE
+        with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
             stepper = make_stepper(
-                system, state, method=method, scheme=scheme, options=options, dt=dt,
-                reduction_tolerance=solver.reduction_tolerance, largest_error=limit if small else np.inf,
+                self.system, self.state, method=method, scheme=scheme, options=options, dt=dt,
+                reduction_tolerance=solver.reduction_tolerance,
+                largest_error=self.largest_error if falls_back else np.inf,
             )  # fmt: skip
             stage.update(1)
-        _remarks(case, stepper, progress)
+        _remarks(case, stepper, self.progress)
         try:
             found = simulate(
-                system, state, motion, dt=dt, scheme=scheme, options=options, progress=progress,
-                checkpoint=saving, every=case.output.every, stepper=stepper,
+                self.system, self.state, base_motion(case.excitation), dt=dt, scheme=scheme, options=options,
+                progress=self.progress, checkpoint=saving, every=case.output.every, stepper=stepper,
             )  # fmt: skip
         except ConvergenceError as error:
             if error.partial is not None:
                 error.partial = _described(error.partial, case, method)
             raise
         return _described(found, case, method)
-
-    method, reason = solver.method, "an earlier part of this run found the reduced model too inaccurate"
-    fell_back = method == "reduced" and saved_method(saving) == "condensed"
-    if not fell_back:
-        try:
-            history = integrated(method, saving)
-        except ReductionError as error:
-            fell_back, reason = True, error.problem
-            saving = None if saving is None else replace(saving, resume=False)
-    if fell_back:
-        progress.warning(f"{reason}: the run falls back to solver.method: condensed, which is exact and slower")
-        history = integrated("condensed", saving)
-    estimate = history.attrs.get("reduction_error_estimate", 0.0)
-    if estimate > limit:
-        progress.warning(
-            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide widely; "
-            "compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
-        )
-    return history
 
 
 def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) -> None:
