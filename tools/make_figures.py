@@ -59,6 +59,13 @@ def run(name: str, words: list[str]) -> dict:
     return json.loads((out / "summary.json").read_text())
 
 
+def read(value: float | None, digits: str, unit: str = "") -> str:
+    """A reading with its unit, or that there is none."""
+    if value is None:
+        return "not read"
+    return f"{100 * value if unit == '%' else value:{digits}} {unit}".strip()
+
+
 def base_table(summaries: dict[str, dict]) -> str:
     """Free against clamped, preload by preload, as Markdown."""
     lines = [
@@ -74,11 +81,10 @@ def base_table(summaries: dict[str, dict]) -> str:
             s = summaries[f"{base}_{label.replace(' ', '')}"]
             level = summaries[f"free_{label.replace(' ', '')}"]["peak_transmissibility"] * 5.0
             over_stored, equal = friction_measures(f"{base}_{label.replace(' ', '')}", 0.99 * level)
-            zeta = f"{100 * s['zeta']:.2f} %" if s["zeta"] is not None else "not read"
-            skew = f"{s['skewness']:+.2f}" if s["skewness"] is not None else "not read"
             lines.append(
-                f"| {base} | {label} | {s['interface_pressure_mean_pa'][0] / 1e3:.1f} kPa | {s['f_n_hz']:.1f} Hz | "
-                f"{zeta} | {s['peak_transmissibility']:.1f} | {skew} | "
+                f"| {base} | {label} | {s['interface_pressure_mean_pa'][0] / 1e3:.1f} kPa | "
+                f"{read(s['f_n_hz'], '.1f', 'Hz')} | {read(s['zeta'], '.2f', '%')} | "
+                f"{read(s['peak_transmissibility'], '.1f')} | {read(s['skewness'], '+.2f')} | "
                 f"{1e3 * s['friction_energy_j']:.3g} mJ | {over_stored:.3g} | {1e3 * equal:.3g} mJ |"
             )
     return "\n".join(lines) + "\n"
@@ -109,8 +115,9 @@ def mesh_table(summaries: dict[str, dict]) -> str:
         if not name.startswith("mesh_"):
             continue
         lines.append(
-            f"| {name[5:]} | {s['dofs']} | {s['interface_points']} | {s['f_n_hz']:.2f} Hz | {100 * s['zeta']:.2f} % | "
-            f"{s['peak_transmissibility']:.2f} | {1e3 * s['friction_energy_j']:.1f} mJ | {s['solver_time_s']:.0f} s |"
+            f"| {name[5:]} | {s['dofs']} | {s['interface_points']} | {read(s['f_n_hz'], '.2f', 'Hz')} | "
+            f"{read(s['zeta'], '.2f', '%')} | {read(s['peak_transmissibility'], '.2f')} | "
+            f"{1e3 * s['friction_energy_j']:.1f} mJ | {s['solver_time_s']:.0f} s |"
         )
     return "\n".join(lines) + "\n"
 

@@ -117,6 +117,10 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
         ('"excitation.cycles=12"', '"excitation.cycles=2"'),
         (" for level in LEVELS] + [(LEVELS[0], 80, 2e-3), (LEVELS[2], 40, 1e-3)]", " for level in LEVELS[:1]]"),
     ],
+    "low_pressure_table.py": [
+        ("PRESSURES = (0.0, 1.0, 10.0, 100.0, 1000.0)", "PRESSURES = (0.0, 1000.0)"),
+        ("LEVELS = {1: (0.5, 5.0, 20.0), 5: (0.5, 5.0)}", "LEVELS = {1: (0.5,)}"),
+    ],
     "reduced_table.py": [
         ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
         ('"10 kPa": 1.0e4, "30 kPa": 3.0e4, "100 kPa"', '"100 kPa"'),
@@ -127,6 +131,7 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
         ('["mesh.circumferential=24", "mesh.axial=12"]', '["mesh.circumferential=8", "mesh.axial=2"]'),
         ("((16, 8), (32, 16), (40, 20))", "((8, 2), (8, 4))"),
         ('words[0], "--out"', 'words[0], "--set", "output.figures=true", "--out"'),
+        ('{"main": ["configs/lab_sweep.yaml"]', '{"main": ["configs/lab_sweep.yaml", "excitation.amplitude=50"]'),
         (
             "(RUNS / source, FIGURES / target)\n",
             "(RUNS / source, FIGURES / target)\n    STUDIES.clear()  # in full size\n",
