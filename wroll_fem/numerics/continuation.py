@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
+from itertools import pairwise
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import scipy.linalg as la
@@ -65,10 +66,10 @@ class StepControl:
     chord: float = 0.01
 
     def longer(self, factor: float) -> StepControl:
-        """Steps longer by a factor, for a curve that is known roughly only."""
+        """Steps longer by a factor, and solved roughly, for a curve that is known roughly only; 1 changes nothing."""
         return replace(
             self, first=factor * self.first, largest=factor * self.largest, angle=factor * self.angle,
-            chord=factor**2 * self.chord,
+            chord=factor**2 * self.chord, tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,
         )  # fmt: skip
 
 
@@ -86,8 +87,12 @@ class CurvePoint:
     regular: bool
 
 
+ROUGH = 100.0
+"""Factor on the tolerance of curves that are known roughly only."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
 """Step lengths, relative to `StepControl.first`, that are tried after small steps have failed."""
+USUAL = 5.0
+"""Corrector iterations of a step that is not changed because of them."""
 LEAST_STEP = 0.05
 """Damping factor at or below which a Newton step is taken even if it does not reduce the residual."""
 
@@ -96,10 +101,11 @@ class _Bordered:
     """LU factors of the Jacobian bordered by one row."""
 
     def __init__(self, jacobian: FloatArray, row: FloatArray):
-        self.factor = la.lu_factor(np.vstack([jacobian, row]), overwrite_a=True, check_finite=False)
+        # the transpose is the column-major array that LAPACK works on in place
+        self.factor = la.lu_factor(np.vstack([jacobian, row]).T, overwrite_a=True, check_finite=False)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        return np.asarray(la.lu_solve(self.factor, rhs, check_finite=False))
+        return np.asarray(la.lu_solve(self.factor, rhs, trans=1, check_finite=False))
 
     @property
     def sign(self) -> float:
@@ -109,6 +115,23 @@ class _Bordered:
         return float(np.prod(np.sign(np.diag(lu))) * (-1.0) ** swaps)
 
 
+class Corrected(NamedTuple):
+    """Result of the corrector.
+
+    Attributes
+    ----------
+    z : (n + 1,) solution; None without convergence
+    history : norms of the corrections
+    near : (n + 1,) last point at which the equations were evaluated; within the tolerance of a solution
+    factor : factors with which it ended, for the next solution nearby
+    """
+
+    z: FloatArray | None
+    history: list[float]
+    near: FloatArray
+    factor: _Bordered | None
+
+
 def correct(
     problem: CurveProblem,
     z: FloatArray,
@@ -116,8 +139,10 @@ def correct(
     control: StepControl,
     *,
     kept: _Bordered | None = None,
-) -> tuple[FloatArray | None, list[float]]:
-    """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method; factors are kept while the residual falls fast.
+) -> Corrected:
+    """Solve F(z) = 0 and row . (z - start) = 0; factors are kept while the residual falls fast, and updated.
+
+    Between two factorisations the steps are those of Broyden's method: every full step corrects the kept factors.
 
     Parameters
     ----------
@@ -130,27 +155,28 @@ def correct(
     control
         Tolerance and largest number of iterations.
     kept
-        Factors of an earlier point to begin with.
+        Factors of an earlier point to begin with; their plane holds until they are renewed.
 
-    Returns
-    -------
-    (n + 1,) solution, or None without convergence, and the norms of the corrections
+    References
+    ----------
+    Kelley (1995), Iterative Methods for Linear and Nonlinear Equations, section 7.3, doi:10.1137/1.9781611970944.
     """
     history: list[float] = []
+    steps: list[FloatArray] = []
     factor, fresh = kept, False
     residual = problem.residual(z)
     norm = float(np.linalg.norm(residual))
     for _ in range(control.max_iterations):
         if factor is None:
-            factor, fresh = _Bordered(problem.jacobian(z), row), True
-        step = factor.solve(np.append(residual, 0.0))
+            factor, fresh, steps = _Bordered(problem.jacobian(z), row), True, []
+        step = _updated(-factor.solve(np.append(residual, 0.0)), steps)
         size = float(np.linalg.norm(step))
         history.append(size)
         if not np.isfinite(size):
-            return None, history
-        trial = problem.residual(z - step)
+            return Corrected(None, history, z, None)
         if size <= control.tolerance:
-            return z - step, history
+            return Corrected(z + step, history, z, factor)
+        trial = problem.residual(z + step)
         new, stretch = float(np.linalg.norm(trial)), 1.0
         # slip, stick and opening make F piecewise smooth: a kept Jacobian may point elsewhere, full steps may alternate
         if not new < norm and not fresh:
@@ -158,13 +184,25 @@ def correct(
             continue
         while stretch > LEAST_STEP and not new < norm:
             stretch *= 0.5
-            trial = problem.residual(z - stretch * step)
+            trial = problem.residual(z + stretch * step)
             new = float(np.linalg.norm(trial))
-        z, residual = z - stretch * step, trial
-        if new > CHORD_RENEWAL * norm:
+        z, residual = z + stretch * step, trial
+        steps.append(step)
+        if new > CHORD_RENEWAL * norm or stretch < 1.0:
             factor = None
         norm, fresh = new, False
-    return None, history
+    return Corrected(None, history, z, None)
+
+
+def _updated(step: FloatArray, steps: list[FloatArray]) -> FloatArray:
+    """Step (n + 1,) of Broyden's method from that of the kept factors and the full ``steps`` since them."""
+    for before, after in pairwise(steps):
+        step = step + after * (float(before @ step) / float(before @ before))
+    if not steps:
+        return step
+    last = steps[-1]
+    # the residual has fallen to CHORD_RENEWAL at least, so the share is small; the bound only excludes a reversal
+    return step / max(1.0 - float(last @ step) / float(last @ last), LEAST_STEP)
 
 
 def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> FloatArray:
@@ -178,7 +216,7 @@ def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> Floa
     row = np.zeros(len(z))
     row[-1] = 1.0
     many = StepControl(tolerance=control.tolerance, max_iterations=5 * control.max_iterations)
-    solution, history = correct(problem, z, row, many)
+    solution, history, *_ = correct(problem, z, row, many)
     if solution is None:
         raise _stalled("no periodic motion found", problem.describe(z), history)
     return solution
@@ -238,18 +276,18 @@ def follow(
         ) > -1e-3 * abs(step * last.tangent[-1])
         if arrives:  # the last step lands on the end itself
             z, row = last.z + (end - last.z[-1]) / last.tangent[-1] * last.tangent, np.abs(border)
-            solution, history = correct(problem, z, row, control)
+            solution, history, near, _ = correct(problem, z, row, control)
         else:
             z, row = last.z + step * last.tangent, last.tangent
-            solution, history = correct(problem, z, row, control, kept=factor)
+            solution, history, near, _ = correct(problem, z, row, control, kept=factor)
         if solution is not None:
-            tangent, factor, new_sign = _tangent(problem, solution, last.tangent)
+            tangent, factor, new_sign = _tangent(problem, near, last.tangent)
             turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
             strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
                 points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
                 bend = max(control.angle / max(turn, 1e-6), np.sqrt(1.0 / max(strays, 1e-6)))
-                growth = min(bend, np.sqrt(6.0 / len(history)))
+                growth = min(bend, np.sqrt(USUAL / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
                 if direction * (solution[-1] - lowest) < 0.0:
                     what = "the curve turns back past its start"

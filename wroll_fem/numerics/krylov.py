@@ -8,12 +8,15 @@ import numpy as np
 
 from wroll_fem.typing import FloatArray
 
+ENOUGH = 0.5
+"""Part of a vector left after it has been made orthogonal once, above which rounding does not matter."""
+
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:
     """Solve ``apply(z) = b`` by GMRES without restart.
 
-    The Krylov vectors are made orthogonal twice, and the small problem is solved by least squares: the residual does
-    not grow where the map is nearly singular.
+    The Krylov vectors are made orthogonal twice where little is left of them, and the small problem is solved by least
+    squares: the residual does not grow where the map is nearly singular.
 
     Parameters
     ----------
@@ -51,7 +54,9 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
             part = known @ w
             w -= part @ known
             matrix[: count + 1, count] += part
-        rest = float(np.linalg.norm(w))
+            rest = float(np.linalg.norm(w))
+            if rest > ENOUGH * before:
+                break
         matrix[count + 1, count] = rest
         triangle[: count + 1] = matrix[: count + 1, count]
         for k, (c, s) in enumerate(turns):

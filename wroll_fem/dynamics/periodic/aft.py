@@ -287,9 +287,8 @@ class HarmonicContact:
                 # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
                 right = part.transpose(0, 1, 2, 4, 3).reshape(a, 3 * inner, 3) @ jump
                 full = (left @ right.reshape(3 * a, inner * len(shapes))).reshape(len(columns), len(rows), -1)
-                matrix[ends[g] : ends[g + 1], ends[h] : ends[h + 1]] = full.transpose(1, 0, 2).reshape(
-                    ends[g + 1] - ends[g], ends[h + 1] - ends[h]
-                )
+                place = matrix[ends[g] : ends[g + 1]].reshape(len(rows), len(columns), count)
+                place[:, :, ends[h] : ends[h + 1]] = full.transpose(1, 0, 2)
             tangential = left.reshape(len(columns), a, 3)[:, :, :2].reshape(len(columns), 2 * a)
             by_log[np.ix_(rows, columns)] = (tangential @ by_frequency.reshape(2 * a, size)[:, rows]).T
         return matrix, by_log

@@ -28,7 +28,7 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
-from wroll_fem.typing import FloatArray, IntArray
+from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
 """Scaled length of the whole range of amplitudes."""
@@ -69,6 +69,11 @@ class ModalMotion:
         shape = self.unpacked(z[:-3])
         frequency = self.natural * (1.0 + FREQUENCY_UNIT * z[-3])
         return shape, frequency, DAMPING_UNIT * z[-2], float(np.exp(self.first + self.per_unit * z[-1]))
+
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """Smallest and largest amplitude, kg^(1/2) m."""
+        return float(np.exp(self.first)), float(np.exp(self.first + self.per_unit * LENGTH))
 
     def unpacked(self, y: FloatArray) -> FloatArray:
         """(R, m) shape of scaled unknowns (n,)."""
@@ -121,7 +126,8 @@ class ModalMotion:
             matrix[sin, cos] += gain
         out = np.zeros((count + 2, count + 3))
         root, drive = np.tile(self.root, size)[active], speed.ravel()[active]
-        out[:-2, :-3] = matrix / root[:, None] / root
+        np.multiply(matrix, 1.0 / root, out=out[:-2, :-3])
+        out[:-2, :-3] *= (1.0 / root)[:, None]
         rows = 1.0 / (root * self.unit)
         by_frequency = by_frequency / amplitude - 4.0 * damping * drive
         out[:-2, -3] = rows * by_frequency * self.natural * FREQUENCY_UNIT
@@ -192,7 +198,7 @@ class BackboneCurve:
             problem=problem,
         )
 
-    def take(self, points: IntArray) -> BackboneCurve:
+    def take(self, points: list[int]) -> BackboneCurve:
         """Some of the points."""
         names = ("frequencies", "damping", "coefficients", "iterations", "tangents")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
@@ -210,32 +216,52 @@ class BackboneCurve:
 
     def without_beyond(self) -> BackboneCurve:
         """The curve up to its end."""
-        return replace(self.take(np.arange(len(self.frequencies) - self.beyond)), beyond=0)
+        return replace(self.take(list(range(len(self.frequencies) - self.beyond))), beyond=0)
 
     def up_to(self, place: float, reason: str) -> BackboneCurve:
         """The part before it first passes a ``place``."""
         beyond = np.flatnonzero(self.places > place + 1e-9)
         count = int(beyond[0]) if len(beyond) else len(self.frequencies)
-        return replace(self.take(np.arange(count)), cut=reason, beyond=0)
+        return replace(self.take(list(range(count))), cut=reason, beyond=0)
 
-    def moved_to(self, contact: HarmonicContact, control: StepControl) -> BackboneCurve:
-        """These points in another model, at the same amplitudes; those that do not converge are left out."""
+    def moved_to(
+        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
+    ) -> BackboneCurve:
+        """These points in another model, at the same amplitudes; those that do not converge are left out.
+
+        ``starts`` (p, R, r) are first guesses of the modal motions; the motions of this curve without.
+        """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         old = self.problem
         mode = int(np.argmax(np.abs(shift[old.mode])))
-        ends = tuple(float(np.exp(old.first + old.per_unit * place)) for place in (0.0, LENGTH))
-        problem, found = ModalMotion(HarmonicBalance(contact, 0.0), mode, (ends[0], ends[1])), []
+        problem, found, factor = ModalMotion(HarmonicBalance(contact, 0.0), mode, old.amplitudes), [], None
         row = np.zeros(len(problem.active) + 3)
         row[-1] = 1.0
         for k, q in enumerate(self.coefficients):
             amplitude = float(np.linalg.norm(q[1:3]))
-            start = problem.scaled(q @ shift / amplitude, self.frequencies[k], self.damping[k], amplitude)
-            z, history = correct(problem, start, row, control)
+            first = q @ shift if starts is None else starts[k] @ contact.model.vectors
+            start = problem.scaled(first / amplitude, self.frequencies[k], self.damping[k], amplitude)
+            z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
             if z is not None:
                 along = self.tangents[k]
                 moved = (old.unpacked(along[:-3]) @ shift * problem.root / problem.unit).ravel()[problem.active]
                 found.append(CurvePoint(z, np.append(moved, along[-3:]), len(history), True))
-        return BackboneCurve.of_points(problem, found)
+        return replace(BackboneCurve.of_points(problem, found), cut=self.cut)
+
+    def extended(self, contact: HarmonicContact) -> BackboneCurve:
+        """The same motions in the same model with the harmonics of ``contact``; further ones are zero."""
+        more = contact.sampling.size - self.coefficients.shape[1]
+        if more <= 0:
+            return self
+        balance = HarmonicBalance(contact, 0.0)
+        problem = ModalMotion(balance, self.problem.mode, self.problem.amplitudes)
+        changes = np.array([self.problem.unpacked(along[:-3]) for along in self.tangents])
+        changes = np.pad(changes, ((0, 0), (0, more), (0, 0))) * problem.root / problem.unit
+        changes = changes.reshape(len(changes), -1)[:, problem.active]
+        return replace(
+            self, coefficients=np.pad(self.coefficients, ((0, 0), (0, more), (0, 0))), balance=balance,
+            tangents=np.column_stack([changes, self.tangents[:, -3:]]), problem=problem,
+        )  # fmt: skip
 
     def fundamental(self, row: FloatArray) -> FloatArray:
         """(p,) amplitude of the fundamental of row . q."""

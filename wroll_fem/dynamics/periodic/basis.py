@@ -24,7 +24,7 @@ from wroll_fem.typing import FloatArray
 SMALL = 40
 """Structures with fewer modes are not reduced."""
 
-COMPRESSION = 0.1
+COMPRESSION = 0.3
 """Between two curves, shapes of the last curve below this share of the tolerance leave the basis."""
 
 ROUNDING = 1e-9
@@ -33,6 +33,8 @@ ROUNDING = 1e-9
 START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
 """Imposed motions of the first basis: largest relative displacement over gamma*."""
+IMPOSED = 3e-3
+"""Least share in energy of the shapes that they add."""
 
 
 def first_model(
@@ -63,8 +65,8 @@ def first_model(
         q = np.zeros((sampling.size, model.size))
         q[1, main] = level / max(reach, 1e-300)
         scale = float(np.sqrt(model.eigenvalues[main]) * q[1, main])
-        shapes.append(correction(rest, q, frequency).modal / scale)
-    return with_shapes(model, np.column_stack(shapes), 3e-3, symmetry)
+        shapes.append(correction(rest, q, frequency, tolerance=0.1 * IMPOSED).modal / scale)
+    return with_shapes(model, np.column_stack(shapes), IMPOSED, symmetry)
 
 
 def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod | None) -> ReducedModel:
@@ -91,19 +93,16 @@ def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry:
 
 
 def principal_span(
-    model: ReducedModel, coefficients: FloatArray, least: float, symmetry: HalfPeriod | None
+    condensation: Condensation, motions: FloatArray, least: float, symmetry: HalfPeriod | None
 ) -> ReducedModel:
-    """Span of the principal shapes of motions (p, R, m), above ``least`` of a motion's energy norm."""
-    root = np.sqrt(np.maximum(model.eigenvalues, 1e-12 * model.eigenvalues.max()))
-    scaled = coefficients * root
+    """Span of the principal shapes of modal motions (p, R, r), above ``least`` of a motion's energy norm."""
+    values = condensation.eigenvalues
+    root = np.sqrt(np.maximum(values, 1e-12 * values.max()))
+    scaled = motions * root
     scaled = scaled / np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
-    shapes = scaled.reshape(-1, model.size).T  # (m, p R)
-    if symmetry is None:
-        kept = [_principal(shapes, least)]
-    else:
-        odd = symmetry.reversed_ones(model.vectors)[:, None]
-        kept = [_principal(np.where(which, shapes, 0.0), least) for which in (odd, ~odd)]
-    return span(model.condensation, model.vectors @ (np.column_stack(kept) / root[:, None]), symmetry)
+    shapes = scaled.reshape(-1, len(values)).T  # (r, p R)
+    kept = [_principal(part, least) for part in _parts(shapes, symmetry)]
+    return span(condensation, np.column_stack(kept) / root[:, None], symmetry)
 
 
 def _parts(shapes: FloatArray, symmetry: HalfPeriod | None) -> tuple[FloatArray, ...]:
@@ -112,6 +111,12 @@ def _parts(shapes: FloatArray, symmetry: HalfPeriod | None) -> tuple[FloatArray,
 
 def _principal(shapes: FloatArray, least: float) -> FloatArray:
     """Left singular vectors (n, k) with singular values above ``least``."""
+    rows = shapes.any(axis=1)
+    if not rows.all():  # of one kind only
+        out = np.zeros((len(shapes), min(shapes.shape)))
+        found = _principal(np.ascontiguousarray(shapes[np.ix_(rows, shapes.any(axis=0))]), least)
+        out[rows, : found.shape[1]] = found
+        return out[:, : found.shape[1]]
     gram = shapes.T @ shapes if shapes.shape[1] < shapes.shape[0] else shapes @ shapes.T
     values, vectors = la.eigh(gram)
     kept = values > least**2

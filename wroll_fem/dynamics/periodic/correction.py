@@ -23,9 +23,9 @@ from wroll_fem.typing import FloatArray
 NEAR_RESONANCE = 0.02
 """The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""
 
-KRYLOV, KRYLOV_TOLERANCE = 150, 1e-5
-"""Maximum number of GMRES iterations, and the relative residual at which they end. The solution is less exact near a
-resonance: with 1e-3 the estimate could not fall below 1e-3."""
+KRYLOV, KRYLOV_TOLERANCE, ROUGH_TOLERANCE = 150, 1e-5, 1e-4
+"""Maximum number of GMRES iterations, and the relative residuals at which they end: of an estimate, and of shapes for a
+basis alone. The solution is less exact near a resonance: with 1e-3 the estimate could not fall below 1e-3."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,14 @@ def correction(
     frequency: float,
     along: FloatArray | None = None,
     damping: float = 0.0,
+    *,
+    tolerance: float = KRYLOV_TOLERANCE,
 ) -> Correction:
     """First-order correction of a motion (R, m) at ``frequency`` (rad/s) by the balance of the whole structure.
 
     ``along`` (k, R, m) are directions in which a change does not count: that of the curve, since on a steep flank any
     small change of the frequency looks large; of a mode also its amplitude and its phase, in which it is free.
-    ``damping`` is the negative modal damping of a nonlinear mode.
+    ``damping`` is the negative modal damping of a nonlinear mode, ``tolerance`` the relative residual of GMRES.
     """
     contact, model = balance.contact, balance.model
     c, orders, every = model.condensation, balance.orders, contact.every_mode
@@ -98,9 +100,7 @@ def correction(
         return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]
 
     direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
-    z = gmres(
-        lambda v: v + every.motion(answer(v)), every.motion(direct), tolerance=KRYLOV_TOLERANCE, iterations=KRYLOV
-    )
+    z = gmres(lambda v: v + every.motion(answer(v)), every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
     delta = [part - change for part, change in zip(direct, answer(z), strict=True)]
     scaled = _stacked([r * part for r, part in zip(root, delta, strict=True)])
     if along is not None:

@@ -186,10 +186,12 @@ class FrequencyCurve:
     def jacobian(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""
         matrix, by_frequency = self.balance.jacobian(*self.motion(z), self.contact(z))
-        root = np.tile(self.root, self.shape[0])[self.active]
-        matrix /= root[:, None]
-        matrix /= root
-        return np.column_stack([matrix, by_frequency * self.per_unit / (root * self.size)])
+        scale = 1.0 / np.tile(self.root, self.shape[0])[self.active]
+        out = np.empty((len(scale), len(scale) + 1))
+        np.multiply(matrix, scale, out=out[:, :-1])
+        out[:, -1] = by_frequency * (self.per_unit / self.size)
+        out *= scale[:, None]
+        return out
 
     def overtones(self, z: FloatArray) -> float:
         """Share of the harmonics above the fundamental in the energy norm of the motion."""

@@ -100,19 +100,41 @@ class HarmonicCurve:
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
         return replace(self.take(kept.tolist()), gap=(low, high))
 
-    def moved_to(self, contact: HarmonicContact, control: StepControl) -> HarmonicCurve:
-        """These points in another model, in planes normal to the curve; those that do not converge are left out."""
+    def moved_to(
+        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
+    ) -> HarmonicCurve:
+        """These points in another model, in planes normal to the curve; those that do not converge are left out.
+
+        ``starts`` (p, R, r) are first guesses of the modal motions; the motions of this curve without.
+        """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         balance = HarmonicBalance(contact, self.balance.acceleration)
-        problem, found = FrequencyCurve(balance, self.problem.band, self.problem.size), []
+        problem, found, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), [], None
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
             row /= np.linalg.norm(row)
-            z, history = correct(problem, problem.scaled(q @ shift, w), row, control)
+            first = q @ shift if starts is None else starts[k] @ contact.model.vectors
+            z, history, _, factor = correct(
+                problem, problem.scaled(first, w), row, control, kept=factor if starts is None else None
+            )
             if z is not None:
                 found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
-        return HarmonicCurve.of_points(problem, found)
+        return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
+
+    def extended(self, contact: HarmonicContact) -> HarmonicCurve:
+        """The same motions in the same model with the harmonics of ``contact``; further ones are zero."""
+        more = contact.sampling.size - self.coefficients.shape[1]
+        if more <= 0:
+            return self
+        balance = HarmonicBalance(contact, self.balance.acceleration)
+        problem = FrequencyCurve(balance, self.problem.band, self.problem.size)
+        changes = np.array([self.direction(k) for k in range(len(self.frequencies))])
+        changes = (np.pad(changes, ((0, 0), (0, more), (0, 0))) * problem.root).reshape(len(changes), -1)
+        return replace(
+            self, coefficients=np.pad(self.coefficients, ((0, 0), (0, more), (0, 0))), balance=balance,
+            tangents=np.column_stack([changes[:, problem.active], self.tangents[:, -1]]), problem=problem,
+        )  # fmt: skip
 
     @property
     def folds(self) -> int:

@@ -143,6 +143,12 @@ def _parts(condensation: Condensation, vectors: FloatArray) -> list[FloatArray]:
 
 def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
     """Mass-orthonormal basis of the span, pivoted in the energy norm: interface shapes count as much as modes."""
+    moves = vectors.any(axis=1)
+    if not moves.all():  # vectors of one kind: the modes of the other are left out
+        part = _orthonormal(vectors[moves], eigenvalues[moves])
+        whole = np.zeros((len(vectors), part.shape[1]))
+        whole[moves] = part
+        return whole
     root = np.sqrt(np.maximum(eigenvalues, 0.0))[:, None]
     energy = root * vectors
     size = np.linalg.norm(energy, axis=0)
