@@ -112,11 +112,13 @@ def _parts(shapes: FloatArray, symmetry: HalfPeriod | None) -> tuple[FloatArray,
 def _principal(shapes: FloatArray, least: float) -> FloatArray:
     """Left singular vectors (n, k) with singular values above ``least``."""
     rows = shapes.any(axis=1)
-    if not rows.all():  # of one kind only
-        out = np.zeros((len(shapes), min(shapes.shape)))
+    if not rows.any():  # nothing of this kind moves
+        return np.zeros((len(shapes), 0))
+    if not rows.all():
         found = _principal(np.ascontiguousarray(shapes[np.ix_(rows, shapes.any(axis=0))]), least)
-        out[rows, : found.shape[1]] = found
-        return out[:, : found.shape[1]]
+        out = np.zeros((len(shapes), found.shape[1]))
+        out[rows] = found
+        return out
     gram = shapes.T @ shapes if shapes.shape[1] < shapes.shape[0] else shapes @ shapes.T
     values, vectors = la.eigh(gram)
     kept = values > least**2

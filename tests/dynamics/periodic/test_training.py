@@ -1,0 +1,57 @@
+"""Training of the basis: curves with more harmonics, points moved to another model, rolls of which little moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.periodic import small_roll
+
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.basis import first_model
+from wroll_fem.dynamics.periodic.correction import correction
+from wroll_fem.dynamics.periodic.enrichment import trained_response
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.response import response_curve
+from wroll_fem.numerics.continuation import StepControl
+
+
+def test_a_roll_that_sticks_has_a_curve() -> None:
+    """Nothing slips, so that no even harmonic moves: a basis of one kind of shapes."""
+    system, preload, condensation = small_roll(12, 4)
+    trained = trained_response(condensation, preload, system.laws, amplitude=1e-4, frequencies=(100.0, 120.0))
+    assert trained.energy_error < 1e-3
+    assert np.all(np.diff(np.abs(trained.curve.transmissibility)) > 0.0)  # below resonance
+
+
+def test_further_harmonics_leave_the_motion_and_the_direction_of_the_curve() -> None:
+    system, preload, condensation = small_roll(12, 4)
+    symmetry = HalfPeriod.of(condensation, preload, system.laws)
+    model = first_model(condensation, preload, system.laws, Sampling(3, 64), symmetry)
+    contacts = [HarmonicContact(model, preload, system.laws, Sampling(h, 64), symmetry=symmetry) for h in (3, 5)]
+    curve = response_curve(contacts[0], amplitude=5.0, frequencies=(140.0, 165.0), control=StepControl().longer(2.5))
+    richer = curve.extended(contacts[1])
+    assert richer.coefficients.shape[1] == contacts[1].sampling.size
+    np.testing.assert_array_equal(richer.coefficients[:, :7], curve.coefficients)
+    k = len(curve.frequencies) // 2
+    np.testing.assert_allclose(richer.direction(k)[:7], curve.direction(k), rtol=1e-12, atol=0.0)
+    assert not richer.direction(k)[7:].any()
+    few = richer.take([0, k])
+    moved = few.moved_to(contacts[1], StepControl())
+    for q, w in zip(moved.coefficients, moved.frequencies, strict=True):
+        residual, _ = moved.balance.residual(q, w)
+        assert np.linalg.norm(residual) < 1e-5 * np.linalg.norm(moved.balance.load())
+    np.testing.assert_allclose(moved.frequencies, few.frequencies, rtol=5e-3)
+    assert np.abs(moved.coefficients[1, 7:]).max() > 0.0
+
+
+def test_estimate_holds_between_the_checked_points() -> None:
+    system, preload, condensation = small_roll(12, 4)
+    trained = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
+    curve = trained.curve
+    errors = [
+        correction(curve.balance, curve.coefficients[k], curve.frequencies[k], curve.direction(k)[None]).energy
+        for k in range(0, len(curve.frequencies), 3)
+    ]
+    assert trained.energy_error < 1e-3
+    assert max(errors) < 2.5e-3
+    assert np.mean(errors) == pytest.approx(0.0, abs=1e-3)
