@@ -1,0 +1,62 @@
+"""Rolls at the edge of the periodic solvers: no friction, many harmonics, weak pressure: an answer or a cause."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from support.paths import CONFIGS
+
+from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.shared.preflight import beam_frequency
+from wroll_fem.case import load_case
+from wroll_fem.errors import ConvergenceError
+from wroll_fem.progress import SilentProgress
+
+COARSE = "mesh={circumferential: 8, axial: 4, grading: 3}"
+
+
+def run(name: str, *overrides: str):
+    case = load_case(CONFIGS / f"lab_{name}.yaml", overrides)
+    progress = SilentProgress()
+    return case, run_analysis(case, progress=progress), progress
+
+
+@pytest.mark.parametrize("name", ["harmonic", "backbone", "sweep"])
+def test_a_roll_without_friction_has_a_frequency_no_damping_and_no_energy_error(name: str) -> None:
+    """Nothing dissipates: the balance is referred to what the motion stores, not to an input of rounding."""
+    wide = [] if name == "backbone" else ["excitation.f_start=115", "excitation.f_end=145"]
+    rate = ["excitation.rate_oct_per_min=20"] if name == "sweep" else []
+    case, found, progress = run(name, COARSE, "contact.friction.mu=0", *wide, *rate)
+    summary = summarise(found)
+    assert summary["energy_balance_error"] < 1e-5
+    assert not [text for text in progress.warnings if "energy balance" in text]
+    frequency = found.attrs["f_stuck_hz" if name == "backbone" else "f_n_hz"]
+    if name == "sweep":  # it rings through the undamped resonance
+        assert any("ISO 7626-2 limit" in text for text in progress.warnings)
+    else:
+        assert frequency == pytest.approx(beam_frequency(case, bonded=False), rel=0.06)
+    if name == "harmonic":
+        assert np.isnan(found.attrs["zeta"])
+        assert any("its damping ratio by friction is below" in text for text in progress.warnings)
+    if name == "backbone":
+        assert found.attrs["zeta_max"] < 1e-9
+    assert summary.get("friction_energy_j", summary.get("friction_work_per_cycle_j")) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_fifteen_harmonics_agree_with_five() -> None:
+    five, fifteen = (run("harmonic", f"harmonic.harmonics={count}")[1].attrs for count in (5, 15))
+    assert fifteen["harmonics"] == 15
+    assert fifteen["f_n_hz"] == pytest.approx(five["f_n_hz"], rel=1e-3)
+    assert fifteen["peak_transmissibility"] == pytest.approx(five["peak_transmissibility"], rel=0.02)
+
+
+def test_a_roll_that_rattles_is_told_so_at_once() -> None:
+    """At 1 kPa and 0.5 g most points open at the resonance; the cause is named after the first curve."""
+    started = time.process_time()
+    with pytest.raises(ConvergenceError, match=r"the surfaces open at \d+ % of the points within a period") as error:
+        run("harmonic", COARSE, "preload.pressure=1e3")
+    assert time.process_time() - started < 15.0
+    assert error.value.partial is not None
