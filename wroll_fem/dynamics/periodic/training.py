@@ -19,6 +19,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
+from wroll_fem.dynamics.periodic.causes import WIDE, opening
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
@@ -52,6 +53,11 @@ MOVABLE = 20.0
 
 HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 """Correction that ends the training after so many curves: linearised, corrections that large do not converge."""
+
+RATTLING, MOST_OPEN = 0.5, 0.5
+"""Error that ends the training where the surfaces open widely at the resonance (`WIDE`), and the share of points that
+open with which it does so before `HOPELESS_ROUNDS`: bases for rattling layers have hundreds of vectors, and curves in
+them take minutes."""
 
 LARGEST_BASIS = 250
 """Vectors of a basis beyond which a curve takes minutes."""
@@ -214,7 +220,9 @@ def trained(
             if part is not None and not coarse:
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
-        if hopeless or stuck:
+        wide = MOST_OPEN if number < HOPELESS_ROUNDS else WIDE
+        rattles = isinstance(curve, HarmonicCurve) and error > RATTLING and opening(curve) > wide
+        if hopeless or stuck or rattles:
             break
         if error <= tolerance and not coarse and not unsure:
             if stopped is not None:
