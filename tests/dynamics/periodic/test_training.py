@@ -11,7 +11,8 @@ from wroll_fem.dynamics.periodic.basis import first_model
 from wroll_fem.dynamics.periodic.correction import correction
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.response import response_curve
+from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
+from wroll_fem.dynamics.periodic.training import Structure, Training, _enriched
 from wroll_fem.numerics.continuation import StepControl
 
 
@@ -55,3 +56,38 @@ def test_estimate_holds_between_the_checked_points() -> None:
     assert trained.energy_error < 1e-3
     assert max(errors) < 2.5e-3
     assert np.mean(errors) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_gap_has_its_resonance_in_its_middle_or_is_refused() -> None:
+    """A stuck roll is undamped: the gap may grow while its edges are steep, as its middle is f_n then."""
+    system, preload, condensation = small_roll(8, 3)
+    curve = trained_response(condensation, preload, system.laws, amplitude=1e-4, frequencies=(100.0, 250.0)).curve
+    assert curve.gap is not None
+    main = np.argmax(np.abs(condensation.base * condensation.tip) / condensation.eigenvalues)
+    f_n = np.sqrt(condensation.eigenvalues[main])
+    assert np.mean(curve.gap) == pytest.approx(f_n, rel=1e-3)
+    size = np.abs(curve.transmissibility)
+    below, above = curve.frequencies <= curve.gap[0], curve.frequencies >= curve.gap[1]
+    steep = curve.with_gap(curve.frequencies[below & (size > 250)][0], curve.frequencies[above & (size > 250)][-1])
+    assert steep is not None
+    assert len(steep.frequencies) < len(curve.frequencies)
+    assert np.mean(steep.gap) == pytest.approx(f_n, rel=5e-3)
+    assert curve.with_gap(curve.frequencies[below & (size > 20)][0], curve.gap[1]) is None
+    assert curve.with_gap(curve.frequencies[0], curve.frequencies[-1]) is None
+
+
+def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
+    system, preload, condensation = small_roll(8, 3)
+    structure = Structure.of(condensation, preload, system.laws, Sampling(3, 64), 8)
+    model = structure.first_model()
+    curve = response_curve(structure.contact(model), amplitude=5.0, frequencies=(140.0, 150.0))
+    points = curve.take([0, 1])
+    found = [
+        correction(points.balance, points.coefficients[k], points.frequencies[k], points.direction(k)[None])
+        for k in range(2)
+    ]
+    nothing = HarmonicCurve.of_points(points.problem, [])
+    larger = _enriched(
+        structure, Training(tolerance=1e-9), points, found, lambda *_: [], lambda *_: nothing, anew=True
+    )  # fmt: skip
+    assert larger.size > model.size

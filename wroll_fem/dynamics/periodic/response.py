@@ -11,6 +11,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
+    LARGEST_GROWTH,
     LARGEST_OVERTONES,
     FrequencyCurve,
     HarmonicBalance,
@@ -27,6 +28,9 @@ MOST_SKIPPED = 8
 
 STEPS_BEYOND = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 4e-2)
 """Steps in frequency, relative to the band, that are tried to get past an internal resonance."""
+
+STEEP = 0.4
+"""Least transmissibility at the edges of a gap, over `LARGEST_GROWTH`: its middle is the resonance to 0.5 %."""
 
 LARGEST_JUMP = 0.5
 """Largest relative change of the motion over such a step."""
@@ -95,10 +99,15 @@ class HarmonicCurve:
         """The curve."""
         return self
 
-    def with_gap(self, low: float, high: float) -> HarmonicCurve:
-        """The curve without its points between two frequencies, rad/s, those of the new gap."""
+    def with_gap(self, low: float, high: float) -> HarmonicCurve | None:
+        """The curve without its points between two frequencies, rad/s, those of the new gap; None for flat edges.
+
+        The resonance is read from the middle of the gap, which it has only between steep edges.
+        """
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
-        return replace(self.take(kept.tolist()), gap=(low, high))
+        part = replace(self.take(kept.tolist()), gap=(low, high))
+        edges = np.abs(part.transmissibility[np.isin(part.frequencies, (low, high))])
+        return part if len(edges) and edges.min() > STEEP * LARGEST_GROWTH else None
 
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None

@@ -306,8 +306,10 @@ def _enriched(
         starts = _modal(points) + np.array([f.modal.T for f in found])
         points = again(points.take(large), model, starts[large])
         found = check(points, ROUGH_TOLERANCE)
-    motions = np.concatenate([_modal(part) for part in settled])
-    return principal_span(condensation, motions, negligible, symmetry) if anew and len(motions) == wanted else model
+    if not anew or sum(len(part.frequencies) for part in settled) < wanted:
+        return model
+    motions = np.concatenate([_modal(part) for part in settled if len(part.frequencies)])
+    return principal_span(condensation, motions, negligible, symmetry)
 
 
 def _joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:
