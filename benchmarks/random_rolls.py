@@ -208,12 +208,14 @@ def in_child(index: int, analysis: str, limit: float, harmonic: dict[str, Any] |
     if text:
         return json.loads(text)
     cut = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-    return {"outcome": "limit" if cut else "crash", "cause": f"status {status}", "seconds": limit}
+    cause = f"not finished in {limit:.0f} CPU s" if cut else f"status {status}"
+    return {"outcome": "limit" if cut else "crash", "cause": cause, "seconds": limit}
 
 
 def row(report: dict[str, Any]) -> str:
     """Line of the table."""
-    short = report["cause"].split(";")[0].replace("|", "/")
+    parts = report["cause"].replace("|", "/").split("; ")
+    short = parts[1].split(":")[0] if len(parts) > 1 and report["outcome"] in ("told", "late") else parts[0]
     return (
         f"| {report['roll']} | {report['analysis']} | {report['seconds']:.1f} | {report['outcome']} | "
         f"{short or ', '.join(f'{k} {report[k]:.4g}' for k in READINGS[:4] if k in report)} |"
@@ -268,7 +270,8 @@ def page(reports: list[dict[str, Any]]) -> list[str]:
     return [
         f"{len(rolls)} random valid rolls, of {TARGET} that the generator numbers from 0 (seed {SEED}): 1 to 4 layers,",
         "all bases and tips, 5 to 200 kPa, friction 0.05 to 1, 0.05 to 3 g, 14 x 7 cells. Limit of 60 CPU s per case,",
-        "mesh, preload and modes included; `told` is a failure whose cause was printed within 15 CPU s. Computed by",
+        "mesh, preload and modes included; `told` is a failure whose cause was printed within 15 CPU s, `late` one with",
+        "its cause after that, `stopped` one without. Computed by",
         "`.venv/bin/python benchmarks/random_rolls.py --out FILE`, and this page from FILE by",
         "`.venv/bin/python benchmarks/random_rolls.py --page docs/tables/random_rolls.md --read FILE`.",
         "",

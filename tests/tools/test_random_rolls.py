@@ -63,11 +63,13 @@ def test_a_slow_sweep_runs_at_a_fifth_of_the_admissible_rate(rolls) -> None:
 
 def test_the_page_counts_what_was_run(rolls) -> None:
     reports = [HARMONIC | {"roll": 0, "analysis": "harmonic", "seconds": 3.0, "cause": ""}]
-    reports.append({"roll": 0, "analysis": "sweep", "seconds": 60.0, "cause": "status 24", "outcome": "limit"})
+    reports.append(
+        {"roll": 0, "analysis": "sweep", "seconds": 60.0, "cause": "not finished in 60 CPU s", "outcome": "limit"}
+    )
     text = "\n".join(rolls.page(reports))
     assert text.startswith("1 random valid rolls, of 200")
     assert "| harmonic | 1 | 1 | 0 | 0 | 0 | 0 | 0 | 100.0 %" in text
-    assert "| 0 | sweep | 60.0 | limit | status 24 |" in text
+    assert "| 0 | sweep | 60.0 | limit | not finished in 60 CPU s |" in text
 
 
 def test_every_random_roll_is_a_valid_case(rolls) -> None:
