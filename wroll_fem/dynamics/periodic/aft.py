@@ -211,9 +211,14 @@ class HarmonicContact:
         if len(self.groups) == 1:
             return np.asarray(self.jump @ coefficients.T)
         out = np.empty((3 * self.n, self.sampling.size))
-        for (rows, columns), jump in zip(self.groups, self._group_jumps, strict=True):
-            out[:, rows] = jump @ coefficients[np.ix_(rows, columns)].T
+        for (rows, _), place, jump in zip(self.groups, self._places, self._group_jumps, strict=True):
+            out[:, rows] = jump @ coefficients[place].T
         return out
+
+    @cached_property
+    def _places(self) -> list[tuple[np.ndarray, ...]]:
+        """Places of each group among the coefficients (R, m)."""
+        return [np.ix_(rows, columns) for rows, columns in self.groups]
 
     @cached_property
     def _group_jumps(self) -> list[FloatArray]:
@@ -226,11 +231,11 @@ class HarmonicContact:
         rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
         path = kernel.SampledMotion(motion, rate, s.ramp, s.ramp_rate, 2.0 * np.pi / (frequency * s.samples))
         hysteresis = kernel.Hysteresis(
-            slip=np.zeros((2 * n, s.samples)), sliding=np.zeros((n, s.samples), np.bool_),
+            slip=np.empty((2 * n, s.samples)), sliding=np.empty((n, s.samples), np.bool_),
             moved=np.zeros(n, np.bool_), periods=np.zeros(n, np.int64), change=np.zeros(n),
         )  # fmt: skip
         kernel.iterate_to_periodic(path, self.reference, self.laws, self.max_periods, PERIODIC, hysteresis)
-        correction, is_open = np.zeros((3 * n, s.samples)), np.zeros((n, s.samples), np.bool_)
+        correction, is_open = np.empty((3 * n, s.samples)), np.empty((n, s.samples), np.bool_)
         pressure_change = np.zeros(n)
         kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open, pressure_change)
         return PeriodicContact(path, hysteresis, correction, correction @ s.project.T, is_open, pressure_change)
@@ -241,8 +246,8 @@ class HarmonicContact:
             return np.asarray((self.force_operator @ contact.coefficients).T)
         out = np.zeros((self.sampling.size, self.model.size))
         weighted = self.weights[:, None] * contact.coefficients
-        for (rows, columns), jump in zip(self.groups, self._group_jumps, strict=True):
-            out[np.ix_(rows, columns)] = (jump.T @ weighted[:, rows]).T
+        for (rows, _), place, jump in zip(self.groups, self._places, self._group_jumps, strict=True):
+            out[place] = (jump.T @ weighted[:, rows]).T
         return out
 
     def point_blocks(

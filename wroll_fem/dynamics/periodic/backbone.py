@@ -239,9 +239,14 @@ class BackboneCurve:
         row[-1] = 1.0
         for k, q in enumerate(self.coefficients):
             amplitude = float(np.linalg.norm(q[1:3]))
-            first = q @ shift if starts is None else starts[k] @ contact.model.vectors
-            start = problem.scaled(first / amplitude, self.frequencies[k], self.damping[k], amplitude)
-            z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
+            guesses = [q @ shift]
+            if starts is not None and not np.allclose(starts[k] @ contact.model.vectors, guesses[0], atol=0.0):
+                guesses.insert(0, starts[k] @ contact.model.vectors)
+            for guess in guesses:
+                start = problem.scaled(guess / amplitude, self.frequencies[k], self.damping[k], amplitude)
+                z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
+                if z is not None:
+                    break
             if z is not None:
                 along = self.tangents[k]
                 moved = (old.unpacked(along[:-3]) @ shift * problem.root / problem.unit).ravel()[problem.active]

@@ -87,16 +87,17 @@ def correction(
         for force, part in zip(residual, every.split(viscous.T), strict=True):
             force += part
     points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-    own = np.zeros(contact.n, np.int64)
-    own[every.points] = np.arange(contact.n)
-    own = own[points]
-    square = blocks.reshape(len(points), 3 * len(orders), 3 * len(orders))
-    square *= contact.laws.area[points][:, None, None]
+    rank = np.zeros(contact.n, np.int64)
+    rank[every.points] = np.arange(contact.n)
+    order = np.argsort(rank[points])
+    count, size = len(points), 3 * len(orders)
+    own = slice(None) if count == contact.n else rank[points][order]
+    square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
 
     def answer(z: FloatArray) -> list[FloatArray]:
         """L^{-1} G^T W D z: modal displacements of a jump (n, 3, R)."""
         traction = np.zeros_like(z)
-        traction[own] = (square @ z[own].reshape(len(own), square.shape[1], 1)).reshape(len(own), 3, len(orders))
+        traction[own] = (square @ z[own].reshape(count, size, 1)).reshape(count, 3, len(orders))
         return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]
 
     direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
@@ -114,11 +115,11 @@ def correction(
         for first, last, part, r in zip(ends[:-1], ends[1:], delta, root, strict=True)
     ]
     found = every.joined(delta)
-    size = float(np.linalg.norm(_stacked([r * part for r, part in zip(root, modal, strict=True)])))
+    norm = float(np.linalg.norm(_stacked([r * part for r, part in zip(root, modal, strict=True)])))
     return Correction(
         found,
-        found / size,
-        float(np.linalg.norm(scaled)) / size,
+        found / norm,
+        float(np.linalg.norm(scaled)) / norm,
         float(np.linalg.norm(c.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
     )
 

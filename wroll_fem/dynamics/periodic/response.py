@@ -123,10 +123,14 @@ class HarmonicCurve:
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
             row /= np.linalg.norm(row)
-            first = q @ shift if starts is None else starts[k] @ contact.model.vectors
-            z, history, _, factor = correct(
-                problem, problem.scaled(first, w), row, control, kept=factor if starts is None else None
-            )
+            guesses = [q @ shift]
+            if starts is not None and not np.allclose(starts[k] @ contact.model.vectors, guesses[0], atol=0.0):
+                guesses.insert(0, starts[k] @ contact.model.vectors)
+            for guess in guesses:
+                start = problem.scaled(guess, w)
+                z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
+                if z is not None:
+                    break
             if z is not None:
                 found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)

@@ -46,7 +46,7 @@ MOST_TRAINED = 25
 """Points of a curve at which the basis is enriched, besides those that are compared with the whole structure."""
 
 LINEAR = 0.5
-"""Largest correction of a motion that is a motion for a basis."""
+"""Largest correction after which the corrected motion is closer than the motion itself."""
 
 MOVABLE = 20.0
 """Largest error, over the tolerance, of a curve whose points are moved to the next basis; others are followed anew."""
@@ -303,8 +303,10 @@ def _enriched(
         if not large:
             break
         model = _joined(structure, training, model, [found[k] for k in large])
-        starts = _modal(points) + np.array([f.modal.T for f in found])
+        starts = _modal(points) + np.array([f.modal.T if f.energy < LINEAR else 0.0 * f.modal.T for f in found])
         points = again(points.take(large), model, starts[large])
+        if not len(points.frequencies):
+            break
         found = check(points, ROUGH_TOLERANCE)
     if not anew or sum(len(part.frequencies) for part in settled) < wanted:
         return model
