@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 
+NO_DAMPING = 1e-9
+"""Largest damping ratio of a backbone that is rounding."""
+
+
 def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     """Dataset over `tip_amplitude`: frequency, damping and work per cycle; interface fields at the largest damping."""
     motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
@@ -86,6 +90,16 @@ def range_remark(dataset: xr.Dataset) -> str:
     )
 
 
+def undamped_remark(dataset: xr.Dataset) -> str:
+    """Warning if nothing dissipates at any amplitude; else empty."""
+    if float(dataset["modal_damping"].max()) > NO_DAMPING:
+        return ""
+    return (
+        f"friction dissipates nothing up to the largest amplitude, {float(dataset['tip_amplitude'].max()):.2g} m: "
+        "layers stick or have no friction, and zeta_max is rounding; raise backbone.tip_largest, or mu if it is 0"
+    )
+
+
 def end_remark(curve: BackboneCurve, largest: float) -> str:
     """Warning if a backbone ends before the ``largest`` tip amplitude asked for, m; else empty."""
     if not curve.cut:
@@ -127,7 +141,7 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
         raise error from stop
     dataset = backbone_dataset(system, trained.curve)
     end, loose = end_remark(trained.curve, case.backbone.tip_largest), reduction_remark(trained.energy_error, settings)
-    for remark in (memory_remark(dataset), end or range_remark(dataset), loose):
+    for remark in (memory_remark(dataset), end or undamped_remark(dataset) or range_remark(dataset), loose):
         if remark:
             progress.warning(remark)
     return dataset.assign_attrs(

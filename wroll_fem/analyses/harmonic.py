@@ -194,7 +194,7 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
 
 
 def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
-    """Reading of a curve whose resonance is practically undamped: its frequency, no damping; None for other curves."""
+    """Reading of a curve whose resonance is practically undamped: f_n, no peak, no damping; None for other curves."""
     if curve.gap is None:
         return None
     low, high = (w / (2.0 * np.pi) for w in curve.gap)
@@ -204,8 +204,7 @@ def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
         f"ratio by friction is below {50.0 / LARGEST_GROWTH:.2g} %, or friction does not bound it; the curve is left "
         f"out between {low:.6g} and {high:.6g} Hz"
     )
-    peak = float(np.abs(curve.transmissibility).max())
-    shape = HalfPower(middle, peak, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
+    shape = HalfPower(middle, np.nan, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
     return CurveDamping(shape, DampingEstimate(middle, np.nan, np.nan, np.nan, "half power", reason))
 
 
