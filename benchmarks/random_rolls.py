@@ -263,12 +263,20 @@ def read_reports(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
+def ranges(numbers: set[int]) -> str:
+    """Numbers as ranges, "0-11, 45"."""
+    first = sorted(n for n in numbers if n - 1 not in numbers)
+    last = sorted(n for n in numbers if n + 1 not in numbers)
+    return ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in zip(first, last, strict=True))
+
+
 def page(reports: list[dict[str, Any]]) -> list[str]:
     """Lines of the page: what was run, outcomes, agreement, and the causes of cases without a result."""
     rolls = {r["roll"] for r in reports}
     failed = sorted((r for r in reports if r["outcome"] != "curve"), key=lambda r: (r["roll"], r["analysis"]))
     return [
-        f"{len(rolls)} random valid rolls, of {TARGET} that the generator numbers from 0 (seed {SEED}): 1 to 4 layers,",
+        f"{len(rolls)} random valid rolls ({ranges(rolls)}), of {TARGET} from the generator (seed {SEED}, from 0 on):",
+        "1 to 4 layers,",
         "all bases and tips, 5 to 200 kPa, friction 0.05 to 1, 0.05 to 3 g, 14 x 7 cells. Limit of 60 CPU s per case,",
         "mesh, preload and modes included; `told` is a failure whose cause was printed within 15 CPU s, `late` one",
         "whose cause came after that, `stopped` one without. Computed by",
