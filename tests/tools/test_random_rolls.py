@@ -67,7 +67,7 @@ def test_the_page_counts_what_was_run(rolls) -> None:
         {"roll": 0, "analysis": "sweep", "seconds": 60.0, "cause": "not finished in 60 CPU s", "outcome": "limit"}
     )
     text = "\n".join(rolls.page(reports))
-    assert text.startswith("1 random valid rolls (0), of 200")
+    assert text.startswith("1 random valid rolls (numbers 0), of 200")
     assert rolls.ranges({0, 1, 2, 5, 45, 46}) == "0-2, 5, 45-46"
     assert "| harmonic | 1 | 1 | 0 | 0 | 0 | 0 | 0 | 100.0 %" in text
     assert "| 0 | sweep | 60.0 | limit | not finished in 60 CPU s |" in text
