@@ -95,5 +95,7 @@ install_packages
 make_venv
 install_project
 check
+echo "setup: compiling the kernels"
+.venv/bin/python tools/compile_kernels.py
 state >"$stamp"
 echo "setup: done"

@@ -27,8 +27,8 @@ GRID = f"""
 base: {ROOT / "configs" / "oscillator.yaml"}
 grid:
   analysis: [dwell]
-  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 1500}}]
-  integrator.alpha: [0.0, -0.05, -0.1]
+  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 1200}}]
+  integrator.alpha: [-0.05, -0.1]
   solver.checkpoint_seconds: [0.3]
   output.figures: [false]
   output.fields: [none]

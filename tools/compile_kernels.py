@@ -1,0 +1,47 @@
+"""Compile the kernels once, before the first run has to wait for them.
+
+`.venv/bin/python tools/compile_kernels.py`; `make setup` runs it in a new environment, about a minute. Short runs on
+coarse meshes call every loop that takes long to compile; numba keeps the code in `__pycache__`, and a kernel whose
+source changes is compiled again where it is used.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from wroll_fem.analyses import run_analysis
+from wroll_fem.case import load_case
+from wroll_fem.errors import WrollError
+from wroll_fem.progress import SilentProgress
+
+CONFIGS = Path(__file__).resolve().parents[1] / "configs"
+COARSE = ["mesh={circumferential: 8, axial: 2}", "output={fields: none, figures: false}"]
+SHORT = [*COARSE, "excitation.cycles=3", "excitation.ramp_cycles=1", "integrator.steps_per_cycle=20"]
+PERIODIC = [*COARSE, "harmonic={harmonics: 1, samples: 32, reduction_tolerance: 0.1}"]
+RUNS: list[tuple[str, list[str]]] = [
+    ("lab_dwell", [*SHORT, "solver.method=condensed"]),
+    ("lab_dwell", [*SHORT, "solver.method=reduced"]),
+    ("lab_dwell", [*SHORT, "solver.method=full"]),
+    ("lab_harmonic", [*PERIODIC, "excitation.f_start=150", "excitation.f_end=152"]),
+    ("lab_backbone", [*PERIODIC, "backbone.tip_largest=3e-5"]),
+    ("two_dof", ["two_dof.omega.points=20", "two_dof.friction_capacity=[5, 20]"]),
+]
+"""Case file and overrides."""
+
+
+def main() -> None:
+    """Run every case; its result does not matter here."""
+    warnings.simplefilter("ignore")
+    for name, overrides in RUNS:
+        try:
+            run_analysis(load_case(CONFIGS / f"{name}.yaml", overrides), progress=SilentProgress())
+        except WrollError as error:
+            print(f"{name}: {error}")
+
+
+if __name__ == "__main__":
+    main()
