@@ -10,6 +10,7 @@ from wroll_fem.errors import WrollError
 from wroll_fem.numerics.linear import factorise
 from wroll_fem.typing import FloatArray
 
+NOT_HELD = "the stiffness without preload is not positive definite: a part of the structure is not held"
 _RESIDUAL_LIMIT = 1e-6
 
 
@@ -38,6 +39,8 @@ def load_factors(stiffness: sp.spmatrix, geometric: sp.spmatrix, count: int) -> 
     n = stiffness.shape[0]
     if geometric.nnz == 0 or not np.any(geometric.data):
         return np.zeros(0), np.zeros((n, 0))
+    if stiffness.diagonal().min() <= 0.0:  # not every eigensolver notices
+        raise WrollError(NOT_HELD)
     factor = factorise(stiffness)
     inverse = spla.LinearOperator((n, n), matvec=lambda b: factor.solve(np.ascontiguousarray(b).ravel()))
     start = np.random.default_rng(1).standard_normal(n)
@@ -46,7 +49,7 @@ def load_factors(stiffness: sp.spmatrix, geometric: sp.spmatrix, count: int) -> 
     )
     energies = np.einsum("ij,ij->j", vectors, stiffness @ vectors)
     if energies.min() <= 0.0:
-        raise WrollError("the stiffness without preload is not positive definite: a part of the structure is not held")
+        raise WrollError(NOT_HELD)
     destabilised = np.flatnonzero(inverse_factors > 1e-9 * np.abs(inverse_factors).max())[::-1]
     factors, vectors = 1.0 / inverse_factors[destabilised], vectors[:, destabilised] / np.sqrt(energies[destabilised])
     internal = stiffness @ vectors

@@ -123,11 +123,21 @@ class ReducedStepper(Stepper):
         c = self.condensation
         if len(c.eigenvalues) <= 2 * START_MODES:
             return ReducedModel.complete(c)
+        if c.eigenvalues.min() <= 0.0:  # no static response; rounding decides about the sign of a floating part
+            self._check_held(0.0)
         participation = np.abs(c.base) / c.eigenvalues
         modes = np.argsort(-participation)[:START_MODES]
         unit = np.zeros((len(c.eigenvalues), START_MODES))
         unit[modes, np.arange(START_MODES)] = 1.0
         return ReducedModel.of_vectors(c, np.column_stack([c.base / c.eigenvalues, c.tip / c.eigenvalues, unit]))
+
+    def _check_held(self, time: float) -> None:
+        """Raise a ReductionError if nothing holds a part of the structure."""
+        values = self.condensation.eigenvalues
+        if unpressed(self.system, self.preload):
+            raise _refused("an interface carries no pressure: nothing holds the layers in the reduced model", time)
+        if values.min() < FLOATING * values.max():
+            raise _refused("neither friction nor a support holds a layer in the reduced model", time)
 
     def _adopt(self, model: ReducedModel) -> None:
         """Take over a model whose basis contains the present one; the state is the same motion in new coordinates."""
@@ -209,11 +219,8 @@ class ReducedStepper(Stepper):
         ReductionError
             If nothing holds a part of the structure, the basis grows too large, or the estimate is above its limit.
         """
-        values = self.condensation.eigenvalues
-        if not self.complete and unpressed(self.system, self.preload):
-            raise _refused("an interface carries no pressure: nothing holds the layers in the reduced model", time)
-        if not self.complete and values.min() < FLOATING * values.max():
-            raise _refused("neither friction nor a support holds a layer in the reduced model", time)
+        if not self.complete:
+            self._check_held(time)
         blocks = range(0, len(acceleration) - 1, BLOCK)
         return np.vstack([self._advance_block(acceleration[i : i + BLOCK + 1], dt, time + i * dt) for i in blocks])
 
