@@ -64,6 +64,10 @@ class ConvergenceError(WrollError):
         What was computed until then, None when nothing was. Of an analysis it is a Dataset, the one that the
         successful analysis would give, shorter. Within `dynamics.periodic` it is the curve so far (HarmonicCurve or
         BackboneCurve), of `numerics.continuation` the points so far (list of CurvePoint).
+    last
+        Unknowns of the last iteration where a point of a curve is not found, else None.
+    opening
+        Share of the contact points that open within the period of ``last``.
     """
 
     exit_code = 3
@@ -80,6 +84,8 @@ class ConvergenceError(WrollError):
         self.problem, self.time_s, self.iterations = message, time_s, iterations
         self.residual_history, self.advice = list(residual_history), advice
         self.partial: Any = None
+        self.last: Any = None
+        self.opening = 0.0
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
         when = "" if time_s is None else f" at t = {time_s:.6g} s"
         super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")

@@ -211,14 +211,16 @@ def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> Floa
     Raises
     ------
     ConvergenceError
-        If the iteration does not converge; the error holds the residual history.
+        If the iteration does not converge; the error holds the residual history and, in ``last``, the last iterate.
     """
     row = np.zeros(len(z))
     row[-1] = 1.0
     many = StepControl(tolerance=control.tolerance, max_iterations=5 * control.max_iterations)
-    solution, history, *_ = correct(problem, z, row, many)
+    solution, history, near, _ = correct(problem, z, row, many)
     if solution is None:
-        raise _stalled("no periodic motion found", problem.describe(z), history)
+        failure = _stalled("no periodic motion found", problem.describe(z), history)
+        failure.last = near
+        raise failure
     return solution
 
 

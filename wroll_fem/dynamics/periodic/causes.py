@@ -27,14 +27,14 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
             "the friction law transmits nothing at rest and nothing else holds the layers, so that their mean "
             "displacement is undetermined: use penalty_coulomb, or clamp coil.base"
         )
-    curve = error.partial
+    curve, share = error.partial, error.opening
     if isinstance(curve, HarmonicCurve | BackboneCurve) and len(curve.frequencies):
         share = opening(curve)
-        if share > WIDE:
-            return (
-                f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
-                "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
-            )
+    if share > WIDE:
+        return (
+            f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
+            "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
+        )
     return ""
 
 

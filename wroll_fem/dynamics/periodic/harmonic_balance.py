@@ -193,6 +193,21 @@ class FrequencyCurve:
         out *= scale[:, None]
         return out
 
+    def solve(self, z: FloatArray, control: StepControl) -> FloatArray:
+        """Solution (n + 1,) at the frequency of a guess ``z``.
+
+        Raises
+        ------
+        ConvergenceError
+            If the iteration does not converge; ``opening`` is the share of the points that open in its last motion.
+        """
+        try:
+            return solve_at(self, z, control)
+        except ConvergenceError as error:
+            if self.balance.contact.n and np.isfinite(error.last).all():
+                error.opening = float(self.contact(error.last).open.any(axis=1).mean())
+            raise
+
     def overtones(self, z: FloatArray) -> float:
         """Share of the harmonics above the fundamental in the energy norm of the motion."""
         y = np.zeros(self.shape)
@@ -251,7 +266,7 @@ def solve_motion(
     size = float(np.linalg.norm(first * root))
     problem = FrequencyCurve(balance, band, size if size > 0.0 else 1.0)
     try:
-        return problem.motion(solve_at(problem, problem.scaled(first, frequency), control))[0]
+        return problem.motion(problem.solve(problem.scaled(first, frequency), control))[0]
     except ConvergenceError:
         if balance.acceleration == 0.0:
             raise
@@ -260,5 +275,5 @@ def solve_motion(
         part = HarmonicBalance(balance.contact, share * balance.acceleration)
         guess = _linear_start(part, frequency) if share < 0.06 else found * share / (share - 0.05)
         grown = FrequencyCurve(part, band, problem.size)
-        found = grown.motion(solve_at(grown, grown.scaled(guess, frequency), control))[0]
+        found = grown.motion(grown.solve(grown.scaled(guess, frequency), control))[0]
     return found

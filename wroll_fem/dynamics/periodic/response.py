@@ -241,7 +241,7 @@ def response_curve(
             on_point(problem.motion(points[-1].z)[1] / (2.0 * np.pi), len(points))
 
     def branch(motion: FloatArray, frequency: float, end: float, before: list[CurvePoint]) -> list[CurvePoint]:
-        first = solve_at(problem, problem.scaled(motion, frequency), control)
+        first = problem.solve(problem.scaled(motion, frequency), control)
         points: list[CurvePoint] = []
         while True:
             try:
