@@ -60,4 +60,11 @@ def test_a_roll_that_rattles_is_told_so_at_once() -> None:
     with pytest.raises(ConvergenceError, match=r"the surfaces open at \d+ % of the points within a period") as error:
         run("harmonic", COARSE, "preload.pressure=1e3")
     assert time.process_time() - started < 15.0
-    assert error.value.partial is not None
+    if "no periodic motion found" not in str(error.value):  # with some BLAS not even the first point is found
+        assert error.value.partial is not None
+
+
+def test_a_roll_that_rattles_at_the_first_frequency_is_told_so() -> None:
+    """No point of the curve is found, so there is none to read the opening from: it is that of the last iterate."""
+    with pytest.raises(ConvergenceError, match=r"no periodic motion found .*; the surfaces open at \d+ % of the points"):
+        run("harmonic", COARSE, "preload.pressure=1e3", "excitation.amplitude=20", "excitation.f_start=130")
