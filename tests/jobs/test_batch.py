@@ -303,7 +303,7 @@ def test_a_figure_that_lacks_failed_cases_does_not_hide_them(
     again = wroll("batch", grid_file(tmp_path, f"{path.read_text()}figure: layer_count\n"), "--out", out)
     assert again.exit_code == first.exit_code == 3
     assert "2 of 4 cases failed" in again.stderr
-    assert "needs cases over preload.pressure and coil.layers" in again.stderr.splitlines()[-1]
+    assert "needs cases with values of preload.pressure and coil.layers" in again.stderr.splitlines()[-1]
 
 
 def test_a_case_that_the_cluster_gave_up_names_the_scheduler(tmp_path: Path) -> None:

@@ -343,7 +343,7 @@ def test_a_reading_of_the_results_goes_before_that_of_the_curve(runs: dict[float
 
 @pytest.mark.parametrize("name", sorted(FIGURES))
 def test_a_figure_names_the_keys_it_misses(name: str, runs: dict[float, xr.Dataset]) -> None:
-    with pytest.raises(InputError, match=r"needs cases over \w+"):
+    with pytest.raises(InputError, match=r"needs cases with values of \w+"):
         FIGURES[name]([StudyCase("", {"mesh.file": "a.msh"}, runs[1e4])])
 
 

@@ -61,7 +61,7 @@ def test_curve_over_shear_stiffness_is_drawn_over_mass_alone():
     with pytest.raises(InputError, match="a curve needs at least two finished cases"):
         FIGURES["shear_stiffness"]([grid[0], member(50.0, reference=True)])
     style.plt.close(ax.figure)
-    with pytest.raises(InputError, match="compares with the coil as mass without stiffness"):
+    with pytest.raises(InputError, match="needs the reference case of the coil as mass without stiffness"):
         FIGURES["shear_stiffness"](grid)
 
 

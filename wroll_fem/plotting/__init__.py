@@ -1,15 +1,15 @@
 """Figures of the Datasets that analyses return.
 
 `wroll_fem.plot` (the module `names`) holds the public functions. Functions based on matplotlib take a Dataset and an
-`ax` and return the `ax`; they neither open a window nor repeat a computation. Three-dimensional pictures are written
-to a file (mode shapes and coils by pyvista).
+`ax` and return the `ax`. They open no window and repeat no computation. Three-dimensional pictures are written to a
+file (mode shapes and coils by pyvista).
 """
 
 from __future__ import annotations
 
 
 def __getattr__(name: str) -> object:
-    """Resolve the old spelling `plotting.plot_slip_map` of `wroll_fem.plot.slip_map`."""
+    """Resolve old names such as `plotting.plot_slip_map`, which is now `wroll_fem.plot.slip_map`."""
     if name.startswith("plot_") or name in ("save_figure", "write_slip_vtu"):
         from wroll_fem.plotting import names
 

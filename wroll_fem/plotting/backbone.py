@@ -1,4 +1,4 @@
-"""Figures of periodic motions: the frequency response by harmonic balance, and the backbone."""
+"""Figures of periodic motions: frequency response from harmonic balance, and backbone curve."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wroll_fem.signals.transmissibility import magnitude
 
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| over frequency by harmonic balance; unstable parts between folds are dashed.
+    """Plot |T| versus frequency from harmonic balance; unstable parts between folds are dashed.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot resonance frequency and modal damping over the tip amplitude; dots mark base accelerations.
+    """Plot resonance frequency and modal damping versus tip amplitude, with dots at round values of base acceleration.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Figure of the cantilevered mandrel: shear force and bending moment over the height, stress around the root."""
+"""Figure of the cantilevered mandrel: shear force and bending moment versus height, stresses around the root."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from wroll_fem.structure.beam import Cantilever
 
 
 def plot_cantilever(beam: Cantilever) -> Axes:
-    """Plot moment and shear over the height, and bending and shear stress around the root (Figs 2.8 and 2.9).
+    """Plot bending moment and shear force versus height, and their stresses around the root (thesis, Figs 2.8 and 2.9).
 
-    Each curve is divided by its largest value; the title gives both largest stresses.
+    Each curve is divided by its largest value. The title gives the largest bending stress and the largest shear stress.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Shear stress in a solid coil compared with its friction capacity, over height and radius and on cross-sections."""
+"""Figures of a solid coil: shear stress relative to the friction capacity, slip zone, and tip response."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wroll_fem.typing import FloatArray
 _POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "capacity_profile", "amplitude_g")
 _CAPACITY = "#C00000"
 _MANDREL = "#BDBDBD"
-_LINEAR_UP_TO = 5.0  # times the capacity; a longer axis is logarithmic, so that the crossing can be read
+_LINEAR_UP_TO = 5.0  # times the capacity; beyond this the axis is logarithmic, so that the crossing can be read
 
 
 def points_of(dataset: xr.Dataset) -> FloatArray:
@@ -44,29 +44,32 @@ def grid_of(dataset: xr.Dataset) -> CoilGrid:
     """
     grid = coil_grid(points_of(dataset))
     if grid is None:
-        raise InputError("the quadrature points of the coil form no grid", remedy="use the generated mesh")
+        raise InputError("the quadrature points of the coil do not form a grid", remedy="use the generated mesh")
     return grid
 
 
 def level_colours(count: int) -> list[str]:
-    """Colours of `count` levels, light to dark."""
+    """Colours of `count` excitation levels, from light to dark."""
     return [to_hex(colormaps["viridis_r"](share)) for share in np.linspace(0.15, 1.0, count)]
 
 
 def levels_to_draw(levels: FloatArray, most: int = 8) -> list[int]:
-    """Indices of at most `most` evenly spaced levels, including the first and the last."""
+    """Indices of at most `most` evenly spaced excitation levels, including the first and the last."""
     return sorted(set(np.linspace(0, levels.size - 1, min(most, levels.size)).round().astype(int).tolist()))
 
 
 def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | None = None) -> Axes:
-    """Plot the largest shear resultant over height or radius at every level, with the friction capacity (Fig. 2.14).
+    """Plot the largest shear resultant and the friction capacity versus height or radius (thesis, Fig. 2.14).
+
+    There is one curve per excitation level, for at most eight levels.
 
     Parameters
     ----------
     dataset
         Results of `modal_transient`.
     along
-        "z": over z/L, largest over angle and radius; "r": over r/r_m, largest over angle and height.
+        "z": versus z/L, the largest value of all angles and radii; "r": versus r/r_m, the largest value of all angles
+        and heights.
     ax
         Axes to draw in; a new figure if None.
 
@@ -83,7 +86,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
     Notes
     -----
     All values are divided by the capacity at the mandrel, which is the largest. The capacity depends only on the
-    radius, so the plot over the height shows only its largest value.
+    radius, so the plot versus height shows only its largest value.
     """
     style.require(dataset, _POINTS, "shear distribution")
     attrs, levels = dataset.attrs, dataset["amplitude_g"].values
@@ -124,7 +127,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
 
 
 def _largest(dataset: xr.Dataset, along: str, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Coordinates "z" or "r" of the rows of points, and the largest value in each row."""
+    """Coordinate "z" or "r" of each row of points, and the largest value in each row."""
     grid = coil_grid(points_of(dataset))
     if grid is None:
         return largest_along(dataset[f"{along}_m"].values, values)
@@ -141,14 +144,14 @@ def _place(along: str, position: float, scale: float) -> str:
 def plot_root_section(
     dataset: xr.Dataset, component: Literal["rz", "rt"], ax: Axes | None = None, height: float = 0.0
 ) -> Axes:
-    """Plot the amplitude of one shear component on a cross-section at the highest level (Fig. 2.15).
+    """Plot the amplitude of one shear component on a cross-section at the highest excitation level (thesis, Fig. 2.15).
 
     Parameters
     ----------
     dataset
         Results of `modal_transient` on a grid of points.
     component
-        "rz": along the axis; "rt": along the hoop.
+        "rz": axial shear; "rt": hoop shear.
     ax
         Axes to draw in; a new figure if None.
     height
@@ -158,7 +161,7 @@ def plot_root_section(
     Returns
     -------
     Axes
-        The axes drawn in; its image has the same colour scale for both components.
+        The axes drawn in; the colour scale is the same for both components.
 
     Raises
     ------
@@ -167,7 +170,8 @@ def plot_root_section(
 
     Notes
     -----
-    Linear between the quadrature points; a dashed line bounds the points of the section that slip.
+    Values are interpolated linearly between the quadrature points. A dashed line bounds the part of the section that
+    slips.
     """
     style.require(dataset, (*_POINTS, "shear_rz", "shear_rt"), "root section")
     grid, top = grid_of(dataset), float(dataset["amplitude_g"].values[-1])
@@ -220,7 +224,7 @@ def _excitation_arrow(ax: Axes, direction: str, half: float) -> None:
 
 
 def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
-    """Plot the shear resultant over height and over radius side by side (Fig. 2.14); returns the first axes."""
+    """Plot the shear resultant versus height and radius, side by side (thesis, Fig. 2.14); return the first axes."""
     _, panels = plt.subplots(1, 2, figsize=(1.35 * style.WIDTH, 4.0), dpi=style.DPI, layout="constrained")
     plot_shear_along(dataset, "z", panels[0])
     plot_shear_along(dataset, "r", panels[1])
@@ -228,7 +232,7 @@ def plot_shear_distribution(dataset: xr.Dataset) -> Axes:
 
 
 def plot_root_sections(dataset: xr.Dataset) -> Axes:
-    """Plot both shear components on the root section and 1 % of the length above it (Fig. 2.15).
+    """Plot both shear components at the root and at 1 % of the length above the base (thesis, Fig. 2.15).
 
     Returns
     -------
@@ -246,7 +250,9 @@ def plot_root_sections(dataset: xr.Dataset) -> Axes:
 
 
 def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the slip zone of every level over depth and height; a point counts if the coil slips at any angle.
+    """Plot the slip zone versus distance from the mandrel and height, one colour per excitation level.
+
+    A point of the plot lies in the slip zone if the coil slips there at any angle.
 
     Parameters
     ----------
@@ -267,7 +273,8 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
     Notes
     -----
-    Linear between the quadrature points; constant from the outermost points to the coil's surfaces.
+    The logarithm of the slip onset is interpolated linearly between the quadrature points. It is constant between the
+    outermost points and the surfaces of the coil.
     """
     style.require(dataset, (*_POINTS, "slip_onset"), "slip zone")
     grid, levels = grid_of(dataset), dataset["amplitude_g"].values
@@ -305,12 +312,12 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_steady_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the absolute tip acceleration from rest to the steady state, with the exact steady amplitude.
+    """Plot the absolute tip acceleration versus time, from rest to the steady state, with the exact steady amplitude.
 
     Parameters
     ----------
     dataset
-        Results of `modal_transient`; the history is that of the top level.
+        Results of `modal_transient`, whose time history belongs to the highest excitation level.
     ax
         Axes to draw in; a new figure if None.
 

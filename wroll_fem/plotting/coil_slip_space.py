@@ -1,4 +1,4 @@
-"""Slip of a solid coil in three dimensions: a file for viewers, and a picture rendered by pyvista."""
+"""Slip of a solid coil in three dimensions: a .vtu file, and a picture rendered by pyvista."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from wroll_fem.typing import FloatArray
 _FIELDS = ("slip_onset", "shear_resultant", "shear_rz", "shear_rt", "friction_capacity")
 _STUCK = "#DDDDDD"
 _HEXAHEDRON = 12
-_NEVER = 1e9  # g; file formats of viewers know no infinity
+_NEVER = 1e9  # g; replaces infinity, which the file formats of viewers do not have
 
 
 def _ends(dataset: xr.Dataset) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -38,10 +38,11 @@ def _finding(onset: float, top: float, dataset: xr.Dataset) -> str:
 
 
 def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
-    """Write the coil as .vtu: one hexahedron around each quadrature point, with the point's values.
+    """Write the coil as a .vtu file: one hexahedron around each quadrature point, with the values at that point.
 
     Fields: shear components and resultant at 1 g (Pa), friction capacity (Pa), slip onset (g; 1e9 where the shear
-    stress is zero), and whether the point slips at each level. Points without a grid are written as vertices.
+    stress is zero), and for each excitation level whether the point slips. Points that do not form a grid are written
+    as vertices.
 
     Returns
     -------
@@ -89,7 +90,7 @@ def level_names(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
-    """Cut the roll in half below a height; colour each cell of the coil by the lowest level at which it slips.
+    """Half of the roll up to height ``top`` (m); each coil cell is coloured by the lowest level at which it slips.
 
     The cutting plane contains the axis and the direction of excitation, so it shows the largest axial shear.
 
@@ -101,7 +102,7 @@ def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str,
     Raises
     ------
     InputError
-        When the points form no grid, or pyvista is missing.
+        When the points do not form a grid, or pyvista is missing.
     """
     pv = _pyvista()
     levels = _levels(dataset)
@@ -127,7 +128,9 @@ def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str,
 
 
 def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
-    """Render the coil cut open, whole and near the root, coloured by the lowest level at which each cell slips.
+    """Render half of the coil, in its whole length and near the root.
+
+    Each cell is coloured by the lowest excitation level at which it slips.
 
     Parameters
     ----------
@@ -144,7 +147,7 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
     Raises
     ------
     InputError
-        When the points form no grid, or pyvista is missing.
+        When the points do not form a grid, or pyvista is missing.
     """
     (_, outer), ends = _ends(dataset)
     view = (0.25, -1.0, 0.30) if _along_x(dataset) else (1.0, 0.25, 0.30)

@@ -1,4 +1,4 @@
-"""Figures of mesh studies: convergence of the friction response and of the natural frequency."""
+"""Figures of mesh studies: convergence of the response with friction, and of the first bending frequency."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
 
 
 def plot_friction_convergence(members: Sequence[StudyCase]) -> Axes:
-    """Plot f_n, peak, zeta and friction work over the number of axial elements, one line per grading.
+    """Plot f_n, peak, zeta and friction work versus the number of axial elements, one line per mesh grading.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def plot_friction_convergence(members: Sequence[StudyCase]) -> Axes:
 
 
 def first_bending(member: StudyCase) -> float:
-    """Frequency of the first bending mode of a modal analysis, Hz.
+    """Frequency (Hz) of the first bending mode in the results of a modal analysis.
 
     Raises
     ------
@@ -79,9 +79,9 @@ def first_bending(member: StudyCase) -> float:
 
 
 def plot_frequency_convergence(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the first bending frequency over the axial element count, one line per circumferential element count.
+    """Plot the first bending frequency versus number of axial elements, for each number of circumferential elements.
 
-    The shaded band, +-1 % around the finest mesh, is the criterion of the thesis.
+    The shaded band is the criterion of the thesis: within 1 % of the frequency of the finest mesh.
 
     Raises
     ------

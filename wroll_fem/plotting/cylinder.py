@@ -31,12 +31,13 @@ AMBIENT, DIFFUSE, INSIDE = 0.6, 0.42, 0.85  # light from the viewer, and the par
 def slip_surface(
     dataset: xr.Dataset, interface: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], dict[str, FloatArray]]:
-    """Return an interface as a surface in three dimensions.
+    """Surface of an interface in three dimensions, with its slip fields.
 
     Returns
     -------
     points, cells, fields
-        (n, 3) Cartesian m, (m, 4) quads or (m, 3) triangles, and name -> (n,) values of each slip field in the results.
+        (n, 3) Cartesian coordinates (m), (m, 4) quads or (m, 3) triangles, and name -> (n,) values of each slip field
+        in the results.
 
     Raises
     ------
@@ -56,9 +57,9 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     Parameters
     ----------
     dataset
-        Per-point data over (`interface`, `point`).
+        Data per contact point, with dimensions (`interface`, `point`).
     path
-        Target; parent folders are created.
+        File to write; parent folders are created.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
     count = dataset.sizes.get("interface", 0)
     if count == 0:
-        raise InputError("the results hold no interface", remedy="run an analysis with interfaces")
+        raise InputError("the results contain no interface", remedy="run an analysis with interfaces")
     parts = [slip_surface(dataset, k) for k in range(count)]
     sizes = [part[0].shape[0] for part in parts]
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
@@ -92,23 +93,24 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 def draw_tube(
     ax: Axes, colours: FloatArray, height: FloatArray, radius: float, azimuth: float, elevation: float
 ) -> None:
-    """Draw an upright open tube in parallel projection, in the unit of ``radius``.
+    """Draw an upright open tube in parallel projection; all lengths are in the unit of ``radius``.
 
     Parameters
     ----------
     ax
         Two-dimensional axes.
     colours
-        (n_z, n_theta, 3) RGB of equal cells around the tube from -pi to pi; n_theta is a multiple of 4.
+        (n_z, n_theta, 3) RGB colours of the cells. All cells span equal angles, from -pi to pi. n_theta is a multiple
+        of 4.
     height
-        (n_z + 1,) borders of the cells.
+        (n_z + 1,) heights of the cell borders.
     azimuth, elevation
         Direction of the viewer, rad.
 
     Notes
     -----
     A point at angle phi from the viewer appears at x = R sin(phi), y = z cos(e) - R sin(e) cos(phi), with the elevation
-    e. The far half is drawn first; it is seen through the open end, from inside.
+    e. The far half is drawn first; its inner surface is seen through the open end.
     """
     count = colours.shape[1]
     quarter = count // 4
@@ -131,25 +133,26 @@ def draw_tube(
 
 
 def _cell_means(nodes: FloatArray) -> FloatArray:
-    """Mean of the four corners of each cell of a raster."""
+    """Mean of the values at the four corners of each raster cell."""
     return np.asarray(0.25 * (nodes[1:, 1:] + nodes[:-1, 1:] + nodes[1:, :-1] + nodes[:-1, :-1]))
 
 
 def plot_slip_on_cylinder(
     dataset: xr.Dataset, path: str | os.PathLike[str], interface: int = 0, quantity: str = "cumulative_slip"
 ) -> Path:
-    """Draw the slip of an interface on the cylinder, seen along and across the excitation.
+    """Draw the slip of an interface on the cylinder, seen along the excitation, at 45 degrees, and across it.
 
     Parameters
     ----------
     dataset
-        Per-point data over (`interface`, `point`): `quantity`, `slipped`, `theta_rad`, `z_m`, `area`.
+        Data per contact point, with dimensions (`interface`, `point`): `quantity`, `slipped`, `theta_rad`, `z_m`,
+        `area`.
     path
         PNG to write; parent folders are created.
     interface
         Index of the interface; 0 is the innermost.
     quantity
-        "cumulative_slip" (grey where the interface stuck) or another length of the field table.
+        "cumulative_slip" (grey where the interface never slipped) or another variable of the results that is a length.
 
     Returns
     -------
@@ -174,7 +177,7 @@ def plot_slip_on_cylinder(
     direction = dataset.attrs.get("excitation_direction", "x")
     faces, across = ("90°", "0°") if direction == "y" else ("0°", "90°")
     along, over = (90.0, 0.0) if direction == "y" else (0.0, 90.0)
-    known = direction in ("x", "y")  # a structure from a file does not say
+    known = direction in ("x", "y")  # unknown for a structure from a file
     faces = f"along the excitation ({faces})" if known else f"from {faces}"
     across = f"across the excitation ({across})" if known else f"from {across}"
     views = {f"seen {faces}": along, "seen from 45°": 45.0, f"seen {across}": over}

@@ -1,4 +1,4 @@
-"""Figure of a design map: frequency disparity between stiffest and softest coil over the mandrel radius."""
+"""Figure of a design map: frequency disparity between stiffest and softest coil versus mandrel radius."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from wroll_fem.results.dataset import label
 
 
 def plot_design_map(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the frequency disparity over the mandrel's radius, one line per wall (thesis, Fig. 2.16).
+    """Plot the frequency disparity versus mandrel radius, one line per wall thickness (thesis, Fig. 2.16).
 
-    A black ring marks the mandrel of the case. Mandrels whose fundamental mode is not bending are omitted and counted
-    in the title.
+    A black ring marks the mandrel of the case. Mandrels whose fundamental mode is not bending are omitted; the title
+    gives their number.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Time histories: tip response with friction work, and the energy ledger."""
+"""Figures of time histories: tip response with friction work, and energy ledger."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_S
 
 
 def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:
-    """Add the instantaneous frequency of a chirp as an axis on top; other motions get none."""
+    """Add a frequency axis on top if the base motion is a chirp; do nothing for other motions."""
     law = chirp_law(dataset)
     if law is None:
         return
@@ -46,13 +46,14 @@ def _second_y(ax: Axes) -> Axes:
 
 
 def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the absolute tip acceleration and the cumulative friction work over time.
+    """Plot the absolute tip acceleration and the cumulative friction work versus time.
 
     Parameters
     ----------
     dataset
-        Has `tip_acceleration` (relative), `base_acceleration` and `friction_energy` over `time`; attributes
-        `excitation_kind`, `f_start_hz`, `rate_oct_per_min` (or `f_end_hz`) give the frequency axis of a chirp.
+        Has `tip_acceleration` (relative to the base), `base_acceleration` and `friction_energy` over `time`. The
+        attributes `excitation_kind`, `f_start_hz`, `rate_oct_per_min` (or `f_end_hz`) give the frequency axis of a
+        chirp.
     ax
         Axes to draw in; a new figure if None.
 
@@ -99,7 +100,7 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the energy balance over time: input work of the base, friction, stored energy, numerical dissipation.
+    """Plot the energy balance versus time: input work of the base, friction work, stored energy, numerical dissipation.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Figures of the bench experiments: shear tests of stacks, rate-and-state friction."""
+"""Figures of the bench experiments: shear tests of stacked layers, and rate-and-state friction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wroll_fem.results.dataset import label
 
 
 def plot_shear_tests(tests: Sequence[xr.Dataset]) -> Axes:
-    """Plot force over displacement, and capacity, stiffness and modulus over pressure (Figs. E.6 to E.9).
+    """Plot force versus displacement, and capacity, stiffness and modulus versus pressure (thesis, Figs. E.6 to E.9).
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ _READINGS = (("shear_capacity_n", 1.0), ("shear_stiffness_n_m", 1e-3), ("shear_m
 
 
 def _first(tests: Sequence[xr.Dataset], one: xr.Dataset) -> xr.Dataset:
-    """First test under the same pressure."""
+    """First of the tests at the same pressure as test ``one``."""
     return next(d for d in tests if np.isclose(d.attrs["pressure_pa"], one.attrs["pressure_pa"]))
 
 
 def plot_velocity_steps(histories: Mapping[str, xr.Dataset]) -> Axes:
-    """Plot the coefficient of friction of several laws over slip, for the same slip-rate history (Fig. E.15).
+    """Plot the friction coefficient versus slip for several laws and one slip-rate history (thesis, Fig. E.15).
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ _VTK_QUAD9 = 28
 
 
 def has_display() -> bool:
-    """Whether a display for windows is available."""
+    """Whether a display is available on which a window can open."""
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
@@ -43,7 +43,7 @@ def _pyvista() -> ModuleType:
 def _render(
     meshes: Sequence[tuple[Any, dict[str, Any]]], centre: FloatArray, direction: Sequence[float], extent: float
 ) -> npt.NDArray[np.uint8]:
-    """Render meshes with their `add_mesh` options on white; returns the picture (rows, columns, 3)."""
+    """Picture (rows, columns, 3) of meshes on white; each mesh comes with its options for pyvista's `add_mesh`."""
     plotter = _pyvista().Plotter(off_screen=True, window_size=(1000, 1000))
     try:
         plotter.set_background("white")
@@ -71,13 +71,13 @@ def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8
 
 
 def _deformed(points: FloatArray, cells: npt.NDArray[np.int64], shapes: FloatArray) -> list[npt.NDArray[np.uint8]]:
-    """Render the structure in each shape (k, n, 3), with its undeformed edges in grey."""
+    """Render the structure deformed by each of the shapes (k, n, 3), with its undeformed edges in grey."""
     used = np.unique(cells)
     extent = float(np.ptp(points[used], axis=0).max())
     kinds = np.full(len(cells), _VTK_QUAD9, dtype=np.uint8)
     grid = _pyvista().UnstructuredGrid(np.insert(cells, 0, cells.shape[1], axis=1).ravel(), kinds, points)
     rest = grid.extract_feature_edges(boundary_edges=True, feature_edges=False, manifold_edges=False)
-    if rest.n_points == 0:  # a closed skin has corners instead of borders
+    if rest.n_points == 0:  # a closed surface has no boundary edges: draw its sharp edges instead
         rest = grid.extract_feature_edges(
             60.0, boundary_edges=False, non_manifold_edges=False, feature_edges=True, manifold_edges=False
         )
@@ -104,7 +104,7 @@ def plot_mode_shapes(
     *,
     columns: int = 5,
 ) -> Path:
-    r"""Render mode shapes side by side, coloured by displacement relative to its largest value.
+    r"""Render mode shapes side by side; the colour shows the displacement divided by its largest value.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def plot_mode_shapes(
     path
         PNG file to write; parent folders are created.
     columns
-        Pictures per row.
+        Largest number of pictures per row.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Figure of the natural frequencies, coloured by kind of mode."""
+"""Figure of natural frequencies, coloured by kind of mode."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wroll_fem.typing import FloatArray
 
 
 def _mass_fraction(dataset: xr.Dataset) -> tuple[FloatArray, list[str]] | None:
-    """Largest effective mass fraction of each mode and its direction; None if the results lack it."""
+    """Largest effective mass fraction of each mode, and its direction; None if the results contain no fractions."""
     if "effective_mass_fraction" not in dataset:
         return None
     fraction = dataset["effective_mass_fraction"]
@@ -26,7 +26,7 @@ def _mass_fraction(dataset: xr.Dataset) -> tuple[FloatArray, list[str]] | None:
 
 
 def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot natural frequencies as stems, one row per mode, coloured and named by kind.
+    """Plot natural frequencies as horizontal stems, one row per mode, coloured and labelled by kind of mode.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ __all__ += FIGURES
 
 
 def study_figure(name: str, members: Sequence[StudyCase]) -> Axes:
-    """Draw the figure of a study that has a given name in grid files (key `figure`).
+    """Draw a figure of a study, given its name in grid files (key `figure`).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Figure of a study over preload, friction and excitation level: damping and frequency of every case."""
+"""Figure of a study of preload, friction and excitation level: damping ratio and resonance frequency of each case."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FRICTION, LEVEL = "contact.friction.mu", "excitation.amplitude"
 
 
 def plot_damping_over_preload(members: Sequence[StudyCase]) -> Axes:
-    """Plot damping and frequency over preload, one line per friction coefficient, one column per excitation level.
+    """Plot damping and frequency versus preload: one line per friction coefficient, one column per excitation level.
 
     Parameters
     ----------

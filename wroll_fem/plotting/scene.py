@@ -20,7 +20,10 @@ def jupyter_backend() -> str:
 
 
 def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = None) -> Any:
-    """Scene of a coil cut open, coloured by slip level, or of an interface, coloured by accumulated slip.
+    """Three-dimensional scene of the slip in a coil or on an interface.
+
+    A coil is cut in half, and each cell is coloured by the lowest excitation level at which it slips. An interface is
+    coloured by its accumulated slip.
 
     Parameters
     ----------
@@ -34,12 +37,12 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
     Returns
     -------
     pyvista.Plotter
-        ``scene.show(jupyter_backend=jupyter_backend())`` in a notebook; ``scene.show()`` opens a window elsewhere.
+        Call ``scene.show(jupyter_backend=jupyter_backend())`` in a notebook; elsewhere ``scene.show()`` opens a window.
 
     Raises
     ------
     InputError
-        When the Dataset holds no slip, its points form no grid, or pyvista is missing.
+        When the Dataset contains no slip, its points do not form a grid, or pyvista is missing.
     """
     coil = "slip_onset" in dataset
     style.require(dataset, ("slip_onset",) if coil else ("cumulative_slip",), "scene of the slip")
@@ -58,7 +61,7 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
         kind = pv.CellType.QUAD if cells.shape[1] == 4 else pv.CellType.TRIANGLE
         mesh = pv.UnstructuredGrid({kind: cells}, points)
         mesh["slip"] = slip
-        # no scalar bar: the number format of VTK's ends the process that also holds dolfinx (two C++ string layouts)
+        # no scalar bar: VTK's formatting of its numbers ends a process that has loaded dolfinx (two C++ string layouts)
         scene.add_mesh(mesh, scalars="slip", cmap=style.SLIP_MAP, show_scalar_bar=False, ambient=0.4)
         text = f"Accumulated slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
     scene.add_text(text, font_size=10, color="black")

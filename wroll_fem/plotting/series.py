@@ -55,12 +55,12 @@ def _colours(count: int) -> list[Any]:
 
 
 def _base_key(members: Sequence[StudyCase]) -> str | None:
-    """Key of the base condition of the layers if the study varies it, else None."""
+    """Key of the end condition of the layers at the base if the study varies it, else None."""
     return LAYER_BASE if any(LAYER_BASE in m.values for m in members) else None
 
 
 def _panels(count: int, height: float) -> list[Axes]:
-    """Axes of a new figure with panels stacked vertically."""
+    """Axes of the panels of a new figure, stacked vertically."""
     _, panels = plt.subplots(
         count, 1, figsize=(style.WIDTH, 0.4 + height * count), dpi=style.DPI, layout="constrained", squeeze=False
     )
@@ -75,7 +75,7 @@ def plot_curves(
     sentence: Callable[[Sequence[StudyCase]], str] | None = None,
     figure: str = "curves",
 ) -> Axes:
-    """Plot transmissibility curves of a study: one colour per value of a key, one panel per value of another.
+    """Plot transmissibility curves of a study: one colour per value of one key, one panel per value of another key.
 
     Parameters
     ----------
@@ -85,9 +85,9 @@ def plot_curves(
     colour, panel
         Dotted keys that select the colour and the panel.
     sentence
-        Function that returns the title; by default the title gives the range of the resonance.
+        Function that returns the title; by default the title gives the range of the resonance frequencies.
     figure
-        Name of the figure, for errors.
+        Name of the figure in error messages.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def plot_curves(
 
 
 def _draw_curves(ax: Axes, members: Sequence[StudyCase], key: str, values: Sequence[Any]) -> float:
-    """Draw one panel of `plot_curves`; returns the largest value of its curves."""
+    """Draw one panel of `plot_curves`; return the largest value of its curves."""
     top = 0.0
     swept = any(is_sweep(m) for m in members)
     dash = (0, (3, 1.5))
@@ -163,7 +163,7 @@ def _by_pressure(members: Sequence[StudyCase]) -> list[StudyCase]:
 
 
 def _agreement(grid: Sequence[StudyCase]) -> list[str]:
-    """Largest difference between the peaks of sweep and steady state of the same case, as text; empty without pairs."""
+    """Clause of the title on the difference between sweep and steady-state peaks; empty if no case has both."""
     peaks: dict[str, list[float]] = {}
     for m in grid:
         same = {key: value for key, value in m.values.items() if key != "analysis"}
@@ -178,16 +178,16 @@ def _agreement(grid: Sequence[StudyCase]) -> list[str]:
 def plot_damping_over_frequency(
     members: Sequence[StudyCase], ax: Axes | None = None, *, line: str | None = None
 ) -> Axes:
-    """Plot zeta over f_n, one point per preload, one line per value of a key (Figs 4.5 and 5.8).
+    """Plot zeta versus f_n: one point per preload, one line per value of a key (thesis, Figs 4.5 and 5.8).
 
     Parameters
     ----------
     members
-        Finished cases over `preload.pressure`.
+        Finished cases of a study that varies `preload.pressure`.
     ax
         Axes to draw in; a new figure if None.
     line
-        Dotted key with one line per value; by default the base condition of the layers if the study varies it.
+        Dotted key with one line per value; by default `coil.base` if the study varies it.
 
     Raises
     ------
@@ -236,7 +236,7 @@ def plot_damping_over_frequency(
 
 
 def plot_friction_over_preload(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the friction work of a sweep over the preload, one line per base condition (Fig 4.7).
+    """Plot the friction work of each sweep versus preload, one line per end condition of the layers (thesis, Fig 4.7).
 
     Raises
     ------
@@ -271,7 +271,9 @@ def plot_friction_over_preload(members: Sequence[StudyCase], ax: Axes | None = N
 
 
 def plot_friction_over_damping(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the friction work of a sweep over zeta, one point per preload (Fig 4.8); clamped bases are left out.
+    """Plot the friction work of each sweep versus zeta, one point per preload (thesis, Fig 4.8).
+
+    If the study varies the end condition of the layers at the base, only cases with a free end are drawn.
 
     Raises
     ------
@@ -281,8 +283,8 @@ def plot_friction_over_damping(members: Sequence[StudyCase], ax: Axes | None = N
     grid = [m for m in grid_cases(members, "friction_over_damping", PRESSURE) if is_sweep(m)]
     grid = _by_pressure([m for m in having(grid, LAYER_BASE, "free") if np.isfinite(read(m).zeta)])
     if len(grid) < 2:
-        problem = "the figure friction_over_damping needs two sweeps with a damping estimate"
-        raise InputError(problem, remedy="add preloads")
+        problem = "the figure friction_over_damping needs at least two sweeps with a damping estimate"
+        raise InputError(problem, remedy="add cases with other preloads")
     ax = style.axes(ax, 4.2)
     zeta, work = [100 * read(m).zeta for m in grid], [1e3 * friction_work(m) for m in grid]
     ax.plot(zeta, work, color="#BBBBBB", lw=1.0, zorder=1)
@@ -303,7 +305,7 @@ def plot_friction_over_damping(members: Sequence[StudyCase], ax: Axes | None = N
 
 
 def plot_friction_along_sweep(members: Sequence[StudyCase]) -> Axes:
-    """Plot tip acceleration and friction work along the sweep at the lowest and the highest preload (Fig 4.6).
+    """Plot tip acceleration and friction work during the sweep for the lowest and highest preload (thesis, Fig 4.6).
 
     Raises
     ------
@@ -327,7 +329,7 @@ def plot_friction_along_sweep(members: Sequence[StudyCase]) -> Axes:
 
 
 def plot_integrators(members: Sequence[StudyCase]) -> Axes:
-    """Plot the transmissibility of one case with several integration schemes (Fig B.3)."""
+    """Plot the transmissibility of one case, one curve per time integration scheme (thesis, Fig B.3)."""
     key = "integrator.scheme"
 
     def sentence(grid: Sequence[StudyCase]) -> str:
@@ -342,7 +344,7 @@ def plot_integrators(members: Sequence[StudyCase]) -> Axes:
 
 
 def plot_friction_laws(members: Sequence[StudyCase]) -> Axes:
-    """Plot transmissibility curves per preload, one panel per friction law: constant and rate-dependent (Fig E.25)."""
+    """Plot one transmissibility curve per preload, in one panel per friction law (thesis, Fig E.25)."""
 
     def sentence(grid: Sequence[StudyCase]) -> str:
         files = values_of(grid, "case")
@@ -382,4 +384,4 @@ FIGURES: dict[str, Callable[[Sequence[StudyCase]], Axes]] = {
     "winding_hardness": plot_soft_and_hard,
     "winding_tension": plot_pressure_over_tension,
 }
-"""Value of the grid-file key `figure` -> function that draws the finished cases."""
+"""Value of the key `figure` of a grid file -> function that draws this figure from the finished cases."""

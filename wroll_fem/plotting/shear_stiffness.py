@@ -1,4 +1,4 @@
-"""Bending frequency of the solid coil over the shear stiffness between its wraps (thesis, Figs. 2.13 and 2.17)."""
+"""Figures of the bending frequency of a solid coil versus shear stiffness between wraps (thesis, Figs. 2.13, 2.17)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LOW_MASS = 0.1  # a mode below bending with less than this share of bending's e
 
 
 def bending_mode(member: StudyCase) -> tuple[float, int]:
-    """Frequency (Hz) and number of the bending mode with the largest effective mass.
+    """Frequency (Hz) and mode number of the bending mode with the largest effective mass.
 
     The lowest mode has the number 1; a degenerate pair counts once.
 
@@ -46,7 +46,9 @@ def _curve(group: Sequence[StudyCase]) -> tuple[FloatArray, FloatArray, list[int
 def _reference(members: Sequence[StudyCase], figure: str, what: str) -> float:
     found = [bending_mode(m)[0] for m in members if m.reference]
     if not found:
-        raise InputError(f"the figure {figure} compares with {what}", key="reference", remedy=f"add the case of {what}")
+        raise InputError(
+            f"the figure {figure} needs the reference case of {what}", key="reference", remedy="add this case"
+        )
     return found[0]
 
 
@@ -56,7 +58,7 @@ def _log_axis(ax: Axes) -> None:
 
 
 def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
-    """First x at which the ascending y reaches a level, interpolated in log x; nan if y does not reach it."""
+    """First x at which the ascending y crosses a level, interpolated in log x; nan if it does not cross the level."""
     above = np.flatnonzero(y >= level)
     if above.size == 0 or above[0] == 0:
         return np.nan
@@ -66,9 +68,10 @@ def crossing(x: FloatArray, y: FloatArray, level: float) -> float:
 
 
 def plot_shear_stiffness(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the bending frequency, relative to a coil of mass alone, over the shear stiffness (Fig. 2.13).
+    """Plot the bending frequency versus the shear stiffness between wraps (thesis, Fig. 2.13).
 
-    Open symbols: bending is not the lowest mode.
+    The frequency is divided by that for a coil with mass but without stiffness. Open symbols mark cases in which other
+    modes are lower than the bending mode.
 
     Raises
     ------
@@ -106,9 +109,10 @@ def plot_shear_stiffness(members: Sequence[StudyCase], ax: Axes | None = None) -
 
 
 def plot_shear_stiffness_band(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the bending frequency over shear stiffness for each in-plane modulus, and of the mandrel alone (Fig. 2.17).
+    """Plot the bending frequency versus shear stiffness, one curve per in-plane modulus (thesis, Fig. 2.17).
 
-    Open symbols: bending is not the lowest mode.
+    A horizontal line shows the frequency of the mandrel alone. Open symbols mark cases in which other modes are lower
+    than the bending mode.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Slip maps and peak slip vectors on the unrolled surface of an interface."""
+"""Maps of slip and pressure, and vectors of peak slip, on the unrolled surface of an interface."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _STUCK = "#E4E4E4"
 
 
 def interface_name(interface: int, dataset: xr.Dataset | None = None) -> str:
-    """Return the names of the two bodies at an interface, from the results if given: "mandrel and layer 1"."""
+    """Names of the two bodies at an interface (from the results, if given), for example "mandrel and layer 1"."""
     if dataset is not None and "interface_name" in dataset.variables:
         name = str(dataset["interface_name"].values[interface])
         inner, slash, outer = re.sub(r"_0*(?=\d)", " ", name).partition("/")
@@ -41,7 +41,7 @@ def _unrolled(ax: Axes, dataset: xr.Dataset, z_mm: FloatArray) -> None:
 
 
 def in_small_unit(values_m: FloatArray) -> tuple[FloatArray, str]:
-    """Convert lengths (m) to micrometres or nanometres, whichever suits the largest; returns values and unit."""
+    """Convert lengths (m) to micrometres, or to nanometres if all are below 0.1 µm; return values and unit."""
     largest = float(np.nanmax(np.abs(values_m), initial=0.0))
     return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")
 
@@ -60,8 +60,8 @@ def plot_slip_map(
     ax
         Axes to draw in; a new figure if None.
     quantity
-        A length of the field table over (`interface`, `point`): "cumulative_slip" or "max_slip". The first is blank
-        (hatched grey) where the interface stuck; "max_slip" contains elastic slip and is shown everywhere.
+        Variable over (`interface`, `point`) that is a length: "cumulative_slip" or "max_slip". The first is hatched
+        grey where the interface never slipped. The second includes elastic slip and is shown everywhere.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def plot_slip_map(
 
 
 def plot_pressure_map(dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None) -> Axes:
-    """Plot the contact pressure of an interface at the start of the motion, on the unrolled cylinder.
+    """Plot the contact pressure on an interface at the start of the motion, on the unrolled cylinder.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
 def plot_peak_slip_vectors(
     dataset: xr.Dataset, interface: int = 0, ax: Axes | None = None, max_arrows: int = 700
 ) -> Axes:
-    """Plot the largest relative displacement of each point (outer minus inner) as arrows on the unrolled cylinder.
+    """Plot the largest relative displacement of each point (outer minus inner body) as arrows on the unrolled cylinder.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def plot_peak_slip_vectors(
     points = surface(dataset, interface, "peak_slip_hoop", "peak_slip_axial")
     hoop, unit = in_small_unit(points.values["peak_slip_hoop"])
     axial, unit_axial = in_small_unit(points.values["peak_slip_axial"])
-    if unit != unit_axial:  # one of the two is tiny: same unit for both
+    if unit != unit_axial:  # one of the two is tiny: use one unit for both
         hoop, axial, unit = 1e6 * points.values["peak_slip_hoop"], 1e6 * points.values["peak_slip_axial"], "µm"
     size = np.hypot(hoop, axial)
     order = np.lexsort((points.theta, points.z))

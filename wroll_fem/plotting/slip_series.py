@@ -1,4 +1,4 @@
-"""Figures of the slip of every interface at every excitation level of a study."""
+"""Figures of the slip on every interface at every excitation level of a study."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ AMPLITUDE = "excitation.amplitude"
 
 
 def _levels(members: Sequence[StudyCase], figure: str) -> list[StudyCase]:
-    """Cases in order of increasing excitation."""
+    """Cases in order of increasing excitation amplitude."""
     return sorted(grid_cases(members, figure, AMPLITUDE), key=lambda m: m.values[AMPLITUDE])
 
 
@@ -35,12 +35,12 @@ def _unrolled(ax: Axes, *, left: bool, bottom: bool) -> None:
 
 
 def plot_slip_extent(members: Sequence[StudyCase]) -> Axes:
-    """Plot where interfaces slipped at any time, one row per excitation level, one column per interface (Fig 4.10).
+    """Plot where interfaces slipped: one row per excitation level, one column per interface (thesis, Fig 4.10).
 
     Parameters
     ----------
     members
-        Finished cases over `excitation.amplitude` with `slipped`, `area`, `theta_rad`, `z_m`.
+        Finished cases of a study that varies `excitation.amplitude`, with `slipped`, `area`, `theta_rad`, `z_m`.
 
     Returns
     -------
@@ -113,12 +113,15 @@ def _extent_sentence(rows: Sequence[StudyCase], fractions: FloatArray) -> str:
 
 
 def plot_slip_vectors(members: Sequence[StudyCase], max_arrows: int = 330) -> Axes:
-    """Plot the largest relative displacements at the lowest excitation as arrows of one scale (Fig 4.11).
+    """Plot the largest relative displacements at the lowest excitation level as arrows (thesis, Fig 4.11).
+
+    There is one panel per interface. All panels have the same scale.
 
     Parameters
     ----------
     members
-        Finished cases over `excitation.amplitude` with `peak_slip_hoop`, `peak_slip_axial`, `theta_rad`, `z_m`.
+        Finished cases of a study that varies `excitation.amplitude`, with `peak_slip_hoop`, `peak_slip_axial`,
+        `theta_rad`, `z_m`.
     max_arrows
         Approximate largest number of arrows per panel; the longest arrow is always drawn.
 

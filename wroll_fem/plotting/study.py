@@ -34,7 +34,7 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
     "mesh.grading": ("grading", "", 1.0),
     "mesh.radial": ("elements through the coil", "", 1.0),
 }
-"""Dotted key -> name, unit and scale in figures."""
+"""Dotted key -> name, unit and scale factor in figures."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def read(member: StudyCase) -> Resonance:
 
 
 def natural_frequency(member: StudyCase) -> float:
-    """Natural frequency (Hz) of the mode with the largest tip participation in a modal analysis.
+    """Natural frequency (Hz) of the mode with the largest tip participation, from the results of a modal analysis.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def friction_work(member: StudyCase) -> float:
 
 
 def is_sweep(member: StudyCase) -> bool:
-    """Whether the case is a sweep in time, with a transmissibility."""
+    """Whether the results of a case are a sweep: a time history with a transmissibility."""
     return "time" in member.data.dims and "transmissibility_real" in member.data
 
 
@@ -122,13 +122,13 @@ def shown(key: str, value: Any) -> str:
 
 
 def axis_label(key: str) -> str:
-    """Axis label of a key of the grid."""
+    """Axis label for a key of the grid."""
     name, unit, _ = _QUANTITIES[key]
     return f"{name[0].upper()}{name[1:]}" + (f" ({unit})" if unit else "")
 
 
 def grid_cases(members: Sequence[StudyCase], figure: str, *keys: str) -> list[StudyCase]:
-    """Cases of the grid that have values of all keys, without the reference.
+    """Cases of the grid that have a value of each key; reference cases are left out.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def grid_cases(members: Sequence[StudyCase], figure: str, *keys: str) -> list[St
     found = [m for m in members if not m.reference and all(key in m.values for key in keys)]
     if not found:
         raise InputError(
-            f"the figure {figure} needs cases over {' and '.join(keys)}", key="figure",
+            f"the figure {figure} needs cases with values of {' and '.join(keys)}", key="figure",
             remedy="add these keys to the grid, or choose another figure",
         )  # fmt: skip
     return found
@@ -176,7 +176,7 @@ def trend(values: Sequence[float], *, slack: float = 0.005) -> str:
 
 
 def lines_of(members: Sequence[StudyCase], key: str | None) -> dict[str, list[StudyCase]]:
-    """Group cases into lines by the value of a key, with sweeps and steady-state curves apart; label -> cases."""
+    """Lines of a figure, label -> cases: one line per value of a key, separately for sweeps and steady states."""
     groups: dict[str, list[StudyCase]] = {}
     for value in values_of(members, key) if key is not None else [None]:
         for m in having(members, key, value) if key is not None else members:

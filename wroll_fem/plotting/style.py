@@ -30,12 +30,12 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#7F7F7F",
 )
 SLIP_MAP, SLIP_ARROWS = "viridis", "viridis_r"
-"""Colour maps of slip, for areas and for arrows on a white background."""
+"""Colour maps of slip: for areas, and for arrows on a white background."""
 LINES = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, "#000000")
 
 
 def axes(ax: Axes | None, height: float = 4.2) -> Axes:
-    """Set up the given axes, or axes of a new figure of `WIDTH` x `height` inches."""
+    """Set up the given axes; if None, set up axes in a new figure of `WIDTH` x `height` inches."""
     if ax is None:
         _, ax = plt.subplots(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
     ax.grid(True, color="#DDDDDD", linewidth=0.6)
@@ -46,7 +46,7 @@ def axes(ax: Axes | None, height: float = 4.2) -> Axes:
 
 
 def title(ax: Axes, sentence: str, width: int = 92) -> None:
-    """Set a left-aligned title, wrapped into lines of similar length, at most `width` characters."""
+    """Set a left-aligned title, wrapped into lines of similar length with at most `width` characters each."""
     sentence = re.sub(r"(?<=\d) (?=[nµmkM]?(?:%|Hz|m|J|s|m/s²)(?![\w/]))|(?<=layer) (?=\d)", "\u00a0", sentence)
     sentence = sentence.replace(" -", " −")
     lines = len(textwrap.wrap(sentence, width))
@@ -55,7 +55,7 @@ def title(ax: Axes, sentence: str, width: int = 92) -> None:
 
 
 def figure_of(ax: Axes) -> Figure:
-    """Figure of the axes, also of axes in a subfigure.
+    """Figure that contains the axes, directly or in a subfigure.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def figure_of(ax: Axes) -> Figure:
 
 
 def target(path: str | os.PathLike[str]) -> Path:
-    """Path of a file to write, after creating its parent folders."""
+    """Create the parent folders of a file to write; return its path."""
     place = Path(path)
     place.parent.mkdir(parents=True, exist_ok=True)
     return place
@@ -95,13 +95,13 @@ def require(dataset: xr.Dataset, names: Sequence[str], figure: str) -> None:
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(
-            f"the {figure} needs {', '.join(missing)}, which the results do not hold",
+            f"the {figure} needs {', '.join(missing)}, which the results do not contain",
             remedy="plot the results of an analysis that writes them",
         )
 
 
 def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Envelope of a long oscillating signal in bins of more than a cycle: x, lowest and highest values.
+    """Envelope of a long oscillating signal: x, lowest value and highest value in bins longer than one cycle.
 
     A signal of fewer than 400 oscillations is returned as one line, reduced by `thinned` (``low is high``).
     """
@@ -115,7 +115,7 @@ def line_envelope(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray,
 
 
 def thinned(x: FloatArray, y: FloatArray, bins: int = 2000) -> tuple[FloatArray, FloatArray]:
-    """Reduce a long line without a visible change to its ends and the lowest and highest point of each bin."""
+    """Thin out a long line: keep its ends and the lowest and highest point of each bin, so that it looks the same."""
     width = x.size // bins
     if width < 4:
         return x, y
@@ -127,12 +127,12 @@ def thinned(x: FloatArray, y: FloatArray, bins: int = 2000) -> tuple[FloatArray,
 
 
 def three_digits(value: float) -> str:
-    """Three significant digits without an exponent: "1800", "12.3", "0.0123"."""
+    """Number as text: integer if 100 or more, otherwise three significant digits, such as "1834", "12.3", "0.0123"."""
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}"
 
 
 def engineering(value: float, unit: str) -> str:
-    """Three significant digits with an SI prefix, "12.3 mJ"."""
+    """Quantity as text with three significant digits and an SI prefix, for example "12.3 mJ"."""
     if value == 0.0 or not np.isfinite(value):
         return f"{value:g} {unit}"
     exponent = int(np.clip(np.floor(np.log10(abs(value)) / 3.0) * 3, -9, 6))

@@ -29,13 +29,13 @@ def _box(read: Resonance) -> str:
 
 
 def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| over frequency with its peak, its half-power points and the damping estimate.
+    """Plot |T| versus frequency with its peak, its half-power points and the damping estimate.
 
     Parameters
     ----------
     dataset
         Has `transmissibility_real/_imag` over `frequency`, and the estimate in its attributes (`results.resonance`);
-        `transmissibility_spectrum_real/_imag` is drawn if there.
+        `transmissibility_spectrum_real/_imag` is drawn if present.
     ax
         Axes to draw in; a new figure if None.
 
@@ -104,8 +104,8 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     Parameters
     ----------
     runs
-        Label -> Dataset with `transmissibility_real/_imag`, in the order of a parameter (its colours
-        run from dark to light) or up to three unordered runs.
+        Label -> Dataset with `transmissibility_real/_imag`. Up to three runs have distinct colours. The colours of
+        more runs go from dark to light, so the runs should be in the order of a parameter.
     ax
         Axes to draw in; a new figure if None.
 
@@ -117,7 +117,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     Raises
     ------
     InputError
-        For no runs, or one without transmissibility.
+        If there are no runs, or one of them has no transmissibility.
     """
     if not runs:
         raise InputError("no runs to compare", remedy="pass at least one labelled Dataset")

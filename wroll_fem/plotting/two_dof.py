@@ -1,4 +1,4 @@
-"""Figures of the two-DoF model: response over frequency, damping over the friction capacity, design space."""
+"""Figures of the two-mass model: response versus frequency, damping versus friction capacity, design space."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_l
 
 
 def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
-    """Curve at the k-th capacity, with its refined peak and half-power points."""
+    """Frequencies (rad/s) and transmissibility at the k-th capacity, with the refined peak and half-power points."""
     one = dataset.isel(friction_capacity=k)
     x, y = dataset["omega"].values, one["transmissibility"].values
     peak = float(one["peak_transmissibility"])
@@ -33,7 +33,7 @@ def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _colours(count: int) -> np.ndarray:
-    """Colours from blue (low capacity) to red (high) as in the thesis, without the pale middle."""
+    """Colours from blue (low capacity) to red (high) as in the thesis, without the pale middle of the colour map."""
     share = np.linspace(0.0, 1.0, count)
     return colormaps["coolwarm"](np.where(share < 0.5, 0.42 * share / 0.5, 0.58 + 0.42 * (share - 0.5) / 0.5))
 
@@ -43,7 +43,9 @@ def _plain(value: float, _: object = None) -> str:
 
 
 def plot_two_dof(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the transmissibility over frequency, one curve per friction capacity from blue to red (Fig. 5.6c).
+    """Plot the transmissibility versus frequency, one curve per friction capacity (thesis, Fig. 5.6c).
+
+    The colours go from blue (low capacity) to red (high capacity).
 
     Parameters
     ----------
@@ -88,7 +90,7 @@ def _sentence(dataset: xr.Dataset) -> str:
 
 
 def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
-    """Plot damping, peak, peak frequency and skewness over the friction capacity; returns the first axes.
+    """Plot damping, peak, peak frequency and skewness versus friction capacity; return the first axes.
 
     Raises
     ------
@@ -129,15 +131,16 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
 
 
 def _methods(dataset: xr.Dataset) -> str:
-    """Estimators of the damping, in the order of the capacities."""
+    """Names of the damping estimators as text, each once, in the order of the capacities."""
     named = dataset["zeta_method"].values.tolist() if "zeta_method" in dataset else ["half power"]
     return " or ".join(dict.fromkeys(map(str, named)))
 
 
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot contours of the largest damping over mass and stiffness of the secondary (Fig. 5.7).
+    """Plot contours of the largest damping in the plane of secondary mass and secondary stiffness (thesis, Fig. 5.7).
 
-    On the dashed line the uncoupled masses have equal natural frequencies, at the capacity that is optimal most often.
+    On the dashed line the two uncoupled masses have equal natural frequencies. The line holds for the friction capacity
+    that is optimal for most designs.
 
     Raises
     ------
@@ -173,7 +176,7 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
 
 
 def _draw_tuned(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the line of equal uncoupled natural frequencies."""
+    """Draw the line on which the two uncoupled masses have equal natural frequencies."""
     found = tuned_stiffness(dataset)
     if found is None:
         return
@@ -186,7 +189,7 @@ def _draw_tuned(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
-    """Plot the responses of the arrangements of Fig. 5.1 side by side (Fig. 5.2); returns the first axes.
+    """Plot the responses of the arrangements in Fig. 5.1 of the thesis side by side (Fig. 5.2); return the first axes.
 
     Parameters
     ----------

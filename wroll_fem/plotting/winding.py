@@ -1,4 +1,4 @@
-"""Figures of the wound roll: stress over the radius, soft and hard rolls, pressure over tension; its web in words."""
+"""Figures of the wound roll: stress versus radius, soft and hard rolls, pressure versus winding tension."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from wroll_fem.results.pressure_profile import middle_slope
 
 TENSION, MODULUS = "winding.tension_newton", "winding.web.radial_modulus"
 SIMULATED = (10e3, 300e3)
-"""Preloads simulated in the thesis (section 4.2), Pa."""
+"""Lowest and highest preload simulated in the thesis (section 4.2), Pa."""
 
 _STRESS = ("pressure_pa", "capacity_pa", "hoop_stress_pa", "winding_tension_pa", "wrap_radius", "wrap_pressure_pa")
 
 
 def plot_winding(dataset: xr.Dataset) -> Axes:
-    """Plot pressure and friction capacity over the radius, and the hoop stress below (Fig 2.12).
+    """Plot pressure and friction capacity versus radius, and hoop stress in a second panel (thesis, Fig 2.12).
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def plot_winding(dataset: xr.Dataset) -> Axes:
 
 
 def plot_soft_and_hard(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot pressure, divided by winding tension, over the radius, one line per radial modulus (Fig 2.4).
+    """Plot pressure divided by winding tension versus radius, one line per radial modulus (thesis, Fig 2.4).
 
     Raises
     ------
@@ -127,7 +127,7 @@ def _law(member: StudyCase) -> str:
 
 
 def plot_pressure_over_tension(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the pressure at the mandrel over the winding tension, with the hoop bound (Fig 4.3).
+    """Plot the pressure at the mandrel versus winding tension, with the hoop bound (thesis, Fig 4.3).
 
     Raises
     ------
@@ -179,5 +179,5 @@ def _varied(grid: Sequence[StudyCase]) -> list[str]:
 
 
 def _scaled(largest: float) -> tuple[float, str]:
-    """Scale and unit of a stress, by its largest value: MPa or kPa."""
+    """Scale factor and unit (MPa or kPa) for a stress, given its largest value (Pa)."""
     return (1e-6, "MPa") if largest >= 1e6 else (1e-3, "kPa")
