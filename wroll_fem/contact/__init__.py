@@ -1,1 +1,1 @@
-"""Interfaces between bodies and the laws that act in them."""
+"""Interfaces between bodies, with their friction laws and normal laws."""

@@ -24,14 +24,14 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class NormalPenalty:
-    """Penalty normal contact; both values may vary from point to point, as (n_points,) arrays.
+    """Penalty law of normal contact. Each value is one number, or an (n_points,) array that varies from point to point.
 
     Attributes
     ----------
     stiffness
-        Pressure per penetration, Pa/m.
+        Pressure per unit penetration, Pa/m.
     separation
-        True: no tension, surfaces open; False: bilateral.
+        True: unilateral contact (no tension, the surfaces can separate). False: bilateral contact.
     """
 
     stiffness: float | FloatArray
@@ -47,16 +47,17 @@ class NormalPenalty:
 
 @dataclass(frozen=True)
 class Interface:
-    """Relative motion (outer minus inner body) at matching points.
+    """Interface of two bodies: relative displacement (outer minus inner body) at matching points, areas and laws.
 
     Attributes
     ----------
     name
-        For messages and results, inner interface first.
+        Name in messages and results. Interfaces are in order from the inside outwards.
     operator
-        (3 * n_points, n_dofs of the system) sparse; row 3 k + c is component c of (normal, hoop, axial), m.
+        (3 * n_points, n_dofs of the system) sparse matrix from the displacements to the relative displacements, m.
+        Row 3 k + c is component c of (normal, hoop, axial) at point k.
     areas
-        (n_points,) area per point, m^2.
+        (n_points,) tributary area of each point, m^2.
     points
         (n_points, 3) cylindrical coordinates (theta rad, z m, r m).
     friction
@@ -75,8 +76,8 @@ class Interface:
     def __post_init__(self) -> None:
         if self.operator.shape[0] != 3 * len(self.areas) or self.points.shape != (len(self.areas), 3):
             raise InputError(
-                f"interface {self.name}: operator has {self.operator.shape[0]} rows, {len(self.areas)} areas, "
-                f"points {self.points.shape}; needs 3 rows and 3 coordinates per point"
+                f"interface {self.name}: the operator has {self.operator.shape[0]} rows for {len(self.areas)} areas "
+                f"and points of shape {self.points.shape}; each point needs 3 rows, 1 area and 3 coordinates"
             )
         varying = {
             "friction": self.friction.index if isinstance(self.friction, PointwiseFriction) else 0,
@@ -86,7 +87,8 @@ class Interface:
         for name, values in varying.items():
             if np.shape(values) not in ((), (self.n_points,)):
                 raise InputError(
-                    f"interface {self.name}: {name} has the shape {np.shape(values)} for {self.n_points} points",
+                    f"interface {self.name}: {name} has the shape {np.shape(values)}, but there are {self.n_points} "
+                    "points",
                     remedy="give one value, or one per point",
                 )
 
@@ -112,26 +114,26 @@ def matched_interface(
     inner, outer
         Trace of the inner body's outer surface and of the outer body's inner surface.
     columns
-        Columns of the system that belong to the inner and to the outer body.
+        Degrees of freedom of the inner body, and of the outer body, within those of the system.
     n_dofs
-        DOFs of the system.
+        Number of degrees of freedom of the system.
 
     Raises
     ------
     InputError
-        If the points of the two surfaces do not match (1e-6 of the radius; angle, height).
+        If the points of the two surfaces differ in number, or in position by more than 1e-6 of the radius.
     """
     radius = float(np.mean(inner.points[:, 2]))
     if inner.points.shape != outer.points.shape:
         raise InputError(
-            f"interface {name}: surfaces have {len(inner.points)} and {len(outer.points)} points",
+            f"interface {name}: the two surfaces have {len(inner.points)} and {len(outer.points)} points",
             key="mesh",
             remedy="mesh both with the same circumferential and axial divisions",
         )
     offset = np.abs(inner.points - outer.points) * np.array([radius, 1.0, 1.0])
     if offset.max() > 1e-6 * radius:
         raise InputError(
-            f"interface {name}: matching points are up to {offset.max():.3g} m apart",
+            f"interface {name}: points of the two surfaces that should coincide are up to {offset.max():.3g} m apart",
             key="mesh",
             remedy="mesh both with the same circumferential and axial divisions",
         )
@@ -144,4 +146,4 @@ def matched_interface(
 
 
 facing = matched_interface
-"""Old name of `matched_interface`."""
+"""Former name of `matched_interface`, kept as an alias."""

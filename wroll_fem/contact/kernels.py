@@ -1,9 +1,9 @@
-r"""Compiled contact: traction, tangent and work at every interface point.
+r"""Compiled contact kernels: traction, tangent and work at every interface point.
 
-The formulas of a point, and the order of the contact degrees of freedom, are those of `point`.
+The formulas for one point and the order of the contact degrees of freedom are defined in `point`.
 
-With the relative displacement :math:`g` (outer minus inner body), pressure :math:`p` and the law E of the point
-(see `laws`)
+With the relative displacement :math:`g` (outer minus inner body), the pressure :math:`p` and the friction law E of the
+point (see `laws`),
 
 .. math::
     t_n = k_n g_n, \quad p = \max(0, -t_n), \qquad
@@ -13,9 +13,9 @@ With the relative displacement :math:`g` (outer minus inner body), pressure :mat
 where the index c marks the committed state. A trial evaluation never changes committed arrays.
 The force on the structure is :math:`-G^T W t`.
 
-A point that opens within a time step (:math:`g_{n,c} < 0 < g_n`) holds on once more,
-:math:`t_n = k_n g_{n,c} g_n / (g_{n,c} - g_n)`, so that the trapezoidal work of the step returns exactly the energy
-stored in the penalty. With :math:`t_n = 0` there it would return more, and rattling layers would feed on it
+A point that opens within a time step (:math:`g_{n,c} < 0 < g_n`) has a tensile release traction at the end of this
+step, :math:`t_n = k_n g_{n,c} g_n / (g_{n,c} - g_n)`. The trapezoidal work of the step then returns exactly the energy
+stored in the penalty. With :math:`t_n = 0` the work would return more, and rattling layers would gain energy
 (docs/theory.md).
 """
 
@@ -55,14 +55,14 @@ __all__ = [
 drop_stale_cache(__file__)
 
 STICK, SLIP, OPEN = 0, 1, 2
-"""Status of a point."""
+"""Status of a contact point."""
 
 FRICTION, STORED, MODULATION, TOTAL, IMPACT = range(5)
-"""Entries of the work of a step, see `interface_work`."""
+"""Indices of the entries of the array ``work`` in `interface_work`."""
 
 
 class Reference(NamedTuple):
-    """Preload state that motions start from, with the stiffness that stands in for the contact there.
+    """Contact state at the preload, from which motions start, and the reference contact stiffness in this state.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     e_c : (2 n,) committed elastic slip, m
     laws : `PointLaws`
     dt : step from the committed state, s; infinite in statics
-    t, e, status : outputs (3 n,), (2 n,), (n,); e is what the interface stores: nothing for a law without memory
+    t, e, status : outputs (3 n,), (2 n,), (n,); e is the stored elastic slip, which is 0 for a law without memory
     """
     n = laws.kn.shape[0]
     for k in range(n):
@@ -111,7 +111,7 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
 
 @numba.njit(cache=True)
 def consistent_tangent(g, g_c, e_c, laws, dt, d):
-    """Derivative of the trial traction; fills ``d`` (n, 3, 3), order (hoop, axial, normal), Pa/m."""
+    """Consistent tangent of the trial traction; fills ``d`` (n, 3, 3), order (hoop, axial, normal), Pa/m."""
     n = laws.kn.shape[0]
     for k in range(n):
         h, z, r = hoop(k), axial(k), normal(k, n)
@@ -140,7 +140,7 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
 
 @numba.njit(cache=True)
 def regularised_signs(x):
-    """(n,) regularised signs of ``x`` (n,), see `smoothed_coulomb.regularised_sign`."""
+    """(n,) regularised sign of each entry of ``x`` (n,), see `smoothed_coulomb.regularised_sign`."""
     out = np.empty(x.shape[0])
     for i in range(x.shape[0]):
         out[i] = regularised_sign(x[i])
@@ -152,10 +152,10 @@ def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
     """Add the work of one committed step to ``work`` (5,), J.
 
     ``work[FRICTION]``: mean traction times plastic slip. ``work[STORED]``: change of the stored contact energy
-    (normal penalty and elastic slip). ``work[MODULATION]``: exchange with the pressure-dependent stick stiffness
-    (zero while the pressure is constant). ``work[TOTAL]``: total interface work (trapezoidal rule).
-    ``work[IMPACT]``: what normal contact takes where a point closes or has just opened (it returns some only where a
-    point turns round in the very step after it opened).
+    (normal penalty and elastic slip). ``work[MODULATION]``: work exchanged between the elastic slip and the varying
+    stick stiffness (zero while the pressure is constant). ``work[TOTAL]``: total interface work (trapezoidal rule).
+    ``work[IMPACT]``: energy that normal contact dissipates at points that close or have just opened (negative only at
+    a point whose gap decreases in the step after it opened).
     """
     area, kn = laws.area, laws.kn
     n = kn.shape[0]
@@ -179,10 +179,13 @@ def interface_work(g_c, e_c, t_c, g, e, t, laws, work):
 
 @numba.njit(cache=True)
 def record_slip(g_c, e_c, g, e, g_0, status, path, peak, peak_vector):
-    """Accumulate slip path (n,), m, and the largest tangential displacement vector (n, 2) since ``g_0``."""
+    """Accumulate the slip ``path`` (n,), m, and update the largest tangential relative displacement from ``g_0``.
+
+    ``peak`` (n,) is the magnitude of the latter and ``peak_vector`` (2 n,) its hoop and axial components, m.
+    """
     for k in range(path.shape[0]):
         h, z = hoop(k), axial(k)
-        if status[k] == SLIP:  # a point that sticks has no plastic slip but that of rounding
+        if status[k] == SLIP:  # at a point that sticks, plastic slip would be rounding error
             dh = g[h] - g_c[h] - (e[h] - e_c[h])
             dz = g[z] - g_c[z] - (e[z] - e_c[z])
             path[k] += np.sqrt(dh * dh + dz * dz)

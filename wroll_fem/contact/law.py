@@ -1,8 +1,8 @@
-"""What a friction law declares: its name, its parameters with bounds and meaning, and its traits.
+"""Base class of the friction laws: a law declares its name, its parameters with meaning and bounds, and its traits.
 
-A law is one file: a frozen dataclass derived from `FrictionLaw`, and two functions of one point, `slip_update` and
-`slip_derivatives` (see `laws`). The file imports neither numba nor numpy: the case file is read without them, and
-`laws` compiles the functions of all laws in `registry`.
+Each law has its own file. The file contains a frozen dataclass derived from `FrictionLaw` and two functions for one
+point, `slip_update` and `slip_derivatives` (see `laws`). It imports neither numba nor numpy, because the case file is
+read without them. `laws` compiles the functions of all laws in `registry`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_ori
 
 
 class Parameter(NamedTuple):
-    """Meaning (with unit) and bounds of a parameter: it is above ``above``, or at least ``least``."""
+    """Meaning (with unit) and bound of a parameter: greater than ``above``, or at least ``least``."""
 
     meaning: str
     above: float | None = None
@@ -23,17 +23,18 @@ class FrictionLaw:
     """Base class of the friction laws.
 
     The traction is tau = (mu p / elastic_slip) e; the law gives e. A parameter is a field with the annotation
-    ``Annotated[float, Parameter(...)]``. Numbers beyond ``mu`` and ``elastic_slip`` reach the compiled functions as
-    ``laws.own[k, i]``, sequences of numbers as ``laws.tables[laws.table[k], i, :]``, i counting them in the order of
-    the fields.
+    ``Annotated[float, Parameter(...)]``. The compiled functions find the parameters of point k other than ``mu`` and
+    ``elastic_slip`` in ``laws.own[k, i]`` (numbers) and in ``laws.tables[laws.table[k], i, :]`` (sequences of numbers).
+    The index i counts each of the two kinds in the order of the fields.
 
     Attributes
     ----------
     name : value of `contact.friction.law` in the case file
     sentence : one sentence about the law, for the reference of the case file
-    stores_slip : e is an elastic slip, kept from step to step, whose energy is recovered; False: a law without memory
-    sticks : a point that does not slide has e equal to its trial slip
-    mu : coefficient of friction, at rest
+    stores_slip : True: e is an elastic slip, kept from step to step, and its energy is recovered. False: the law has no
+        memory
+    sticks : True: at a point that does not slide, e is equal to the trial slip
+    mu : coefficient of friction at rest
     elastic_slip : gamma*, m; relative displacement at which sliding starts, or the length that normalises the traction
     """
 
@@ -46,16 +47,16 @@ class FrictionLaw:
 
     @property
     def weakening_slope(self) -> float:
-        """Velocity weakening: largest -d mu / dV, s/m; 0 where the coefficient never falls with the slip rate."""
+        """Velocity-weakening slope: largest -d mu / dV, s/m; 0 if mu never decreases with the slip rate V."""
         return 0.0
 
     def rest_length(self, dt: float) -> float:
-        """Length L, m, of the tangent mu p / L from rest in a step ``dt`` (s; infinite in statics)."""
+        """Length L, m, in the tangent stiffness mu p / L at rest, for a step ``dt`` (s; infinite in statics)."""
         return self.elastic_slip
 
     @classmethod
     def from_section(cls, section: Any) -> Self:
-        """Law of a case section `contact.friction`; its keys are the parameters of the law."""
+        """Law from the case section `contact.friction`, whose keys are the parameters of the law."""
         return cls(**{name: getattr(section, name) for name in parameters(cls)})
 
 
@@ -77,6 +78,6 @@ def sequence_parameters(law: type[FrictionLaw]) -> list[str]:
 
 
 def own_parameters(law: type[FrictionLaw]) -> list[str]:
-    """Names of the parameters that are numbers and that not every law has."""
+    """Names of the parameters that are numbers, except ``mu`` and ``elastic_slip``, which every law has."""
     sequences = sequence_parameters(law)
     return [name for name in parameters(law) if name not in ("mu", "elastic_slip", *sequences)]

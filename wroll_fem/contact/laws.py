@@ -1,11 +1,12 @@
-r"""Friction laws point by point: parameters of all points, and the compiled functions of all registered laws.
+r"""Friction laws of all contact points: arrays of their parameters, and the compiled functions of all registered laws.
 
 All laws share one form. The tangential traction is :math:`\tau = (\mu p/\gamma^*)\, e`; a law gives e from the trial
-slip :math:`e_c + \Delta g_t` and the increment :math:`\Delta g_t` of the step. A law with memory keeps e as elastic
-slip (trait ``stores_slip``). A law without memory uses e as the traction normalised by :math:`\mu p/\gamma^*`: nothing
-is stored, and the committed elastic slip stays zero. In statics the step is infinite, so all rates are zero.
+slip :math:`e_c + \Delta g_t` and the increment :math:`\Delta g_t` of the step. A law with memory stores e as elastic
+slip (trait ``stores_slip``). In a law without memory e is the traction divided by :math:`\mu p/\gamma^*`. It is not
+stored, and the committed elastic slip stays zero. In statics the step is infinite, so all rates are zero.
 
-The functions of a point are inlined by numba: called, their array arguments cost ten times their arithmetic.
+numba inlines the functions of a point. If they were called, passing their array arguments would take ten times as long
+as their arithmetic.
 """
 
 from __future__ import annotations
@@ -38,22 +39,22 @@ drop_stale_cache(__file__)
 
 
 class PointLaws(NamedTuple):
-    """Law parameters of every point of all interfaces, stacked (inner interface first).
+    """Parameters of the friction and normal laws at the points of all interfaces, innermost interface first.
 
     Attributes
     ----------
     area : (n,) m^2
     kn : (n,) normal penalty, Pa/m
     separation : (n,) bool
-    mu : (n,) coefficient of friction, at rest for a law that depends on the slip rate
-    gamma : (n,) elastic slip, m; for a law without memory the length that normalises its traction
-    kind : (n,) int64, place of the law in `registry.LAWS`
+    mu : (n,) coefficient of friction; its value at rest if the law depends on the slip rate
+    gamma : (n,) largest elastic slip, m; for a law without memory the length that normalises its traction
+    kind : (n,) int64, index of the law in `registry.LAWS`
     stores_slip, sticks : (n,) bool, traits of the law (see `FrictionLaw`)
     weakening : (n,) velocity-weakening slope of the law, s/m
-    own : (n, c) further numbers of the law, in the order of its parameters
-    table : (n,) int64, row of ``tables``
-    tables : (n_tables, c, L) sequences of the laws, in the order of their parameters; short ones repeat their last
-        number. Shared by all points.
+    own : (n, c) other parameters of the law that are numbers, in the order of its parameters
+    table : (n,) int64, index of the law's table in ``tables``
+    tables : (n_tables, c, L) parameters of the laws that are sequences, in the order of their parameters; short
+        sequences repeat their last number. Shared by all points.
     """
 
     area: FloatArray
@@ -71,16 +72,16 @@ class PointLaws(NamedTuple):
 
     @property
     def n(self) -> int:
-        """Number of points."""
+        """Number of contact points."""
         return len(self.area)
 
     def take(self, points: np.ndarray) -> PointLaws:
-        """Laws of some ``points`` (index array): every column of them, the tables being shared by all."""
+        """Law parameters of the ``points`` (index array) alone; ``tables`` is kept unchanged."""
         return self._replace(**{name: getattr(self, name)[points] for name in self._fields if name not in SHARED})
 
 
 SHARED = ("tables",)
-"""Fields of `PointLaws` that have no entry per point."""
+"""Fields of `PointLaws` that all points share; the other fields have one entry for each point."""
 
 
 def stack_laws(
@@ -89,18 +90,18 @@ def stack_laws(
     stiffness: Sequence[float | FloatArray],
     separation: Sequence[bool | BoolArray],
 ) -> PointLaws:
-    """Parameters of all points from the laws of each interface.
+    """Law parameters at all contact points, collected from the laws of each interface.
 
     Parameters
     ----------
-    areas : (n_i,) area per point of each interface, m^2
-    friction : tangential law of each interface, or the laws of its points
-    stiffness, separation : normal penalty (Pa/m) and flag of each interface; one value, or (n_i,) values
+    areas : (n_i,) tributary areas of the points of each interface, m^2
+    friction : friction law of each interface, or the laws of its points
+    stiffness, separation : normal penalty (Pa/m) and separation flag of each interface; one value, or (n_i,) values
 
     Raises
     ------
     InputError
-        For an object that is not a registered friction law.
+        If an object is not a registered friction law.
     """
     found, which = different_laws(friction, [len(area) for area in areas])
 
@@ -130,7 +131,7 @@ def stack_laws(
 
 
 def _padded(rows: Sequence[Sequence[Sequence[float]]]) -> FloatArray:
-    """(n, c, L) array of ragged rows: missing columns are 0, short sequences repeat their last number."""
+    """(n, c, L) array from rows of unequal size: missing columns are 0, short sequences repeat their last number."""
     columns = max((len(row) for row in rows), default=0)
     length = max((len(values) for row in rows for values in row), default=1)
     out = np.zeros((len(rows), columns, length))
@@ -147,10 +148,10 @@ _INLINED: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
 def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Function of a law's file, compiled such that numba inlines it and every Python function that it calls.
+    """Compile a function from the file of a law such that numba inlines it and every Python function that it calls.
 
-    An overload (`register_jitable`) with inlining would do, but its array arguments keep their reference counts: the
-    loops over the points take twenty times as long.
+    `register_jitable` with inlining would also work, but numba would then count references to the array arguments, and
+    the loops over the points would take twenty times as long.
     """
     if function not in _INLINED:
         names = dict(function.__globals__)
@@ -162,7 +163,7 @@ def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _compiled(name: str) -> list[Callable[..., Any]]:
-    """Function ``name`` of every registered law, in the order of the registry, compiled."""
+    """Compiled function ``name`` of every registered law, in the order of the registry."""
     return [_inlined(getattr(sys.modules[law.__module__], name)) for law in LAWS]
 
 
@@ -171,7 +172,7 @@ for _scalar in (regularised_sign, regularised_sign_slope):
 
 
 def _by_kind(functions: Sequence[Callable[..., Any]], number: int = 0) -> Callable[..., Any]:
-    """One function that calls the law of the point: a chain of comparisons of `PointLaws.kind`."""
+    """One compiled function that selects the law of a point by its number `PointLaws.kind` and calls it."""
     if len(functions) == 1:
         return functions[0]
     names = {"NUMBER": number, "LAW": functions[0], "OTHERS": _by_kind(functions[1:], number + 1)}
@@ -185,11 +186,11 @@ def _choose(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyp
 
 
 slip_update = _by_kind(_compiled("slip_update"))
-"""Normalised traction e (hoop, axial) of point ``k`` in m, and whether it slides.
+"""Normalised traction e (hoop, axial), m, of point ``k``, and whether the point slides.
 
-Arguments: k; trial slip e_c + increment (hoop, axial), m; increment of the relative displacement in this step (hoop,
-axial), m; `PointLaws`; step in s, infinite in statics.
+Arguments: index k; trial slip (hoop, axial), m, which is e_c plus the increment; increment of the relative displacement
+in this step (hoop, axial), m; `PointLaws`; step, s, infinite in statics.
 """
 
 slip_derivatives = _by_kind(_compiled("slip_derivatives"))
-"""Derivatives of `slip_update` (00, 01, 10, 11) by the trial slip at fixed increment, then the other way round."""
+"""Derivatives (00, 01, 10, 11) of e: four with respect to the trial slip, then four with respect to the increment."""

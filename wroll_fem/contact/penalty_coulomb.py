@@ -1,4 +1,4 @@
-r"""Coulomb friction with an elastic slip before sliding (penalty, or Jenkins element in two directions).
+r"""Coulomb friction with elastic slip before sliding (penalty method; a Jenkins element in two directions).
 
 .. math:: e = \operatorname{clip}(e_c + \Delta g_t), \quad |e| \le \gamma^*, \qquad \tau = \frac{\mu p}{\gamma^*} e
 """
@@ -15,10 +15,10 @@ from wroll_fem.errors import InputError
 
 @dataclass(frozen=True)
 class PenaltyCoulomb(FrictionLaw):
-    """Coulomb friction with an elastic slip (penalty) branch.
+    """Coulomb friction with elastic slip before sliding.
 
-    The traction is ``tau = (mu p / elastic_slip) e`` with the elastic slip ``e`` clipped to the
-    disc ``|e| <= elastic_slip``; limit and stick stiffness follow the current pressure ``p``.
+    The traction is ``tau = (mu p / elastic_slip) e``. The elastic slip ``e`` is projected onto the disc
+    ``|e| <= elastic_slip``. The friction limit and the stick stiffness are proportional to the current pressure ``p``.
 
     Attributes
     ----------
@@ -41,12 +41,12 @@ class PenaltyCoulomb(FrictionLaw):
 
 
 def check_stick(mu: float, elastic_slip: float) -> None:
-    """Refuse a negative coefficient and an elastic slip that is not positive.
+    """Refuse a negative coefficient of friction and an elastic slip that is not positive.
 
     Raises
     ------
     InputError
-        With the key of the case file.
+        If one of the two is out of range; the error names the key of the case file.
     """
     if not mu >= 0:
         raise InputError(
@@ -63,20 +63,20 @@ def check_stick(mu: float, elastic_slip: float) -> None:
 def slip_update(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
-    """Elastic slip (m) clipped to the disc of gamma*, and whether the point slides."""
+    """Elastic slip (m), limited to the disc of radius gamma*, and whether the point slides."""
     return clip(trial_h, trial_z, laws.gamma[k])
 
 
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) by the trial slip, then by the increment."""
+    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip, then to the increment (all zero)."""
     a00, a01, a10, a11 = clip_derivatives(trial_h, trial_z, laws.gamma[k])
     return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
 
 
 def clip(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, bool]:
-    """Trial slip (m) clipped to the disc of ``radius`` (m), and whether it was outside."""
+    """Trial elastic slip (m) projected onto the disc of ``radius`` (m), and whether it was outside."""
     length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length > radius:
         scale = radius / length
@@ -85,7 +85,7 @@ def clip(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, b
 
 
 def clip_derivatives(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of the clipped slip by the trial slip."""
+    """Derivatives (00, 01, 10, 11) of the projected slip with respect to the trial slip."""
     length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length > radius:
         mh, mz = trial_h / length, trial_z / length

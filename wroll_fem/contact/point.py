@@ -1,9 +1,10 @@
-r"""Contact at one point: order of its degrees of freedom, normal law, stick stiffness, correction and work of a step.
+r"""Formulas of one contact point: order of its degrees of freedom, normal law, stick stiffness and work of a step.
 
 Time integration, statics and harmonic balance all call these functions; numba inlines them.
 
-Contact degrees of freedom of ``n`` points: hoop and axial of point ``k`` at ``2 k`` and ``2 k + 1``, its normal at
-``2 n + k``. Tangential ones come first because they alone change their law while the contact stays closed.
+Order of the contact degrees of freedom of ``n`` points: the hoop and axial components of point ``k`` have the indices
+``2 k`` and ``2 k + 1``, its normal component has the index ``2 n + k``. The tangential components come first because
+only they change between stick and slip while the contact stays closed.
 """
 
 from __future__ import annotations
@@ -24,74 +25,75 @@ EVERY = slice(None)
 
 @numba.njit(cache=True, inline="always")
 def hoop(k):
-    """Contact degree of freedom of the hoop component of point ``k``."""
+    """Index of the contact degree of freedom of the hoop component of point ``k``."""
     return 2 * k
 
 
 @numba.njit(cache=True, inline="always")
 def axial(k):
-    """Contact degree of freedom of the axial component of point ``k``."""
+    """Index of the contact degree of freedom of the axial component of point ``k``."""
     return 2 * k + 1
 
 
 @numba.njit(cache=True, inline="always")
 def normal(k, n):
-    """Contact degree of freedom of the normal component of point ``k`` of ``n``."""
+    """Index of the contact degree of freedom of the normal component of point ``k`` (``n`` points in total)."""
     return 2 * n + k
 
 
 @numba.njit(cache=True, inline="always")
 def contact_dof(k, component, n):
-    """Contact degree of freedom of a ``component`` (HOOP, AXIAL, NORMAL) of point ``k`` of ``n``."""
+    """Index of the contact degree of freedom of a ``component`` of point ``k`` (``n`` points in total)."""
     return 2 * k + component if component < NORMAL else 2 * n + k
 
 
 @numba.njit(cache=True, inline="always")
 def point_of(dof, n):
-    """Point of a contact degree of freedom."""
+    """Index of the point to which a contact degree of freedom belongs (``n`` points in total)."""
     return dof // 2 if dof < 2 * n else dof - 2 * n
 
 
 @numba.njit(cache=True, inline="always")
 def component_of(dof, n):
-    """Component (HOOP, AXIAL, NORMAL) of a contact degree of freedom."""
+    """Component (HOOP, AXIAL or NORMAL) of a contact degree of freedom (``n`` points in total)."""
     return dof % 2 if dof < 2 * n else NORMAL
 
 
 def contact_dofs(n: int) -> IntArray:
-    """(n, 3) contact degrees of freedom of all points: hoop, axial, normal."""
+    """(n, 3) indices of the contact degrees of freedom of ``n`` points; columns hoop, axial, normal."""
     k = np.arange(n)
     return np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
 
 
 def normals(values: FloatArray) -> FloatArray:
-    """(n, ...) view of the normal components of an array (3 n, ...) over contact degrees of freedom."""
+    """(n, ...) view of the normal components in an array (3 n, ...) with one row per contact degree of freedom."""
     return values[2 * (len(values) // 3) :]
 
 
 def tangentials(values: FloatArray) -> FloatArray:
-    """(n, 2) view of the hoop and axial components of an array (3 n,) over contact degrees of freedom."""
+    """(n, 2) view of the hoop and axial components in an array (3 n,) with one value per contact degree of freedom."""
     return values[: 2 * (len(values) // 3)].reshape(-1, 2)
 
 
 def per_dof(tangential: FloatArray, normal: FloatArray) -> FloatArray:
-    """(3 n,) values of the contact degrees of freedom from one (n,) value for both tangential ones, and the normal."""
+    """(3 n,) values at the contact degrees of freedom: ``tangential`` (n,) for hoop and axial, ``normal`` (n,) for normal."""
     return np.concatenate([np.repeat(tangential, 2), normal])
 
 
 # ---- normal law ---------------------------------------------------------------------------------------------------
-# These functions take the numbers of one point: `PointLaws` in a function that branches costs its reference counts.
+# These functions take the numbers of one point, not `PointLaws`: numba would count references to its arrays in a
+# function that branches.
 
 
 @numba.njit(cache=True, inline="always")
 def is_closed(gn, separates):
-    """Whether a point is in contact at the normal gap ``gn`` (m); one that never ``separates`` always is."""
+    """Whether a point is in contact at the normal gap ``gn`` (m); always True if ``separates`` is False."""
     return gn <= 0.0 or not separates
 
 
 @numba.njit(cache=True, inline="always")
 def penalty_traction(gn, kn, separates):
-    """Normal traction (Pa, negative in compression) of the penalty at the gap ``gn`` (m)."""
+    """Normal traction (Pa, negative in compression) of the penalty law at the normal gap ``gn`` (m)."""
     return kn * gn if is_closed(gn, separates) else 0.0
 
 
@@ -103,9 +105,10 @@ def opens_in_step(gn, gn_c, separates, dt):
 
 @numba.njit(cache=True, inline="always")
 def step_traction(gn, gn_c, kn, separates, dt):
-    """Normal traction (Pa) at the end of a step ``dt`` (s) from the committed gap ``gn_c`` to ``gn`` (m).
+    """Normal traction (Pa) at the end of a step ``dt`` (s) from the committed gap ``gn_c`` (m) to the gap ``gn`` (m).
 
-    The penalty's, but in a time step that opens the point: the release traction keeps the energy of the step.
+    It follows the penalty law, except in a time step in which the point opens: the release traction then conserves the
+    energy of the step.
     """
     if opens_in_step(gn, gn_c, separates, dt):
         return kn * gn_c * gn / (gn_c - gn)
@@ -114,7 +117,7 @@ def step_traction(gn, gn_c, kn, separates, dt):
 
 @numba.njit(cache=True, inline="always")
 def step_stiffness(gn, gn_c, kn, separates, dt):
-    """Derivative of `step_traction` by ``gn``, Pa/m."""
+    """Derivative of `step_traction` with respect to the gap ``gn``, Pa/m."""
     if is_closed(gn, separates):
         return kn
     if opens_in_step(gn, gn_c, separates, dt):
@@ -124,13 +127,13 @@ def step_stiffness(gn, gn_c, kn, separates, dt):
 
 @numba.njit(cache=True, inline="always")
 def pressure(tn):
-    """Contact pressure (Pa) of the normal traction ``tn``: 0 in tension."""
+    """Contact pressure (Pa) for the normal traction ``tn`` (Pa); 0 in tension."""
     return -tn if tn < 0.0 else 0.0
 
 
 @numba.njit(cache=True, inline="always")
 def squared_penalty(tn, separates):
-    """Square of a normal traction that the penalty stores: a release traction is not stored."""
+    """Square of the normal traction ``tn`` in the penalty energy, Pa^2; 0 for a release traction, which stores none."""
     return 0.0 if separates and tn > 0.0 else tn * tn
 
 
@@ -139,22 +142,23 @@ def squared_penalty(tn, separates):
 
 @register_jitable(inline="always")
 def stick_stiffness(k, p, laws):
-    """Tangential traction per elastic slip at the pressure ``p``, mu p / gamma*, Pa/m; -kn in place of p: its slope.
+    """Stick stiffness mu p / gamma*, Pa/m, of point ``k`` at the pressure ``p``: tangential traction per elastic slip.
 
-    Outside compiled code ``k`` may be `EVERY` point, with ``p`` (n,).
+    With -kn in place of ``p`` it is the derivative of the stick stiffness with respect to the normal gap. Outside
+    compiled code ``k`` may be `EVERY` (all points), with ``p`` (n,).
     """
     return laws.mu[k] * p / laws.gamma[k]
 
 
 @numba.njit(cache=True, inline="always")
 def correction(t, t_0, spring, change):
-    """s = t - t_0 - D_0 (g - g_0), Pa: traction beyond that of the reference stiffness at the preload."""
+    """Traction correction s = t - t_0 - D_0 (g - g_0), Pa: traction minus its linear model with the stiffness D_0."""
     return t - t_0 - spring * change
 
 
 @numba.njit(cache=True, inline="always")
 def tangential_work(k, p_c, p, t_c, t, dg, e_c, e, laws):
-    """Work of a step along the surface, J/m^2, from the committed state (index c) to the new one.
+    """Work of the tangential traction in a step, J/m^2, from the committed state (index c) to the new state.
 
     Parameters
     ----------
@@ -179,10 +183,10 @@ def tangential_work(k, p_c, p, t_c, t, dg, e_c, e, laws):
 
 @numba.njit(cache=True, inline="always")
 def modulation_work(k, p_c, p, e_c, e, laws):
-    """Work that the elastic slip exchanges with the varying pressure in a step, J/m^2: -(k - k_c) e . e_c / 2.
+    """Work exchanged between the elastic slip and the varying stick stiffness k_t in a step: -(k_t - k_tc) e . e_c / 2.
 
-    Equal to elastic - stored of `tangential_work` where the traction is the stick stiffness times e, without the
-    rounding error of that difference.
+    In J/m^2; the index c marks the committed state. It equals elastic - stored of `tangential_work` where the traction
+    is the stick stiffness times e, but without the rounding error of this difference.
     """
     stick = stick_stiffness(k, 1.0, laws)
     return -0.5 * stick * (p - p_c) * (e[0] * e_c[0] + e[1] * e_c[1])

@@ -17,14 +17,14 @@ from wroll_fem.typing import IntArray
 
 @dataclass(frozen=True, eq=False)
 class PointwiseFriction:
-    """A law for every point of an interface.
+    """One friction law for each point of an interface.
 
     Attributes
     ----------
     laws
-        The different laws.
+        The distinct laws.
     index
-        (n_points,) place of each point's law in ``laws``.
+        (n_points,) index in ``laws`` of the law of each point.
     """
 
     laws: tuple[FrictionLaw, ...]
@@ -36,9 +36,10 @@ class PointwiseFriction:
         inside = self.index.ndim == 1 and np.all((self.index >= 0) & (self.index < len(self.laws)))
         if not self.laws or not inside:
             raise InputError(
-                f"index {self.index.shape} of the friction laws does not choose among {len(self.laws)} laws",
+                f"the array of friction law indices, of shape {self.index.shape}, is not one-dimensional, or an index "
+                f"does not refer to one of the {len(self.laws)} laws",
                 key="contact.friction",
-                remedy="give one number per point, counted from 0",
+                remedy="give one index for each contact point, counted from 0",
             )
 
     def __eq__(self, other: object) -> bool:
@@ -50,12 +51,12 @@ class PointwiseFriction:
 
     @classmethod
     def varying(cls, law: type[FrictionLaw], **parameters: npt.ArrayLike) -> Self:
-        """One law whose ``parameters`` are numbers or (n_points,) arrays.
+        """Friction laws of one type whose ``parameters`` vary from point to point: numbers or (n_points,) arrays.
 
         Raises
         ------
         InputError
-            When no parameter is an array, the arrays have different lengths, or a value is not admissible.
+            If no parameter is an array, the arrays have different lengths, or a value is out of range.
         """
         try:
             columns = np.broadcast_arrays(*(np.asarray(value, float) for value in parameters.values()))
@@ -63,9 +64,9 @@ class PointwiseFriction:
             columns = []
         if not columns or columns[0].ndim != 1:
             raise InputError(
-                f"parameters of {law.__name__} are neither numbers nor arrays of one length",
+                f"the parameters of {law.__name__} must be numbers and one-dimensional arrays of equal length",
                 key="contact.friction",
-                remedy="give (n_points,) arrays, at least one, and numbers",
+                remedy="give at least one (n_points,) array; the other parameters may be numbers",
             )
         rows, index = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
         build: Any = law
@@ -80,7 +81,7 @@ class PointwiseFriction:
 def different_laws(
     friction: Sequence[FrictionLaw | PointwiseFriction], counts: Sequence[int]
 ) -> tuple[list[FrictionLaw], IntArray]:
-    """Different laws of interfaces with ``counts`` points, and (n,) which of them each point has."""
+    """Distinct laws of all interfaces, and the index (n,) of each point's law; ``counts``: points per interface."""
     found: dict[FrictionLaw, int] = {}
     law_of_point = [np.zeros(0, np.int64)]
     for law, count in zip(friction, counts, strict=True):

@@ -3,7 +3,8 @@ r"""Coulomb friction whose coefficient depends on the slip rate, given as a tabl
 .. math:: e = \operatorname{clip}(e_c + \Delta g_t), \quad |e| \le \gamma^* \frac{\mu(V)}{\mu(0)}, \qquad
           V = \frac{|\Delta g_t|}{\Delta t}, \qquad \tau = \frac{\mu(0)\, p}{\gamma^*} e
 
-Linear between the table's rates, constant beyond its last one. The stick stiffness stays the one at rest.
+The coefficient is linear between the rates of the table and constant beyond the last one. The stick stiffness keeps its
+value at rest.
 """
 
 from __future__ import annotations
@@ -18,23 +19,23 @@ from wroll_fem.contact.rate_table import table_problem, weakening_slope
 from wroll_fem.errors import InputError
 
 RATES, COEFFICIENTS = 0, 1
-"""Rows of `PointLaws.tables`: slip rates, m/s, and the coefficient at each."""
+"""Second index of `PointLaws.tables`: slip rates, m/s, and the coefficient of friction at each slip rate."""
 
 
 @dataclass(frozen=True)
 class RateCoulomb(FrictionLaw):
-    """Coulomb friction with a tabulated coefficient over slip rate and an elastic slip branch.
+    """Coulomb friction with elastic slip before sliding; the coefficient is tabulated versus the slip rate.
 
     Attributes
     ----------
     mu
-        Coefficient at rest; equals the table's first.
+        Coefficient of friction at rest; equal to the first coefficient of the table.
     elastic_slip
         Largest elastic relative displacement at rest, gamma* in m.
     rates
-        Slip rates of the table in m/s, from 0, rising.
+        Slip rates of the table in m/s, rising from 0.
     coefficients
-        Coefficient at each.
+        Coefficient of friction at each slip rate.
     """
 
     name: ClassVar[str] = "rate_coulomb"
@@ -53,27 +54,29 @@ class RateCoulomb(FrictionLaw):
             raise InputError(f"{wrong.column} {wrong.problem}", key="contact.friction.rate_table", remedy=wrong.remedy)
         if self.mu != self.coefficients[0]:
             raise InputError(
-                f"coefficient at rest {self.mu} is not the table's first, {self.coefficients[0]}",
+                f"coefficient of friction at rest {self.mu} differs from the first one of the table, "
+                f"{self.coefficients[0]}",
                 key="contact.friction.mu",
-                remedy="give the same",
+                remedy="give the same value in both places",
             )
 
     @property
     def weakening_slope(self) -> float:
-        """Largest -d mu / dV of the table, s/m; 0 when it never falls."""
+        """Velocity-weakening slope: largest -d mu / dV of the table, s/m; 0 if mu never decreases."""
         return weakening_slope(self.rates, self.coefficients)
 
     @classmethod
     def from_section(cls, section: Any) -> Self:
-        """Law of a case section, whose table has the columns slip_rate and mu."""
+        """Law from a case section whose table has the columns slip_rate and mu."""
         table = section.rate_table
         return cls(section.mu, section.elastic_slip, tuple(table.slip_rate), tuple(table.mu))
 
 
 def coefficient(speed: float, row: int, tables: Any) -> tuple[float, float]:
-    """Coefficient of table ``row`` at ``speed`` (m/s) and its slope (s/m); at a corner the slope of the segment above.
+    """Coefficient of friction of table ``row`` at the slip rate ``speed`` (m/s), and its slope (s/m).
 
-    ``tables`` (n_tables, 2, L) as in `PointLaws`.
+    At a slip rate of the table the slope is the one towards higher slip rates. ``tables`` (n_tables, 2, L) is as in
+    `PointLaws`.
     """
     last = tables.shape[2] - 1
     for i in range(last):
@@ -87,7 +90,7 @@ def coefficient(speed: float, row: int, tables: Any) -> tuple[float, float]:
 def slip_update(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
-    """Elastic slip (m) clipped to the disc of the current coefficient, and whether the point slides."""
+    """Elastic slip (m), limited to the disc of radius gamma* mu(V) / mu(0), and whether the point slides."""
     gamma, row = laws.gamma[k], laws.table[k]
     mu, _ = coefficient(math.sqrt(dg_h * dg_h + dg_z * dg_z) / dt, row, laws.tables)
     at_rest = laws.tables[row, COEFFICIENTS, 0]
@@ -98,7 +101,7 @@ def slip_update(
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) by the trial slip, then by the increment."""
+    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip, then to the increment."""
     gamma, row = laws.gamma[k], laws.table[k]
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     mu, slope = coefficient(size / dt, row, laws.tables)

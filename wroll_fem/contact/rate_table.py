@@ -1,4 +1,4 @@
-"""Table of the coefficient of friction over the slip rate: what makes one admissible (no compiled code here)."""
+"""Table of the coefficient of friction versus slip rate: its checks and its velocity-weakening slope."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class TableProblem(NamedTuple):
-    """What is wrong with a table: which column (slip_rate or mu), the problem and what would be right."""
+    """Problem of a table: the column concerned (slip_rate or mu), what is wrong, and the remedy."""
 
     column: str
     problem: str
@@ -16,7 +16,7 @@ class TableProblem(NamedTuple):
 
 
 def table_problem(rates: Sequence[float], coefficients: Sequence[float]) -> TableProblem | None:
-    """First problem of a table of ``coefficients`` over slip ``rates`` (m/s); None when it is admissible."""
+    """First problem of a table of ``coefficients`` versus slip ``rates`` (m/s); None if the table is valid."""
     if not rates:
         return TableProblem("slip_rate", "is empty", "give at least the slip rate 0, m/s, and its mu")
     if len(rates) != len(coefficients):
@@ -37,6 +37,6 @@ def table_problem(rates: Sequence[float], coefficients: Sequence[float]) -> Tabl
 
 
 def weakening_slope(rates: Sequence[float], coefficients: Sequence[float]) -> float:
-    """Velocity weakening of a table: largest -d mu / dV, s/m; 0 when it never falls."""
+    """Velocity-weakening slope of a table: largest -d mu / dV, s/m; 0 if mu never decreases."""
     slopes = [(d - c) / (b - a) for (a, b), (c, d) in zip(pairwise(rates), pairwise(coefficients), strict=True)]
     return max(0.0, -min(slopes, default=0.0))

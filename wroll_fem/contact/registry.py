@@ -1,4 +1,4 @@
-"""The friction laws that the program knows: a new law is one file and one entry here (docs/extend.md)."""
+"""Registry of the friction laws. A new law needs a file of its own and an entry here (docs/extend.md)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ LAWS: tuple[type[FrictionLaw], ...] = (
     RateCoulomb,
     SmoothedCoulomb,
 )
-"""The place of a law in this tuple is its number, `PointLaws.kind`."""
+"""All friction laws. The index of a law in this tuple is its number `PointLaws.kind`."""
 
 BY_NAME: dict[str, type[FrictionLaw]] = {law.name: law for law in LAWS}
-"""Name in case and matrix files -> law."""
+"""Friction law for each name in case files and matrix files."""
 
 
 def check_registered(law: object) -> None:
@@ -25,7 +25,7 @@ def check_registered(law: object) -> None:
     Raises
     ------
     InputError
-        With the laws that there are.
+        If it is not; the remedy lists the registered laws.
     """
     if type(law) not in LAWS:
         known = ", ".join(kind.__name__ for kind in LAWS)

@@ -1,9 +1,10 @@
-r"""Regularised Coulomb friction: the sign of the slip rate becomes a logistic function; no elastic slip, no memory.
+r"""Regularised Coulomb friction: a logistic function replaces the sign of the slip rate; no elastic slip, no memory.
 
 .. math:: \tau = \mu p\, S\!\left(\frac{V}{V_0}\right) \frac{\Delta g_t}{|\Delta g_t|}, \qquad
           S(x) = \frac{2}{1 + e^{-x}} - 1 = \tanh\frac{x}{2}, \qquad V = \frac{|\Delta g_t|}{\Delta t}
 
-Below the reference speed V_0 the point is a viscous damper (slope 1/2 of S at zero); at rest it transmits nothing.
+Below the reference speed V_0 friction acts as a viscous damper (the slope of S at zero is 1/2). At rest it transmits no
+tangential traction.
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ from wroll_fem.contact.law import FrictionLaw, Parameter
 from wroll_fem.errors import InputError
 
 REFERENCE_TIME = 1e-3
-"""Seconds that turn the reference speed into the length of Newton's tolerance; no result depends on it."""
+"""Time, s, that converts the reference speed to a length for Newton's tolerance; results do not depend on it."""
 
 REFERENCE_SPEED = 0
-"""Column of `PointLaws.own`."""
+"""Column of `PointLaws.own` that contains the reference speed."""
 
 
 @dataclass(frozen=True)
 class SmoothedCoulomb(FrictionLaw):
-    """Coulomb friction whose sign is the logistic function of slip rate over a reference speed.
+    """Regularised Coulomb friction: mu p times a logistic function of the slip rate divided by a reference speed.
 
     Attributes
     ----------
@@ -58,28 +59,28 @@ class SmoothedCoulomb(FrictionLaw):
 
     @property
     def elastic_slip(self) -> float:  # type: ignore[override]
-        """Length in m that normalises the traction, tau = (mu p / elastic_slip) e; nothing is elastic here."""
+        """Length, m, that normalises the traction, tau = (mu p / elastic_slip) e; this law has no elastic slip."""
         return self.reference_speed * REFERENCE_TIME
 
     def rest_length(self, dt: float) -> float:
-        """Length L, m, of the tangent mu p / L from rest: the dashpot mu p / (2 V_0) in a step ``dt`` (s)."""
+        """Length L = 2 V_0 dt, m: in a step ``dt`` (s) the dashpot mu p / (2 V_0) has the stiffness mu p / L."""
         return 2.0 * self.reference_speed * dt
 
 
 def regularised_sign(x: float) -> float:
-    """S(x) = 2 / (1 + exp(-x)) - 1, the smoothed sign, written so that it neither overflows nor cancels."""
+    """Regularised sign S(x) = 2 / (1 + exp(-x)) - 1, computed without overflow or cancellation."""
     return math.tanh(0.5 * x)
 
 
 def regularised_sign_slope(s: float) -> float:
-    """dS/dx where S(x) = ``s``."""
+    """Derivative dS/dx at the point x with S(x) = ``s``."""
     return 0.5 * (1.0 - s * s)
 
 
 def slip_update(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
-    """Normalised traction (m) against the increment, and whether the point moves faster than the reference speed."""
+    """Normalised traction e (m), parallel to the increment, and whether the slip rate exceeds the reference speed."""
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     reach = laws.own[k, REFERENCE_SPEED] * dt
     if size == 0.0:
@@ -91,7 +92,7 @@ def slip_update(
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) by the trial slip (none), then by the increment."""
+    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip (all zero), then to the increment."""
     gamma = laws.gamma[k]
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     reach = laws.own[k, REFERENCE_SPEED] * dt
