@@ -24,7 +24,7 @@ from wroll_fem.typing import FloatArray
 
 
 class CurveProblem(Protocol):
-    """Equations F(z) = 0 for z (n + 1,); the last entry of z is the curve parameter."""
+    """Equations F(z) = 0 of a curve of solutions z (n + 1,); the last entry of z is the curve parameter."""
 
     def residual(self, z: FloatArray) -> FloatArray:
         """Residual F (n,)."""
@@ -35,7 +35,7 @@ class CurveProblem(Protocol):
         ...
 
     def describe(self, z: FloatArray) -> str:
-        """Position on the curve as text, for messages."""
+        """Text that names the position ``z`` on the curve, for messages."""
         ...
 
 
@@ -45,14 +45,15 @@ class StepControl:
 
     Attributes
     ----------
-    first, smallest, largest : step lengths along the arc
+    first, smallest, largest : step lengths along the arc; ``largest`` is multiplied by the norm of y where it exceeds 1
     angle : target rotation of the tangent per step, rad
-    blunt : steps up to this length are accepted whatever the rotation (the onset of slip is a kink)
+    blunt : step length up to which a step is accepted at any rotation (the onset of slip is a kink); multiplied by the
+        norm of y where it exceeds 1
     tolerance : largest Newton correction at convergence
-    max_iterations : corrector iterations after which a step is shortened
-    max_points : points of a curve after which the continuation stops with an error
-    chord : steps whose end lies within this distance of the tangent are accepted whatever the rotation; relative to
-        the unknowns without the parameter where these are above 1, as are all lengths but those of the parameter
+    max_iterations : largest number of corrector iterations; a step that needs more is shortened
+    max_points : largest number of points on a curve; beyond it the continuation stops with an error
+    chord : target distance between the end of a step and the tangent, relative to the norm of y; near or below it a
+        step is accepted at any rotation
     """
 
     first: float = 0.05
@@ -66,7 +67,7 @@ class StepControl:
     chord: float = 0.01
 
     def longer(self, factor: float) -> StepControl:
-        """Steps longer by a factor, and solved roughly, for a curve that is known roughly only; 1 changes nothing."""
+        """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves; 1: no change."""
         return replace(
             self, first=factor * self.first, largest=factor * self.largest, angle=factor * self.angle,
             chord=factor**2 * self.chord, tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,
@@ -75,10 +76,10 @@ class StepControl:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """Solution z (n + 1,) with unit tangent (n + 1,), number of Newton iterations and regularity of the Jacobian.
+    """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, ``regular``.
 
-    ``regular`` is False beyond a bifurcation that the curve has crossed (the bordered determinant has changed its
-    sign). The last entry of the tangent is negative between two folds.
+    ``regular`` is False beyond a bifurcation that the curve has crossed (the determinant of the bordered Jacobian has
+    changed its sign). The last entry of the tangent is negative between two folds.
     """
 
     z: FloatArray
@@ -88,17 +89,17 @@ class CurvePoint:
 
 
 ROUGH = 100.0
-"""Factor on the tolerance of curves that are known roughly only."""
+"""Factor by which `StepControl.longer` multiplies the tolerance, for curves that are only approximate."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
-"""Step lengths, relative to `StepControl.first`, that are tried after small steps have failed."""
+"""Step lengths, relative to `StepControl.first`, that are tried in turn after the smallest step has failed."""
 USUAL = 5.0
-"""Corrector iterations of a step that is not changed because of them."""
+"""Number of corrector iterations that leaves the step length unchanged; more iterations shorten the next step."""
 LEAST_STEP = 0.05
 """Damping factor at or below which a Newton step is taken even if it does not reduce the residual."""
 
 
 class _Bordered:
-    """LU factors of the Jacobian bordered by one row."""
+    """LU factors of the square matrix that consists of the Jacobian and one additional row."""
 
     def __init__(self, jacobian: FloatArray, row: FloatArray):
         # the transpose is the column-major array that LAPACK works on in place
@@ -122,8 +123,8 @@ class Corrected(NamedTuple):
     ----------
     z : (n + 1,) solution; None without convergence
     history : norms of the corrections
-    near : (n + 1,) last point at which the equations were evaluated; within the tolerance of a solution
-    factor : factors with which it ended, for the next solution nearby
+    near : (n + 1,) last iterate before the final correction; after convergence it is within the tolerance of z
+    factor : last LU factors, which can be reused for the next solution nearby
     """
 
     z: FloatArray | None
@@ -140,9 +141,10 @@ def correct(
     *,
     kept: _Bordered | None = None,
 ) -> Corrected:
-    """Solve F(z) = 0 and row . (z - start) = 0; factors are kept while the residual falls fast, and updated.
+    """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method with Broyden updates between factorisations.
 
-    Between two factorisations the steps are those of Broyden's method: every full step corrects the kept factors.
+    The LU factors are reused while the residual decreases fast. Until the next factorisation each full step updates
+    them by Broyden's method.
 
     Parameters
     ----------
@@ -151,11 +153,11 @@ def correct(
     z
         (n + 1,) initial guess, the start.
     row
-        (n + 1,) normal of the plane in which the solution is sought.
+        (n + 1,) normal vector of the plane in which the solution is sought.
     control
         Tolerance and largest number of iterations.
     kept
-        Factors of an earlier point to begin with; their plane holds until they are renewed.
+        LU factors of an earlier point, used first. Until the next factorisation their plane is used instead.
 
     References
     ----------
@@ -195,18 +197,18 @@ def correct(
 
 
 def _updated(step: FloatArray, steps: list[FloatArray]) -> FloatArray:
-    """Step (n + 1,) of Broyden's method from that of the kept factors and the full ``steps`` since them."""
+    """Step (n + 1,) of Broyden's method, from the ``step`` with the old LU factors and the full ``steps`` since."""
     for before, after in pairwise(steps):
         step = step + after * (float(before @ step) / float(before @ before))
     if not steps:
         return step
     last = steps[-1]
-    # the residual has fallen to CHORD_RENEWAL at least, so the share is small; the bound only excludes a reversal
+    # the last step reduced the residual to CHORD_RENEWAL or less: the share is small, and the bound excludes a reversal
     return step / max(1.0 - float(last @ step) / float(last @ last), LEAST_STEP)
 
 
 def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> FloatArray:
-    """Solve F(z) = 0 at the parameter value of the initial guess ``z`` (n + 1,) by damped Newton steps.
+    """Solve F(z) = 0 by damped Newton steps; the curve parameter keeps its value in the initial guess ``z`` (n + 1,).
 
     Raises
     ------
@@ -246,15 +248,15 @@ def follow(
     control
         Step control.
     on_point
-        Called before each step with the points so far.
+        Function called before each step with the points computed so far.
     ends
-        Whether the curve ends at a solution (n + 1,), before its parameter has reached ``end``.
+        Function that tells whether the curve ends at a solution (n + 1,) before its parameter has reached ``end``.
 
     Raises
     ------
     ConvergenceError
-        If the steps become too small, the curve turns back past its start, or it has too many points; ``partial``
-        holds the points so far (list of CurvePoint).
+        If the steps become too small, the curve turns back past its start, or it has too many points. Its attribute
+        ``partial`` contains the points computed so far (list of CurvePoint).
     """
     direction = 1.0 if end >= start[-1] else -1.0
     lowest = start[-1]
@@ -301,7 +303,7 @@ def follow(
             tangent, factor, _ = _tangent(problem, last.z, last.tangent)
         step *= 0.4
         if step < control.smallest or len(leaps) < len(LEAPS):
-            # a kink that Newton's method turns around in small steps may be stepped over
+            # at a kink small steps may fail where a longer step passes over it
             if not leaps:
                 what = "the curve could not be followed"
                 raise _with_points(_stalled(what, problem.describe(last.z), history), points)
@@ -310,7 +312,7 @@ def follow(
 
 
 def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:
-    """Unit tangent (n + 1,) with before . tangent > 0, the bordered factors, and the sign of their determinant."""
+    """Unit tangent (n + 1,) with before . tangent > 0, LU factors of the bordered Jacobian, sign of its determinant."""
     factor = _Bordered(problem.jacobian(z), before)
     rhs = np.zeros(len(z))
     rhs[-1] = 1.0

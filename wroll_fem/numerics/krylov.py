@@ -9,14 +9,14 @@ import numpy as np
 from wroll_fem.typing import FloatArray
 
 ENOUGH = 0.5
-"""Part of a vector left after it has been made orthogonal once, above which rounding does not matter."""
+"""Norm of a vector after one orthogonalisation, relative to its norm before; above this a second one is not needed."""
 
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:
     """Solve ``apply(z) = b`` by GMRES without restart.
 
-    The Krylov vectors are made orthogonal twice where little is left of them, and the small problem is solved by least
-    squares: the residual does not grow where the map is nearly singular.
+    A Krylov vector is orthogonalised a second time if the first orthogonalisation removes most of it. The small problem
+    is solved by least squares, so the residual does not grow if the map is nearly singular.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     b
         Right-hand side, of any shape.
     tolerance
-        Norm of the residual, relative to the norm of ``b``, at which the iteration ends.
+        Norm of the residual, relative to the norm of ``b``, at or below which the iteration ends.
     iterations
         Largest number of iterations. The last iterate is returned whatever its residual.
 
@@ -39,7 +39,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     Saad, Schultz (1986), SIAM J. Sci. Stat. Comput. 7, 856, doi:10.1137/0907058.
     """
     size = float(np.linalg.norm(b))
-    if size == 0.0:  # a structure without interfaces as well
+    if size == 0.0:  # also for a structure without interfaces
         return np.zeros_like(b)
     space = np.empty((iterations + 1, b.size))
     space[0] = b.ravel() / size
@@ -63,7 +63,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
             triangle[k], triangle[k + 1] = c * triangle[k] + s * triangle[k + 1], c * triangle[k + 1] - s * triangle[k]
         length = float(np.hypot(triangle[count], rest))
         count += 1
-        if length == 0.0 or rest <= 1e-15 * before:  # the space holds the solution, or nothing more
+        if length == 0.0 or rest <= 1e-15 * before:  # the space contains the solution, or cannot be extended
             break
         turns.append((triangle[count - 1] / length, rest / length))
         left *= rest / length

@@ -11,19 +11,19 @@ import scipy.sparse.linalg as spla
 from wroll_fem.typing import FloatArray
 
 SMALL = 1000
-"""Largest number of unknowns solved by SuperLU. Up to it SuperLU is as fast as MUMPS, and it needs no PETSc."""
+"""Largest number of unknowns solved by SuperLU. Up to this number SuperLU is as fast as MUMPS and needs no PETSc."""
 
 
 class Factorisation(Protocol):
-    """Factored matrix."""
+    """Factorised matrix that solves linear systems."""
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solution for right-hand sides ``rhs`` (n,) or (n, k), in the same shape."""
+        """Solution for one right-hand side ``rhs`` (n,) or for k of them (n, k), in the shape of ``rhs``."""
         ...
 
 
 class _Mumps:
-    """LU factorisation by MUMPS; PETSc stores the factors."""
+    """LU factorisation by MUMPS, with the factors stored by PETSc."""
 
     def __init__(self, matrix: sp.csr_matrix):
         from petsc4py import PETSc
@@ -44,7 +44,7 @@ class _Mumps:
         self._ksp = ksp
 
     def __del__(self) -> None:
-        """Free the factors, which petsc4py would keep until the program ends (about 30 MB per step of a full roll)."""
+        """Free the factors. petsc4py would keep them until the program ends (about 30 MB per step of a full roll)."""
         if hasattr(self, "_ksp") and not self._petsc.Sys.isFinalized():
             self._ksp.destroy()
             self._matrix.destroy()
@@ -74,7 +74,7 @@ class _Mumps:
 
 
 def factorise(matrix: sp.spmatrix) -> Factorisation:
-    """Factor a square sparse matrix once for many solves.
+    """Factorise a square sparse matrix once, to solve for many right-hand sides.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Damped Newton iteration with kept factors, and the renewal rates of all solvers.
+"""Damped Newton iteration that reuses the factorised Jacobian, and the renewal thresholds of all solvers.
 
-A solver keeps its factored matrix and renews it after an iteration that leaves more than a fraction of the residual:
-the renewal rate. The more a factorisation costs relative to an iteration, the larger the best rate. The rate changes
-converged results only within the tolerance.
+A solver keeps its factorised matrix from one iteration to the next. It factorises a new one if the residual after an
+iteration, divided by the residual before, exceeds the renewal threshold. The more expensive a factorisation is relative
+to an iteration, the larger is the best threshold. The threshold changes converged results only within the tolerance.
 """
 
 from __future__ import annotations
@@ -13,50 +13,53 @@ from typing import Protocol
 from wroll_fem.typing import FloatArray
 
 FULL_RENEWAL = 0.1
-"""Renewal rate of a time step of the whole structure (sparse factor)."""
+"""Ratio of successive residuals above which a time step of the full model factorises a new matrix (sparse)."""
 STATIC_RENEWAL = 0.1
-"""Renewal rate of a static step of the whole structure (sparse factor)."""
+"""Ratio of successive residuals above which a static step of the full model factorises a new matrix (sparse)."""
 CONDENSED_RENEWAL = 0.3
-"""Renewal rate of a condensed time step (dense factor of the points that slip)."""
+"""Ratio of successive residuals above which a condensed time step factorises a new matrix (dense, slipping points)."""
 REDUCED_RENEWAL = 0.12
-"""Renewal rate of a reduced time step (small dense matrix, updated point by point)."""
+"""Ratio of successive residuals above which a reduced time step factorises a new matrix (small and dense)."""
 CHORD_RENEWAL = 0.25
-"""Renewal rate of the corrector of a continuation (dense Jacobian of the harmonic balance)."""
+"""Ratio of successive residuals above which the corrector of a continuation factorises a new Jacobian (dense)."""
 
 STALLED = 6
-"""Iterations without a halving of the residual after which a solve with a potential follows its slope."""
+"""Number of iterations without halving the residual, after which `zero_slope` damps the steps (convex potential)."""
 
 PATIENCE = 6
-"""Factor on the number of iterations of a solve that follows the slope: points change their state a few at a time."""
+"""Factor on the largest number of iterations if `zero_slope` damps the steps: few points change state per iteration."""
 
 NO_RENEWAL = 0.0
-"""Renewal rate of a solver that factors a new matrix in every iteration."""
+"""Renewal threshold with which a solver factorises a new matrix in every iteration."""
 
 
 class NewtonProblem(Protocol):
-    """Equations r(x) = 0. An evaluation may store its trial state; the last evaluation is at the result."""
+    """Equations r(x) = 0. `residual` may store the trial state of ``x``, because its last call is at the solution."""
 
     def residual(self, x: FloatArray) -> tuple[FloatArray, float]:
         """Residual r at ``x`` and a scalar measure of its size."""
         ...
 
     def linearise(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Function that solves J(x) step = r; called directly after ``residual(x)``."""
+        """Function that solves J(x) step = r for the step; `linearise` is called directly after ``residual(x)``."""
         ...
 
     def converged(self, size: float, previous: float) -> bool:
-        """Whether a residual of ``size`` is small enough; ``previous`` is the size one iteration earlier."""
+        """Whether the residual measure ``size`` is small enough; ``previous`` is its value one iteration earlier."""
         ...
 
 
 LineSearch = Callable[[Callable[[float], float], float], float]
-"""Maps the function size(damping) of the residual and its present size to the damping factor of a step."""
+"""Function that returns the damping factor of a step. Arguments: residual size versus damping; current residual size."""
 
 
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
 ) -> float:
-    """First d of 1, 1/2, 1/4, ... that reduces the residual by a fraction ``least_gain`` d, else the best d."""
+    """First damping factor d of 1, 1/2, 1/4, ... that reduces the residual by a fraction ``least_gain`` d.
+
+    If none of the first ``most`` factors does, the one with the smallest residual.
+    """
     damping, best = 1.0, (float("inf"), 0.0)
     for _ in range(most):
         found = size_at(damping)
@@ -68,7 +71,10 @@ def best_of_halvings(
 
 
 def first_decrease(size_at: Callable[[float], float], size: float, *, least: float = 0.01) -> float:
-    """First damping factor 1, 1/2, 1/4, ... above ``least`` that reduces the residual, else the next one, untried."""
+    """First damping factor of 1, 1/2, 1/4, ... above ``least`` that reduces the residual.
+
+    If none of them does, the next factor of the sequence, without a trial.
+    """
     damping = 1.0
     while damping > least and not size_at(damping) < size:
         damping *= 0.5
@@ -76,14 +82,20 @@ def first_decrease(size_at: Callable[[float], float], size: float, *, least: flo
 
 
 def zero_slope(slope_at: Callable[[float], float], slope: float, *, most: int = 12, share: float = 0.1) -> float:
-    """Damping factor at which the slope of a potential along a step has fallen to ``share`` of its start, or is zero.
+    """Damping factor, at most 1, at which the slope of a potential along a step is approximately zero.
 
     Parameters
     ----------
     slope_at
-        Residual times step at x - damping step: the slope of the potential whose gradient the residual is.
+        Function from the damping to the scalar product of residual and step at x - damping step. This is the slope of
+        the potential, because the residual is the gradient of the potential.
     slope
-        Its value at damping 0, positive. Convex potentials have one zero; the full step is taken before it.
+        Its value at damping 0, positive. A convex potential has one zero of the slope; the full step is taken if it
+        ends before this zero.
+    most
+        Largest number of iterations of the false position.
+    share
+        Largest magnitude of the slope that counts as zero, relative to ``slope``.
     """
     low, high = (0.0, slope), (1.0, slope_at(1.0))
     damping, side = high[0], 0
@@ -94,7 +106,7 @@ def zero_slope(slope_at: Callable[[float], float], slope: float, *, most: int = 
         found = slope_at(damping)
         if abs(found) <= share * slope:
             break
-        # Illinois variant of the false position: the end that stays is weighted down
+        # Illinois variant of the false position: the slope at the end that stays is halved
         if found > 0.0:
             low = (damping, found)
             high = (high[0], 0.5 * high[1]) if side > 0 else high
@@ -110,7 +122,7 @@ def damped_newton(
     problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float,
     potential: bool = False,
 ) -> tuple[FloatArray | None, list[float]]:  # fmt: skip
-    """Solve r(x) = 0 by Newton's method with kept factors; only steps with a new factor are damped.
+    """Solve r(x) = 0 by Newton's method with a reused factorisation; only steps with a new factorisation are damped.
 
     Parameters
     ----------
@@ -121,13 +133,13 @@ def damped_newton(
     max_iterations
         Largest number of iterations.
     search
-        Line search for the steps with a new factor.
+        Line search for the steps with a new factorisation.
     renewal
-        Renewal rate of the factor.
+        Renewal threshold, see the module.
     potential
-        Whether the residual is, but for the dependence of friction on a varying pressure, the gradient of a convex
-        potential. Steps then follow `zero_slope` once the norm of the residual stalls: it need not fall on the way to
-        the minimum, for example where all points reach the limit of friction together.
+        Whether the residual is the gradient of a convex potential, apart from the dependence of friction on a varying
+        pressure. Steps are then damped by `zero_slope` once the norm of the residual stalls. This norm need not
+        decrease on the way to the minimum, for example where all points reach the friction limit together.
 
     Returns
     -------
@@ -160,7 +172,7 @@ def damped_newton(
         r_new, new = problem.residual(trial)
         if not new <= renewal * size:
             solve = None
-            if not fresh and not new < size:  # the kept factor failed: again from here with a new one
+            if not fresh and not new < size:  # the old factorisation failed: repeat from here with a new one
                 r, size = problem.residual(x)
                 continue
         x, r, previous, size = trial, r_new, size, new

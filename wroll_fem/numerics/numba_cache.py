@@ -8,9 +8,10 @@ CONTACT = Path(__file__).parents[1] / "contact"
 
 
 def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONTACT) -> list[Path]:
-    """Remove cached functions of a module that are older than the code they inline.
+    """Remove the cached functions of a module that are older than the code inlined in them.
 
-    numba checks only the file of the function itself, so a change of a contact law would otherwise have no effect.
+    numba checks only the file of the function itself. Without this removal, a change of a contact law would have no
+    effect.
     Call ``drop_stale_cache(__file__)`` at the top of every module whose compiled functions call functions of other
     modules, before they are defined.
 
@@ -19,9 +20,9 @@ def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONT
     module
         The module's ``__file__``.
     inlined
-        Files of other modules whose compiled functions the module calls.
+        Files of other modules that contain compiled functions called by the module.
     laws
-        Folder of the contact laws; all its files count as inlined.
+        Folder of the contact laws. The age of all its files is checked too.
 
     Returns
     -------
