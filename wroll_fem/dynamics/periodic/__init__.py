@@ -1,1 +1,1 @@
-"""Periodic motions: harmonic balance with alternating frequency and time, backbones."""
+"""Periodic motions: harmonic balance with the alternating frequency/time method, and backbone curves."""

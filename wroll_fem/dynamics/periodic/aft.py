@@ -1,15 +1,15 @@
-r"""Alternating frequency-time evaluation of the contact: harmonics of the motion to harmonics of the traction.
+r"""Alternating frequency/time method: harmonics of the contact tractions from the harmonics of the motion.
 
-Periodic motions are Fourier series in the phase :math:`\varphi = \omega t`, coefficients in the order
-(constant, cos 1, sin 1, ..., cos H, sin H), R = 2 H + 1 of them. The constant term and the even harmonics matter:
-pressure varies, and the limit of friction with it. The laws are evaluated at N samples of the period with dt = T/N, and
-the samples are projected back by the trapezoidal rule. The friction law, the penalty and the split of the work are the
-functions of the time integration (`contact.point`, `contact.laws`). Two things differ on purpose: a point that opens
-has no release traction, since that belongs to the trapezoidal work of a time step and samples are no steps; and slip
-rates are those of the Fourier series at the sample, not differences.
+Periodic motions are Fourier series in the phase :math:`\varphi = \omega t` with R = 2 H + 1 coefficients in the order
+(constant, cos 1, sin 1, ..., cos H, sin H). The constant term and the even harmonics matter because the pressure, and
+with it the friction limit, varies. The laws are evaluated at N samples of the period with dt = T/N, and the samples are
+projected back by the trapezoidal rule. The friction law, the penalty and the split of the work are the functions of the
+time integration (`contact.point`, `contact.laws`), with two deliberate differences. A point that opens has no release
+traction: that traction makes the trapezoidal work of a time step exact, and samples are not time steps. Slip rates are
+the derivatives of the Fourier series at the samples, not differences between samples.
 
-The memory of friction starts in the preload state and is iterated to periodic hysteresis: until the elastic slip
-repeats. Derivatives are carried through all of it (`aft_kernel`), so that Newton's method has the exact Jacobian.
+The elastic slip starts from the preload state; periods are computed until it repeats (periodic hysteresis). The
+derivatives of all these periods are computed too (`aft_kernel`), so that Newton's method has the exact Jacobian.
 
 References
 ----------
@@ -34,27 +34,29 @@ from wroll_fem.errors import InputError
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 PERIODIC = 1e-8
-"""The hysteresis is periodic when the elastic slip repeats to this fraction of gamma* over a period."""
+"""Change of the elastic slip over a period, relative to gamma*, below which the hysteresis counts as periodic."""
 
 MAX_PERIODS = 8
-"""Most periods for that. Sliding in a plane just above the limit creeps towards its steady path for very long."""
+"""Largest number of periods computed to reach a periodic hysteresis. Just above the friction limit, slip in both
+tangential directions approaches its periodic path very slowly."""
 
 PRESSURE_CHANGE = 0.02
-"""Newton's matrix (never the residual) leaves out points that stick and change their pressure by less than this."""
+"""Change of the pressure, relative to the preload pressure, below which a sticking point is omitted from the Jacobian
+of Newton's method. The residual always includes every point."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Phases of a period and the Fourier series at them.
+    """Sampled phases of a period, and the Fourier series at these phases.
 
     Attributes
     ----------
-    harmonics, samples : H and N
-    odd : leaves out the even harmonics: for motions whose second half period mirrors the first
+    harmonics, samples : number of harmonics H and number of samples N
+    odd : whether the even harmonics are omitted, for motions whose second half period mirrors the first
     values : (N, R) motion at phase 2 pi j / N for unit coefficients
-    velocities : (N, R) its change per sample, (2 pi / N) d/d(phase)
-    project : (R, N) samples to coefficients
-    ramp, ramp_rate : (N + 1,) growth of the first period (half a cosine) and its change per sample
+    velocities : (N, R) change of this motion per sample, (2 pi / N) d/d(phase)
+    project : (R, N) matrix that gives the coefficients from the samples
+    ramp, ramp_rate : (N + 1,) factor on the motion in the first period (half a cosine) and its change per sample
     """
 
     harmonics: int
@@ -68,7 +70,9 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if self.harmonics < 1:
-            raise InputError(f"{self.harmonics} harmonics", key="harmonic.harmonics", remedy="use 1 or more")
+            raise InputError(
+                f"the number of harmonics is {self.harmonics}", key="harmonic.harmonics", remedy="use 1 or more"
+            )
         if self.samples < 4 * self.harmonics + 4:
             raise InputError(
                 f"{self.samples} samples per period do not resolve {self.harmonics} harmonics",
@@ -97,7 +101,7 @@ class Sampling:
 
     @property
     def size(self) -> int:
-        """Coefficients of a series, R = 2 H + 1; odd harmonics and the constant alone are about half as many."""
+        """Number R of coefficients of a series: 2 H + 1, or with ``odd`` the constant and the odd harmonics only."""
         return 2 * ((self.harmonics + 1) // 2 if self.odd else self.harmonics) + 1
 
     @property
@@ -108,16 +112,16 @@ class Sampling:
 
 @dataclass(frozen=True)
 class PeriodicContact:
-    """Contact of all points over one period of their hysteresis.
+    """Contact of the evaluated points over one period of their hysteresis.
 
     Attributes
     ----------
     sampled : motion at the samples
     hysteresis : elastic slip, and which points slide
     correction : (3 n, N) s = t - t_0 - D_0 (g - g_0), Pa
-    coefficients : (3 n, R) its Fourier coefficients, Pa
+    coefficients : (3 n, R) Fourier coefficients of ``correction``, Pa
     open : (n, N) whether the surfaces are apart
-    pressure_change : (n,) largest relative change of the pressure
+    pressure_change : (n,) largest change of the pressure, relative to the preload pressure
     """
 
     sampled: kernel.SampledMotion
@@ -129,29 +133,30 @@ class PeriodicContact:
 
     @property
     def periodicity_error(self) -> float:
-        """Largest change of the elastic slip over the last period computed, relative to gamma*."""
+        """Largest change of the elastic slip during the last period computed, relative to gamma*."""
         return float(self.hysteresis.change.max(initial=0.0))
 
 
 class HarmonicContact:
-    """Contact forces of a reduced model under periodic motion; arrays are those of the n points evaluated.
+    """Contact forces of a reduced model under periodic motion; arrays refer to the n evaluated contact points.
 
     Attributes
     ----------
-    n, laws, weights, reference, dofs : of the points evaluated: all, or one of each pair (`half_period`)
-    own : (3 n,) their places among the contact degrees of freedom of all points
-    all_weights : area of all points, per contact degree of freedom
+    n, laws, weights, reference, dofs : data of the evaluated points: all points, or one of each pair (`half_period`)
+    own : (3 n,) indices of the evaluated points among the contact degrees of freedom of all points
+    all_weights : area per contact degree of freedom of all points, m^2
 
     Parameters
     ----------
     model, preload, laws
-        Structure, state that motions are relative to, and laws of its points.
+        Reduced structure, state to which motions are relative, and friction laws of all contact points.
     sampling
         Harmonics and samples.
     max_periods
-        Whole periods after the ramp that the hysteresis may take to become periodic.
+        Largest number of whole periods, after the ramp, until the hysteresis is periodic.
     symmetry
-        Half-period symmetry that the motions have; the model's vectors have to be of one kind each.
+        Half-period symmetry of the motions; None without symmetry. Each vector of the model has to be of one kind:
+        reversed by half a period, or unchanged.
     """
 
     def __init__(
@@ -180,7 +185,7 @@ class HarmonicContact:
         self.groups = self._groups()
 
     def _groups(self) -> list[tuple[IntArray, IntArray]]:
-        """Coefficients (rows of the R) of sets of coordinates (columns) that a motion has."""
+        """Index pairs of the nonzero coefficients (R, m), by group: harmonics (rows) and coordinates (columns)."""
         rows, columns = np.arange(self.sampling.size), np.arange(self.model.size)
         if self.symmetry is None:
             return [(rows, columns)]
@@ -190,24 +195,24 @@ class HarmonicContact:
 
     @cached_property
     def active(self) -> IntArray:
-        """Place in the flattened (R, m) coefficients of every unknown, group after group."""
+        """Index of every unknown in the flattened coefficients (R, m), group after group."""
         return np.concatenate([(rows[:, None] * self.model.size + columns).ravel() for rows, columns in self.groups])
 
     @cached_property
     def every_mode(self) -> EveryMode:
-        """Maps between the points evaluated and all modes of the structure."""
+        """Maps between the evaluated contact points and all modes of the structure."""
         return EveryMode(self.model.condensation, self.symmetry, self.sampling.orders)
 
     def spread(self, coefficients: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of all points from those of the points evaluated."""
+        """(3 n_points, R) Fourier coefficients of all contact points from those (3 n, R) of the evaluated ones."""
         return coefficients if self.symmetry is None else self.symmetry.spread(coefficients, self.sampling.orders)
 
     def of_every_point(self, values: np.ndarray) -> np.ndarray:
-        """(n, ...) values of all points from those of the points evaluated."""
+        """(n_points, ...) values of all contact points from those (n, ...) of the evaluated ones."""
         return values if self.symmetry is None else values[self.symmetry.source]
 
     def motion(self, coefficients: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of the relative displacement for those of q (R, m), m."""
+        """(3 n, R) Fourier coefficients of the relative displacement, m, from those of q (R, m)."""
         if len(self.groups) == 1:
             return np.asarray(self.jump @ coefficients.T)
         out = np.empty((3 * self.n, self.sampling.size))
@@ -217,7 +222,7 @@ class HarmonicContact:
 
     @cached_property
     def _places(self) -> list[tuple[np.ndarray, ...]]:
-        """Places of each group among the coefficients (R, m)."""
+        """Index arrays of each group into the coefficients (R, m)."""
         return [np.ix_(rows, columns) for rows, columns in self.groups]
 
     @cached_property
@@ -225,7 +230,7 @@ class HarmonicContact:
         return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
-        """Contact over a period of ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump."""
+        """Contact over a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
         n, s = self.n, self.sampling
         motion = np.ascontiguousarray(jump_coefficients @ s.values.T)
         rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
@@ -241,7 +246,7 @@ class HarmonicContact:
         return PeriodicContact(path, hysteresis, correction, correction @ s.project.T, is_open, pressure_change)
 
     def force(self, contact: PeriodicContact) -> FloatArray:
-        """(R, m) Fourier coefficients of the reduced force jump^T W s."""
+        """(R, m) Fourier coefficients of the reduced contact force jump^T W s, with the correction s of ``contact``."""
         if len(self.groups) == 1:
             return np.asarray((self.force_operator @ contact.coefficients).T)
         out = np.zeros((self.sampling.size, self.model.size))
@@ -253,11 +258,13 @@ class HarmonicContact:
     def point_blocks(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        """Derivatives of the points that slide, open, or change their pressure by more than ``threshold``.
+        """Derivatives of the traction correction s at the points that slide, open or vary in pressure.
+
+        The relative change of pressure counts if it exceeds ``threshold``.
 
         Returns
         -------
-        points : (a,)
+        points : (a,) indices of these points
         blocks : (a, 3, R, 3, R) d(s coefficients)/d(jump coefficients), Pa/m
         by_frequency : (a, 2, R) d(tangential s)/d(ln frequency), Pa
         """
@@ -274,7 +281,10 @@ class HarmonicContact:
     def jacobian(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of `force`: by the unknowns (k, k) in the order of `active`, by ln(frequency) (R, m)."""
+        """Derivatives of `force` with respect to the unknowns (k, k) and to ln(frequency) (R, m).
+
+        Unknowns and equations are in the order of `active`.
+        """
         size, count = self.sampling.size, len(self.active)
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
         matrix, by_log = np.zeros((count, count)), np.zeros((size, self.model.size))

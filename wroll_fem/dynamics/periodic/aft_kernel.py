@@ -1,9 +1,9 @@
-"""The compiled half of harmonic balance: contact laws over one period, and their exact derivatives (see `aft`).
+"""Compiled part of the harmonic balance: contact laws over one period, and their exact derivatives (see `aft`).
 
-The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The memory of
-friction starts in the preload state: one period in which the motion grows from nothing (the ramp), then whole periods
-until the elastic slip repeats. Tractions are those of the last period. The normal law is the penalty alone: a point
-that opens between two samples has no release traction (see `aft`).
+The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The elastic
+slip starts from the preload state. In a first period the motion grows from zero (the ramp); whole periods follow until
+the elastic slip repeats. Tractions are those of the last period. The normal law is the penalty alone: a point that
+opens between two samples has no release traction (see `aft`).
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ drop_stale_cache(__file__)
 
 
 class SampledMotion(NamedTuple):
-    """Motion of all points at the samples of a period.
+    """Motion of the contact points at the samples of a period.
 
     Attributes
     ----------
     motion, rate : (3 n, N) relative displacement from the preload state at phases 2 pi j / N, and its change
         per sample (velocity times ``dt``), m
-    ramp, ramp_rate : (N + 1,) growth of the motion in the first period and its change per sample
+    ramp, ramp_rate : (N + 1,) factor on the motion in the first period and its change per sample
     dt : time per sample, s
     """
 
@@ -52,15 +52,15 @@ class SampledMotion(NamedTuple):
 
 
 class Hysteresis(NamedTuple):
-    """Friction of all points over the last period computed.
+    """Slip of the contact points during the last period computed.
 
     Attributes
     ----------
     slip : (2 n, N) elastic slip, m
     sliding : (n, N) whether the point slides
-    moved : (n,) whether it ever slid, the ramp included
-    periods : (n,) whole periods computed
-    change : (n,) change of the elastic slip over the last of them, relative to gamma*
+    moved : (n,) whether the point slid in any period, the ramp included
+    periods : (n,) number of whole periods computed
+    change : (n,) change of the elastic slip during the last of these periods, relative to gamma*
     """
 
     slip: FloatArray
@@ -71,12 +71,12 @@ class Hysteresis(NamedTuple):
 
 
 class Series(NamedTuple):
-    """Fourier series at the samples.
+    """Matrices of the Fourier series at the samples.
 
     Attributes
     ----------
     values, velocities : (N, R) motion and its change per sample for unit coefficients
-    project : (R, N) samples to coefficients
+    project : (R, N) matrix that gives the coefficients from the samples
     """
 
     values: FloatArray
@@ -86,14 +86,14 @@ class Series(NamedTuple):
 
 @numba.njit(cache=True)
 def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
-    """Fill the `Hysteresis` ``out``: elastic slip of every point over a period that repeats.
+    """Compute the periodic elastic slip of every point, and store it in the `Hysteresis` ``out``.
 
     Parameters
     ----------
     path : `SampledMotion`
     reference : `contact.kernels.Reference`
-    max_periods, tolerance : whole periods at most; the change of the elastic slip over a period, relative to gamma*,
-        below which it repeats
+    max_periods : largest number of whole periods
+    tolerance : change of the elastic slip during a period, relative to gamma*, up to which it counts as periodic
     """
     motion, rate, ramp, ramp_rate, dt = path
     slip, sliding, moved, periods, change = out
@@ -135,7 +135,7 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
 
 @numba.njit(cache=True)
 def correction(path, slip, reference, laws, s, is_open, pressure_change):
-    """Traction less that of the stuck preload state, s = t - t_0 - D_0 (g - g_0), over the period.
+    """Traction minus the traction of the stuck interface, s = t - t_0 - D_0 (g - g_0), at the samples of the period.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
     slip : (2 n, N) elastic slip, m
     s : output (3 n, N), Pa
     is_open : output (n, N) whether the surfaces are apart
-    pressure_change : output (n,) largest relative change of the stick stiffness
+    pressure_change : output (n,) largest change of the pressure relative to the preload pressure
     """
     motion = path.motion
     g_0, t_0, springs = reference.jump, reference.traction, reference.springs
@@ -169,16 +169,16 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
 
 @numba.njit(cache=True)
 def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_frequency):
-    """Exact derivatives of the harmonics of s with respect to the harmonics of the motion, through the memory.
+    """Exact derivatives of the harmonics of s with respect to the harmonics of the motion, slip history included.
 
     Parameters
     ----------
-    points : (a,) points wanted
-    hysteresis : of the same `SampledMotion`: a point that never slid keeps de = d(motion)
+    points : (a,) indices of the points
+    hysteresis : `Hysteresis` of the same motion; the elastic slip of a point that never slid changes as its motion does
     series : `Series`
     blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
     by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
-        fixed coefficients, Pa (laws that depend on the slip rate)
+        fixed coefficients, Pa; it is nonzero for laws that depend on the slip rate
     """
     motion, rate, ramp, ramp_rate, dt = path
     moved, periods = hysteresis.moved, hysteresis.periods
@@ -186,7 +186,7 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
     values, velocities, project = series
     count, size = values.shape
     n = laws.mu.shape[0]
-    # derivative of the elastic slip by the hoop, then the axial motion, less that of a point that only sticks
+    # derivative of the elastic slip with respect to the hoop, then the axial motion, minus the derivative in stick
     dh, dz = np.zeros(2 * size), np.zeros(2 * size)
     rows = np.zeros((count, 7 * size + 2))
     for index in range(points.shape[0]):
@@ -262,16 +262,16 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
 
 @numba.njit(cache=True)
 def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
-    """Work of friction per area and period, slip path and peak displacement of every point.
+    """Friction work per area and period, slip path and largest tangential displacement of every point.
 
     Parameters
     ----------
-    motion, slip : (3 n, N), (2 n, N) of a period that repeats, m
-    g_0 : (3 n,) m
-    friction : output (n,) mean traction times plastic slip, summed over the period, J/m^2
-    modulation : output (n,) exchange of the elastic slip with the varying pressure, J/m^2
-    path : output (n,) length of the plastic slip path per period, m
-    peak : output (n, 3) largest tangential displacement from the preload state and its components, m
+    motion, slip : (3 n, N) motion and (2 n, N) elastic slip over a period of the periodic state, m
+    g_0 : (3 n,) relative displacement of the preload state, m
+    friction : output (n,) mean traction times slip from sample to sample, summed over the period, J/m^2
+    modulation : output (n,) energy exchanged between the elastic slip and the varying pressure, J/m^2
+    path : output (n,) length of the slip path per period, m
+    peak : output (n, 3) largest tangential displacement from the preload state, then its components, m
     """
     n, count = friction.shape[0], motion.shape[1]
     for k in range(n):

@@ -1,14 +1,14 @@
 r"""Nonlinear modes: frequency and damping of a resonance as functions of its amplitude.
 
-Extended periodic motion concept: a mode is a periodic motion of the unforced structure whose dissipation is made up
-for by a negative damping proportional to the mass,
+Extended periodic motion concept: a nonlinear mode is a periodic motion of the unforced structure. A negative damping
+proportional to the mass compensates its dissipation,
 
 .. math:: q'' + C q' + \Lambda q + (G\Phi)^T W s - 2 \zeta \omega\, q' = 0 .
 
-:math:`\zeta(a)` is the modal damping ratio, :math:`\omega(a)` the frequency, at the modal amplitude a of the
-fundamental, :math:`|Q_1| = a`. Near an isolated resonance the forced response passes through the same motions. The
-base drives the mode at resonance when its work per cycle, :math:`\pi A |b^T Q_1|`, is what is dissipated,
-:math:`2 \pi \zeta \omega^2 \sum_k k^2 |Q_k|^2`; so one curve has the damping at every level of the base.
+:math:`\zeta(a)` is the modal damping ratio and :math:`\omega(a)` the frequency at the modal amplitude a of the
+fundamental, :math:`|Q_1| = a`. Near an isolated resonance the forced response passes through the same motions. At
+resonance the work of the base per cycle, :math:`\pi A |b^T Q_1|`, equals the dissipation,
+:math:`2 \pi \zeta \omega^2 \sum_k k^2 |Q_k|^2`. One curve therefore gives the damping at every base acceleration A.
 
 References
 ----------
@@ -31,27 +31,30 @@ from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, fo
 from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
-"""Scaled length of the whole range of amplitudes."""
+"""Length of the whole range of amplitudes in the scaled curve parameter."""
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
-"""Relative change of the frequency, and damping ratio, that count as one."""
+"""Relative change of the frequency, and damping ratio, that correspond to 1 in the scaled unknowns."""
 
 BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
-"""Steps along a backbone; a smooth one has some 80 points, one in a maze of internal resonances has no end."""
+"""Step control along a backbone. A smooth backbone has about 80 points; the largest number of points stops a curve that
+passes from one internal resonance to the next without end."""
 
 LARGEST_STRAY = 0.5
-"""Share of the mean displacement, or of the overtones, in the norm of a motion that is no longer one of the mode."""
+"""Largest share of the mean displacement, and of the higher harmonics, in the norm of a motion that still belongs to
+the mode."""
 
 NEAR_END = float(np.log(0.95))
-"""Logarithm of the share of the largest amplitude that a backbone without an end has reached, at which it is cut."""
+"""Logarithm of 0.95: a backbone that cannot be followed to its end is cut at this share of the largest amplitude
+computed."""
 
 
 def main_mode(model: ReducedModel) -> int:
-    """Index of the mode through which the base moves the tip most."""
+    """Index of the mode with the largest static tip displacement per unit base acceleration."""
     return int(np.argmax(np.abs(model.base * model.tip) / np.maximum(model.eigenvalues, 1e-300)))
 
 
 class ModalMotion:
-    """The periodic motion as a `CurveProblem`: scaled shape (R, m), frequency, damping, then ln(amplitude)."""
+    """Nonlinear mode as a `CurveProblem`; unknowns: scaled shape (R, m), frequency, damping ratio, ln(amplitude)."""
 
     def __init__(self, balance: HarmonicBalance, mode: int, amplitudes: tuple[float, float]):
         self.balance, self.mode = balance, mode
@@ -65,7 +68,7 @@ class ModalMotion:
         self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float, float, float]:
-        """Shape (R, m), frequency (rad/s), damping ratio and amplitude (kg^(1/2) m)."""
+        """Shape (R, m), frequency (rad/s), damping ratio and amplitude (kg^(1/2) m) from scaled unknowns (n + 1,)."""
         shape = self.unpacked(z[:-3])
         frequency = self.natural * (1.0 + FREQUENCY_UNIT * z[-3])
         return shape, frequency, DAMPING_UNIT * z[-2], float(np.exp(self.first + self.per_unit * z[-1]))
@@ -76,19 +79,19 @@ class ModalMotion:
         return float(np.exp(self.first)), float(np.exp(self.first + self.per_unit * LENGTH))
 
     def unpacked(self, y: FloatArray) -> FloatArray:
-        """(R, m) shape of scaled unknowns (n,)."""
+        """(R, m) shape from its scaled unknowns."""
         out = np.zeros(self.shape)
         out.ravel()[self.active] = y
         return out * self.unit / self.root
 
     def scaled(self, shape: FloatArray, frequency: float, damping: float, amplitude: float) -> FloatArray:
-        """(n + 1,) unknowns."""
+        """(n + 1,) scaled unknowns; ``frequency`` in rad/s, ``amplitude`` in kg^(1/2) m."""
         y = (shape * self.root / self.unit).ravel()[self.active]
         place = (np.log(amplitude) - self.first) / self.per_unit
         return np.append(y, [(frequency / self.natural - 1.0) / FREQUENCY_UNIT, damping / DAMPING_UNIT, place])
 
     def start(self) -> FloatArray:
-        """The linear mode, (n + 1,)."""
+        """(n + 1,) scaled unknowns of the undamped linear mode at the smallest amplitude."""
         shape = np.zeros(self.shape)
         shape[1, self.mode] = 1.0
         return np.concatenate([(shape * self.root / self.unit).ravel()[self.active], np.zeros(3)])
@@ -140,14 +143,14 @@ class ModalMotion:
         return out
 
     def strays(self, z: FloatArray) -> tuple[float, float]:
-        """Shares of the mean displacement and of the harmonics above the fundamental in the norm of the motion."""
+        """Norms of the mean displacement and of the higher harmonics, each divided by the norm of the motion."""
         y = np.zeros(self.shape)
         y.ravel()[self.active] = z[:-3]
         size = max(float(np.linalg.norm(y)), 1e-300)
         return float(np.linalg.norm(y[0])) / size, float(np.linalg.norm(y[3:])) / size
 
     def strayed(self, z: FloatArray) -> bool:
-        """Whether a motion is no longer one of the mode: the backbone is not followed beyond."""
+        """Whether a motion no longer belongs to the mode; the backbone ends there."""
         return max(self.strays(z)) > LARGEST_STRAY
 
     def describe(self, z: FloatArray) -> str:
@@ -159,19 +162,19 @@ class ModalMotion:
 
 @dataclass(frozen=True)
 class BackboneCurve:
-    """A resonance over its amplitude.
+    """Backbone curve: frequency, damping and periodic motion of a resonance for a range of amplitudes.
 
     Attributes
     ----------
     frequencies : (p,) rad/s
     damping : (p,) modal damping ratio
     coefficients : (p, R, m) Fourier coefficients of q
-    iterations : (p,)
-    tangents : (p, n + 1) scaled
-    balance : the equations
-    problem : their scaling
-    cut : why it ends before the largest amplitude asked for; empty if it does not
-    beyond : number of last points that lie beyond this end, for the training of a basis
+    iterations : (p,) number of Newton iterations
+    tangents : (p, n + 1) tangents in scaled unknowns
+    balance : equations of the harmonic balance
+    problem : scaling of the unknowns
+    cut : reason for an end before the largest requested amplitude; empty if that amplitude is reached
+    beyond : number of last points that lie beyond the end of the curve; they serve the training of a basis
     """
 
     frequencies: FloatArray
@@ -186,7 +189,7 @@ class BackboneCurve:
 
     @classmethod
     def of_points(cls, problem: ModalMotion, points: list[CurvePoint]) -> BackboneCurve:
-        """Backbone from the points that `continuation.follow` returns."""
+        """Backbone with the points that `continuation.follow` returns."""
         found = [problem.motion(p.z) for p in points]
         return cls(
             frequencies=np.array([f for _, f, _, _ in found]),
@@ -199,7 +202,7 @@ class BackboneCurve:
         )
 
     def take(self, points: list[int]) -> BackboneCurve:
-        """Some of the points."""
+        """Curve with the points of the given indices only."""
         names = ("frequencies", "damping", "coefficients", "iterations", "tangents")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
 
@@ -210,16 +213,16 @@ class BackboneCurve:
         return np.asarray((np.log(amplitude) - self.problem.first) / self.problem.per_unit)
 
     def cut_off(self, reason: str) -> BackboneCurve:
-        """Itself, ending just before the largest amplitude that it has reached; what follows is `beyond`."""
+        """Copy that ends at an amplitude just below the largest one computed; the points after it count as `beyond`."""
         past = np.flatnonzero(self.places > self.places.max(initial=0.0) + NEAR_END / self.problem.per_unit)
         return replace(self, cut=self.cut or reason, beyond=len(self.places) - int(past[0]))
 
     def without_beyond(self) -> BackboneCurve:
-        """The curve up to its end."""
+        """Curve without the points beyond its end."""
         return replace(self.take(list(range(len(self.frequencies) - self.beyond))), beyond=0)
 
     def up_to(self, place: float, reason: str) -> BackboneCurve:
-        """The part before it first passes a ``place``."""
+        """Part of the curve before its parameter first exceeds ``place``; ``reason`` becomes its `cut`."""
         beyond = np.flatnonzero(self.places > place + 1e-9)
         count = int(beyond[0]) if len(beyond) else len(self.frequencies)
         return replace(self.take(list(range(count))), cut=reason, beyond=0)
@@ -227,9 +230,10 @@ class BackboneCurve:
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
     ) -> BackboneCurve:
-        """These points in another model, at the same amplitudes; those that do not converge are left out.
+        """Curve with these points recomputed in another model, without those that fail to converge.
 
-        ``starts`` (p, R, r) are first guesses of the modal motions; the motions of this curve without.
+        The amplitudes are kept. ``starts`` (p, R, r) are first guesses in modal coordinates. By default, the first
+        guesses are the motions of this curve.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         old = self.problem
@@ -254,7 +258,7 @@ class BackboneCurve:
         return replace(BackboneCurve.of_points(problem, found), cut=self.cut)
 
     def extended(self, contact: HarmonicContact) -> BackboneCurve:
-        """The same motions in the same model with the harmonics of ``contact``; further ones are zero."""
+        """Curve of the same motions with the number of harmonics of ``contact``; the added harmonics are zero."""
         more = contact.sampling.size - self.coefficients.shape[1]
         if more <= 0:
             return self
@@ -269,7 +273,7 @@ class BackboneCurve:
         )  # fmt: skip
 
     def fundamental(self, row: FloatArray) -> FloatArray:
-        """(p,) amplitude of the fundamental of row . q."""
+        """(p,) amplitude of the fundamental of the quantity ``row`` . q."""
         return np.asarray(np.hypot(self.coefficients[:, 1] @ row, self.coefficients[:, 2] @ row))
 
     @property
@@ -279,7 +283,7 @@ class BackboneCurve:
 
     @property
     def dissipation(self) -> FloatArray:
-        """(p,) energy lost per cycle, J."""
+        """(p,) energy dissipated per cycle, J."""
         squares = np.sum(self.balance.orders[:, None] ** 2 * self.coefficients**2, axis=(1, 2))
         return np.asarray(2.0 * np.pi * self.damping * self.frequencies**2 * squares)
 
@@ -289,7 +293,7 @@ class BackboneCurve:
         return np.asarray(self.dissipation / (np.pi * self.fundamental(self.balance.model.base)))
 
     def direction(self, k: int) -> FloatArray:
-        """(R, m) change of the coefficients along the curve at point k, to a scale."""
+        """(R, m) change of the coefficients along the curve at its point k, up to a factor."""
         shape = self.coefficients[k] / np.linalg.norm(self.coefficients[k, 1:3])
         change = self.problem.unpacked(self.tangents[k, :-3])
         return np.asarray(change + shape * self.problem.per_unit * self.tangents[k, -1])
@@ -312,16 +316,17 @@ def solve_backbone(
     Parameters
     ----------
     tip_amplitudes
-        Smallest and largest amplitude of the tip in m, of the linear mode (stuck interface).
+        Smallest and largest tip amplitude in m. They are converted to modal amplitudes with the linear mode (interface
+        stuck).
     mode
-        Index of the linear mode to start from; the one that the base drives most when None.
+        Index of the linear mode to start from; when None, `main_mode`.
 
     Raises
     ------
     InputError
-        For amplitudes that do not rise, or a mode that does not move the tip.
+        If the amplitudes are not increasing, or the mode does not move the tip.
     ConvergenceError
-        With the curve until then in ``partial`` (BackboneCurve).
+        If the curve cannot be followed; ``partial`` holds the points so far (BackboneCurve).
     """
     contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
     return backbone_curve(contact, tip_amplitudes=tip_amplitudes, mode=mode, control=control)
@@ -334,14 +339,20 @@ def backbone_curve(
     mode: int | None = None,
     control: StepControl | None = None,
 ) -> BackboneCurve:
-    """Backbone of a model with its contact; arguments and errors as `solve_backbone`."""
+    """Backbone of a reduced model with its contact; arguments and errors as for `solve_backbone`."""
     model = contact.model
     if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
-        raise InputError(f"amplitudes {tip_amplitudes} do not rise", key="backbone", remedy="give two rising, in m")
+        raise InputError(
+            f"tip amplitudes {tip_amplitudes} m are not positive and increasing",
+            key="backbone",
+            remedy="give a smaller, then a larger one",
+        )
     number = main_mode(model) if mode is None else mode
     reach = float(abs(model.tip[number]))
     if reach == 0.0 or model.eigenvalues[number] <= 0.0:
-        raise InputError(f"mode {number} does not move the tip, or is no vibration", remedy="choose another mode")
+        raise InputError(
+            f"mode {number} does not move the tip or has no positive stiffness", remedy="choose another mode"
+        )
     control = control or BACKBONE_STEPS
     low, high = (a / reach for a in tip_amplitudes)
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
@@ -359,12 +370,12 @@ def backbone_curve(
 def _strayed(problem: ModalMotion, points: list[CurvePoint]) -> ConvergenceError:
     mean, overtones = problem.strays(points[-1].z)
     what = (
-        "friction then holds some layer nowhere within a period, so that its mean displacement is undetermined"
+        "some layer then has no sticking point at any time of the period, so that its mean displacement is undetermined"
         if mean > overtones
-        else "a harmonic of the motion meets another mode there: an internal resonance"
+        else "a harmonic of the motion is then in resonance with another mode (internal resonance)"
     )
     error = ConvergenceError(
-        f"the backbone leaves its mode ({problem.describe(points[-1].z)})", time_s=None,
+        f"the backbone no longer follows its mode ({problem.describe(points[-1].z)})", time_s=None,
         iterations=points[-1].iterations, residual_history=[max(mean, overtones)], advice=what,
     )  # fmt: skip
     error.partial = replace(BackboneCurve.of_points(problem, points), cut=what)

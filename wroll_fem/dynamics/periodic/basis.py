@@ -1,8 +1,9 @@
-"""Bases of reduced models for periodic motions: the first one, shapes that join, the principal shapes of motions.
+"""Bases of reduced models for periodic motions: the first basis, its enrichment, and bases of given motions.
 
 The first basis holds the modes that the base excites, static responses, and corrections (`correction`) of imposed
-motions in the main mode, from the onset of slip to gross slip: it contains the shapes of sliding before the first
-curve. With half-period symmetry (`half_period`) every vector is of one kind: reversed, or left, by half a period.
+motions in the main mode, from the onset of slip to gross slip. It therefore contains shapes of slip before the first
+curve is computed. With half-period symmetry (`half_period`) every vector is of one kind: half a period either reverses
+its sign or leaves it unchanged.
 """
 
 from __future__ import annotations
@@ -22,19 +23,20 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import FloatArray
 
 SMALL = 40
-"""Structures with fewer modes are not reduced."""
+"""Largest number of modes of a structure that is not reduced."""
 
 COMPRESSION = 0.3
-"""Between two curves, shapes of the last curve below this share of the tolerance leave the basis."""
+"""Singular value, relative to the tolerance, below which a principal shape of the motions of a curve is dropped from
+the next basis."""
 
 ROUNDING = 1e-9
-"""The part of a vector below this share of it is rounding."""
+"""Norm of a part of a vector, relative to the norm of the vector, below which the part counts as rounding error."""
 
 START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
-"""Imposed motions of the first basis: largest relative displacement over gamma*."""
+"""Amplitudes of the motions imposed for the first basis: largest relative displacement divided by gamma*."""
 IMPOSED = 3e-3
-"""Least share in energy of the shapes that they add."""
+"""Energy norm, relative to the imposed motion, below which a principal shape of the corrections is not added."""
 
 
 def first_model(
@@ -44,7 +46,7 @@ def first_model(
     sampling: Sampling,
     symmetry: HalfPeriod | None = None,
 ) -> ReducedModel:
-    """Span to start from: modes and static responses, and the shapes of slip under imposed motions."""
+    """Reduced model to start from: modes, static responses, and the shapes of slip under imposed motions."""
     c = condensation
     count = len(c.eigenvalues)
     if count <= SMALL:
@@ -70,7 +72,10 @@ def first_model(
 
 
 def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod | None) -> ReducedModel:
-    """Model on the span of ``vectors`` (r, k); with symmetry on both parts of each, the reversed ones first."""
+    """Reduced model on the span of ``vectors`` (r, k).
+
+    With symmetry, each vector is split into its two parts, and the basis of the reversed parts comes first.
+    """
     if symmetry is None:
         return ReducedModel.of_vectors(condensation, vectors)
     size = np.linalg.norm(vectors, axis=0)
@@ -84,7 +89,10 @@ def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod |
 
 
 def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry: HalfPeriod | None) -> ReducedModel:
-    """Model whose basis also has the principal ``shapes`` (r, k), scaled to unit motion, above ``least`` in energy."""
+    """Model whose basis also contains the principal shapes of ``shapes`` (r, k) with an energy norm above ``least``.
+
+    The given shapes are corrections per unit energy norm of the motion.
+    """
     values = model.condensation.eigenvalues
     root = np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
     kept = [_principal(root * part, least) / root for part in _parts(shapes, symmetry)]
@@ -95,7 +103,10 @@ def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry:
 def principal_span(
     condensation: Condensation, motions: FloatArray, least: float, symmetry: HalfPeriod | None
 ) -> ReducedModel:
-    """Span of the principal shapes of modal motions (p, R, r), above ``least`` of a motion's energy norm."""
+    """Reduced model on the principal shapes of modal motions (p, R, r).
+
+    Each motion is scaled to unit energy norm; principal shapes with a norm above ``least`` are kept.
+    """
     values = condensation.eigenvalues
     root = np.sqrt(np.maximum(values, 1e-12 * values.max()))
     scaled = motions * root

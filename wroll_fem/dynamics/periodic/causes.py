@@ -1,4 +1,4 @@
-"""Causes of periodic motions that are not found, read from the last motion and from the structure."""
+"""Likely causes when no periodic motion is found, determined from the last motion and from the structure."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.errors import ConvergenceError
 
 WIDE = 0.2
-"""Share of the points that open within a period above which opening is the cause."""
+"""Share of contact points that open within a period, above which opening is reported as the cause."""
 
 SOME = 0.02
-"""Share of the points that open above which a backbone that ends does so because of it."""
+"""Share of contact points that open, above which opening is reported as the reason for the end of a backbone."""
 
 FREE = 1e-6
-"""Eigenvalue, over that of the main mode, of a body that nothing holds."""
+"""Smallest eigenvalue, relative to the eigenvalue of the main mode, below which a body counts as unrestrained."""
 
 
 def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) -> str:
-    """Sentence with the likely cause of ``error``; empty if none is known."""
+    """Text that states the likely cause of ``error``; empty if no cause is known."""
     if not laws.sticks.all() and unheld(condensation):
         return (
-            "the friction law transmits nothing at rest and nothing else holds the layers, so that their mean "
+            "the friction law transmits no traction at rest and no other support holds the layers, so that their mean "
             "displacement is undetermined: use penalty_coulomb, or clamp coil.base"
         )
     curve, share = error.partial, error.opening
@@ -39,7 +39,7 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
 
 
 def opening(curve: HarmonicCurve | BackboneCurve) -> float:
-    """Share of the points that open in the largest motion of a curve."""
+    """Share of contact points that open during the motion with the largest tip amplitude of a curve."""
     contact = curve.balance.contact
     if not contact.n:
         return 0.0
@@ -49,22 +49,22 @@ def opening(curve: HarmonicCurve | BackboneCurve) -> float:
 
 
 def end_of_backbone(curve: BackboneCurve) -> str:
-    """Why a backbone is not followed beyond its largest motion."""
+    """Text that states why a backbone ends at its largest motion."""
     share = opening(curve)
     if share > SOME:
         return f"the surfaces then open at {100 * share:.0f} % of the points within a period, and the layers rattle"
-    return "no periodic motion is found beyond it, as where a harmonic of the motion meets another mode"
+    return "no periodic motion is found beyond it, for example because of an internal resonance with another mode"
 
 
 def unheld(condensation: Condensation) -> bool:
-    """Whether some motion of the structure meets no stiffness, with the springs of contact at rest."""
+    """Whether the structure has a motion without stiffness when its interfaces are held by the contact springs."""
     model = condensation
     main = int(np.argmax(np.abs(model.base * model.tip) / np.maximum(model.eigenvalues, 1e-300)))
     return bool(model.eigenvalues.min() < FREE * abs(model.eigenvalues[main]))
 
 
 def with_cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) -> ConvergenceError:
-    """The same error with its cause in place of the advice, where one is known."""
+    """Copy of the error whose advice is the likely cause; the error itself if no cause is known."""
     found = cause(error, condensation, laws)
     if not found:
         return error

@@ -1,12 +1,12 @@
-r"""What the balance of the whole structure adds to a motion of a reduced model.
+r"""Correction of a motion of a reduced model by the harmonic balance of the whole structure.
 
-The balance of the *whole* structure (all modes of `condensation`) is evaluated and linearised at the motion, exactly
-as in Newton's method but with every point of the interface and every mode:
+The harmonic balance of the *whole* structure (all modes of `condensation`) has a residual r at this motion. It is
+linearised there as in Newton's method, with every contact point and every mode:
 
 .. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W
 
-for the jump z of the correction :math:`\delta`; L is the dynamic stiffness of each harmonic, D the exact derivative
-of the contact law. GMRES needs some ten products with F.
+Here z is the jump of the correction :math:`\delta`, L the dynamic stiffness of each harmonic and D the exact derivative
+of the contact law. GMRES needs about ten products with F.
 """
 
 from __future__ import annotations
@@ -21,23 +21,25 @@ from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
 
 NEAR_RESONANCE = 0.02
-"""The dynamic stiffness of a mode is kept above this share of the larger of eigenvalue and frequency squared."""
+"""Smallest magnitude of the dynamic stiffness of a mode, relative to the larger of its eigenvalue and the squared
+frequency of the harmonic. Smaller magnitudes are raised to this limit."""
 
 KRYLOV, KRYLOV_TOLERANCE, ROUGH_TOLERANCE = 150, 1e-5, 1e-4
-"""Maximum number of GMRES iterations, and the relative residuals at which they end: of an estimate, and of shapes for a
-basis alone. The solution is less exact near a resonance: with 1e-3 the estimate could not fall below 1e-3."""
+"""Largest number of GMRES iterations, relative residual for an error estimate, and relative residual for shapes that
+only enrich a basis. Near a resonance the solution is less accurate: with a relative residual of 1e-3, the error
+estimate could not fall below 1e-3."""
 
 
 @dataclass(frozen=True)
 class Correction:
-    """What the whole structure adds to a motion of a reduced model.
+    """Correction of a motion of a reduced model by the harmonic balance of the whole structure.
 
     Attributes
     ----------
-    modal : (r, R) first-order correction in modes of the condensation
-    shapes : (r, R) the same for unit energy norm of the motion
-    energy : its energy norm over that of the motion
-    tip : change of the fundamental of the tip over that of the motion
+    modal : (r, R) first-order correction in modal coordinates of the condensation
+    shapes : (r, R) ``modal`` divided by the energy norm of the motion
+    energy : energy norm of the correction divided by the energy norm of the motion
+    tip : change of the fundamental of the tip displacement, relative to this fundamental
     """
 
     modal: FloatArray
@@ -55,11 +57,12 @@ def correction(
     *,
     tolerance: float = KRYLOV_TOLERANCE,
 ) -> Correction:
-    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) by the balance of the whole structure.
+    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) from the residual of the whole structure.
 
-    ``along`` (k, R, m) are directions in which a change does not count: that of the curve, since on a steep flank any
-    small change of the frequency looks large; of a mode also its amplitude and its phase, in which it is free.
-    ``damping`` is the negative modal damping of a nonlinear mode, ``tolerance`` the relative residual of GMRES.
+    ``along`` (k, R, m) are directions whose components are removed from the correction. One is the direction of the
+    curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear mode, the
+    directions of amplitude and phase are added, as both are free. ``damping`` is the modal damping ratio of a nonlinear
+    mode, which its negative damping compensates. ``tolerance`` is the relative residual of GMRES.
     """
     contact, model = balance.contact, balance.model
     c, orders, every = model.condensation, balance.orders, contact.every_mode
@@ -95,7 +98,7 @@ def correction(
     square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
 
     def answer(z: FloatArray) -> list[FloatArray]:
-        """L^{-1} G^T W D z: modal displacements of a jump (n, 3, R)."""
+        """L^{-1} G^T W D z: modal displacements due to the tractions of a jump z (n, 3, R)."""
         traction = np.zeros_like(z)
         traction[own] = (square @ z[own].reshape(count, size, 1)).reshape(count, 3, len(orders))
         return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]

@@ -1,4 +1,4 @@
-"""Response curves and resonances as Datasets: work per cycle and its balance error, slip, opening, periodicity."""
+"""Datasets of response curves and backbones: work per cycle and its balance error, slip, opening, periodicity."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interf
 from wroll_fem.typing import FloatArray
 
 SLIP_SHARE = 1e-9
-"""Slip paths below this fraction of gamma* per period are rounding."""
+"""Slip path per period, relative to gamma*, below which slip counts as rounding error."""
 
 
 LEAST_LOSS = 6e-4
-"""Dissipation per cycle over the kinetic energy, 4 pi zeta, of a mode with the damping ratio 5e-5."""
+"""Dissipation per cycle divided by the amplitude of the kinetic energy, 4 pi zeta, at a damping ratio of 5e-5."""
 
 
 class PeriodicMotion:
-    """One periodic motion (R, m) at ``frequency`` (rad/s): what friction and the interface do in it.
+    """Work, slip and opening of one periodic motion (R, m) at ``frequency`` (rad/s).
 
     Attributes
     ----------
-    work : energy of a period
+    work : work done during a period
     friction : (n,) friction work per area and period, J/m^2
     path : (n,) slip path per period, m
-    peak : (n, 3) largest tangential displacement from the preload state and its hoop and axial components, m
-    slips, opens : (n,) whether a point ever slips, opens
-    memory : change of the elastic slip over the last period evaluated, over gamma*
-    kinetic : amplitude of the kinetic energy of all harmonics relative to the base, J
+    peak : (n, 3) largest tangential displacement from the preload state, then its hoop and axial components, m
+    slips, opens : (n,) whether a contact point slips, opens, at any time of the period
+    memory : change of the elastic slip during the last period computed, relative to gamma*
+    kinetic : amplitude of the kinetic energy of the motion relative to the base, sum of all harmonics, J
     """
 
     def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequency: float):
@@ -57,7 +57,11 @@ class PeriodicMotion:
 
 
 def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> dict[str, tuple]:
-    """Variables over ``dim``: work per cycle, fractions, amplitude of the relative displacement per point."""
+    """Dataset variables along dimension ``dim``: work per cycle, slip and opening.
+
+    With interfaces they include the fractions of contact points that slip and that open, and for each point the
+    amplitude of the relative displacement.
+    """
     works: Sequence[CycleWork] = [motion.work for motion in motions]
     data: dict[str, tuple] = {
         "input_work_per_cycle": (dim, np.array([w.input for w in works])),
@@ -80,7 +84,7 @@ def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> d
 
 
 def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMotion) -> xr.Dataset:
-    """Interface fields of one motion under the names of a sweep; slip path and friction work are those of a period."""
+    """Interface fields of one motion, named as in a sweep; slip path and friction work are per period."""
     if not system.interfaces:
         return xr.Dataset()
     fields = interface_fields(system, balance.contact.preload)
@@ -98,9 +102,10 @@ def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMoti
 
 
 def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset:
-    """Absolute acceleration over base acceleration, complex, at every probe (probe, ``dim``).
+    """Complex ratio (probe, ``dim``) of absolute acceleration to base acceleration at every probe.
 
-    A probe along another direction than the excitation has no part of the base motion: its ratio starts from zero.
+    The base motion has no component in the direction of a probe normal to the excitation: its ratio is zero at zero
+    frequency.
     """
     model = curve.balance.model
     rows = np.vstack([model.tip, model.probes])
@@ -114,10 +119,10 @@ def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset
 
 
 def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
-    """Response curve over `frequency`, or over `branch_point` with `frequency` as a variable when it leans over.
+    """Dataset of a response curve along `frequency`, or along `branch_point` if the curve has folds.
 
-    Fields per point belong to the highest transmissibility. Attributes hold
-    the size of the model, the iterations and the number of folds.
+    With folds, `frequency` is a variable. Fields per contact point are those of the motion with the highest
+    transmissibility. Attributes hold the size of the model, the number of iterations and the number of folds.
     """
     hertz = curve.frequencies / (2.0 * np.pi)
     rises = bool(np.all(np.diff(hertz) > 0.0))
@@ -156,25 +161,27 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
 
 
 def least_work(motions: Sequence[PeriodicMotion]) -> float:
-    """Work per cycle, J, below which errors of the cycle's energy are not relative to it: `LEAST_LOSS` of the motion.
+    """Smallest work per cycle, J, to which errors of the energy balance are related.
 
-    A roll that sticks dissipates nothing, and the error of its balance relative to its input would be one of rounding.
+    It is `LEAST_LOSS` times the largest kinetic energy of the motions. A roll that sticks dissipates no energy:
+    relative to its input, the balance error would be rounding error alone.
     """
     return float(LEAST_LOSS * max((motion.kinetic for motion in motions), default=0.0))
 
 
 def cycle_balance_error(dataset: xr.Dataset) -> float:
-    """Error of the identity input = interface + viscous over a cycle, relative to the largest input.
+    """Error of the identity input = interface + viscous per cycle, relative to the largest input of a cycle.
 
-    It holds as exactly as the balance of the harmonics itself, at any number of samples.
+    The identity holds as exactly as the harmonic balance itself, at any number of samples.
     """
     return _relative_gap(dataset, ("interface_work_per_cycle", "viscous_work_per_cycle"))
 
 
 def quadrature_error(dataset: xr.Dataset) -> float:
-    """Input less friction, modulation and dashpots, over the largest input of a cycle.
+    """Input minus work of friction, modulation and dashpots per cycle, relative to the largest input of a cycle.
 
-    It is the error of the friction work as traction times slip from sample to sample, O(1 / samples^2).
+    It is the error of the friction work, which is computed as traction times slip from sample to sample:
+    O(1 / samples^2).
     """
     parts = ("friction_work_per_cycle", "modulation_work_per_cycle", "viscous_work_per_cycle")
     return _relative_gap(dataset, parts)

@@ -1,4 +1,4 @@
-r"""Curves of periodic motions in bases made by harmonic balance itself: response curves and backbones (`training`)."""
+r"""Response curves and backbones in bases that are trained on these curves themselves (`training`)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.typing import FloatArray
 
 FEWEST_POINTS = 5
-"""Points of a backbone that ends early."""
+"""Smallest number of points of a backbone that ends before its largest amplitude."""
 
 BACKBONE_POINTS = 15
-"""Points of a backbone that are compared with the whole structure."""
+"""Number of points of a backbone at which the whole structure is evaluated to check the basis."""
 
 
 def checked_points(curve: HarmonicCurve) -> list[int]:
-    """Points of a curve to compare with the whole structure: both ends, the peak, and its flanks."""
+    """Indices of the points of a curve at which the basis is checked: both ends, the peak, and points on its flanks."""
     size = np.abs(curve.transmissibility)
     peak = int(size.argmax())
     points = {0, peak, len(size) - 1}
@@ -53,19 +53,20 @@ def trained_response(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[HarmonicCurve]:
-    """Response curve (`harmonic_balance.solve_response`) of the whole structure to ``tolerance`` in the energy norm.
+    """Response curve of the whole structure, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
     Parameters
     ----------
     tolerance
-        Largest correction at the checked points, relative to the motion in the energy norm; the tip's is smaller.
+        Largest correction at the checked points, relative to the motion, both in the energy norm. The relative
+        correction of the tip motion is smaller.
     on_round
         Called with the number of the curve, its model and its error.
 
     Raises
     ------
     ConvergenceError
-        When the curve cannot be followed in a good basis, or the basis does not become good; ``partial`` holds the
+        If the curve cannot be followed in an accurate basis, or no basis reaches the tolerance. ``partial`` holds the
         last curve.
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
@@ -115,7 +116,7 @@ def trained_backbone(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[BackboneCurve]:
-    """Backbone (see `backbone.solve_backbone`) of the whole structure; arguments and errors as `trained_response`."""
+    """Backbone of the whole structure; see `solve_backbone`. Other arguments and errors as for `trained_response`."""
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps = control or BACKBONE_STEPS
 

@@ -1,8 +1,9 @@
-"""All modes of a structure in harmonics: motion of its contact points, and forces on its modes, group by group.
+"""Maps between all modes of a structure and its contact points, for the Fourier coefficients of periodic motions.
 
-With half-period symmetry a mode has odd harmonics alone, or the others; modes of one kind and their harmonics are a
-`Group`. Only those pairs are stored and computed, and only the points that are evaluated: their images add the same to
-a mode. Without symmetry there is one group of everything.
+With half-period symmetry, a mode has either the odd harmonics alone, or the mean and the even harmonics alone. The
+modes of one kind and their harmonics form a `Group`. Only these pairs of mode and harmonic are stored and computed, and
+only the contact points that are evaluated: the mirrored points contribute the same modal force. Without symmetry, one
+group holds all modes and all harmonics.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ class Group:
 
     Attributes
     ----------
-    columns : (c,) Fourier coefficients that these modes have
-    modes : (b, d) modes of each block; short blocks are filled up by the number of all modes, r
-    filled : (b, d) True where there is a mode
-    around : (3, b, n_theta) profiles at the points evaluated
-    jump : (b, d, 3 n_rows) jump of every mode in each row of points, zero where there is no mode
+    columns : (c,) indices of the Fourier coefficients that these modes have
+    modes : (b, d) indices of the modes of each block; rows of shorter blocks are padded with r, the number of all modes
+    filled : (b, d) True for a mode, False for padding
+    around : (3, b, n_theta) circumferential profiles at the evaluated contact points
+    jump : (b, d, 3 n_rows) amplitude of the jump of every mode in each row of contact points; zero for padding
     """
 
     columns: IntArray
@@ -38,25 +39,27 @@ class Group:
     jump: FloatArray
 
     def of_modes(self, values: FloatArray, *, fill: float = 0.0) -> FloatArray:
-        """(b, d, ...) part of an array (r, ...); ``fill`` where there is no mode."""
+        """(b, d, ...) entries of an array (r, ...) for the modes of the group, padded with ``fill``."""
         return np.concatenate([values, np.full((1, *values.shape[1:]), fill)])[self.modes]
 
 
 class EveryMode:
-    """Maps between the coefficients (n, 3, R) at n points evaluated and those of all modes, one array per group.
+    """Maps between Fourier coefficients (n, 3, R) at the n evaluated contact points and those of all modes.
+
+    Modal coefficients are lists with one array per group.
 
     Attributes
     ----------
-    groups : `Group` by group
-    dofs : (n, 3) contact degrees of freedom of the points in the order used here: angle after angle
-    points : (n,) their numbers
+    groups : list of `Group`
+    dofs : (n, 3) contact degrees of freedom of the points in the order used here: all rows of one angle, then the next
+    points : (n,) indices of the points in this order
 
     Parameters
     ----------
     condensation
-        Modes.
+        Modes of the structure.
     symmetry
-        Half-period symmetry of the motions.
+        Half-period symmetry of the motions; None without symmetry.
     orders
         (R,) harmonic number of each coefficient.
     """
@@ -87,18 +90,18 @@ class EveryMode:
         return Group(columns, modes, filled, around, jump)
 
     def split(self, values: FloatArray) -> list[FloatArray]:
-        """(b, d, c) per group: the coefficients that the modes have, of all coefficients (r, R)."""
+        """One array (b, d, c) per group with the coefficients of its modes, taken from all coefficients (r, R)."""
         return [group.of_modes(values[:, group.columns]) for group in self.groups]
 
     def joined(self, parts: Sequence[FloatArray]) -> FloatArray:
-        """(r, R) coefficients of all modes from the arrays (b, d, c) of the groups; zero where a mode has none."""
+        """(r, R) coefficients of all modes from the arrays (b, d, c) of the groups; the other coefficients are zero."""
         out = np.zeros((self.size, self.coefficients))
         for group, part in zip(self.groups, parts, strict=True):
             out[group.modes[group.filled][:, None], group.columns] = part[group.filled]
         return out
 
     def force(self, traction: FloatArray) -> list[FloatArray]:
-        """(b, d, c) per group: modal forces G^T f of point forces (n, 3, R), N."""
+        """One array (b, d, c) per group: modal forces G^T f of forces f (n, 3, R) at the contact points, N."""
         out = []
         for group in self.groups:
             blocks, count = len(group.modes), len(group.columns)
@@ -109,7 +112,7 @@ class EveryMode:
         return out
 
     def motion(self, parts: Sequence[FloatArray]) -> FloatArray:
-        """(n, 3, R) relative displacement of the points for modal coefficients (b, d, c) per group."""
+        """(n, 3, R) relative displacement of the contact points from modal coefficients (b, d, c) per group."""
         out = np.zeros((len(self.points), 3, self.coefficients))
         for group, part in zip(self.groups, parts, strict=True):
             blocks, count = len(group.modes), len(group.columns)

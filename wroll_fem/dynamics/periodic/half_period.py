@@ -1,14 +1,14 @@
 r"""Symmetry of motions whose second half period mirrors the first.
 
-A roll that is the same after half a turn (or mirrored at the plane normal to the motion of its base), shaken along one
-direction, has motions with :math:`u(t + T/2) = S\,u(t)`, where S is that turn or mirror. Circumferential harmonics that
-S reverses then have odd harmonics in time alone, the others the mean and the even ones: half of the unknowns. Of each
-pair of points that S maps onto each other, one is evaluated.
+Let a roll be unchanged by a symmetry operation S: half a turn, or the reflection in the plane normal to the motion of
+its base. Excited along one direction, it has motions with :math:`u(t + T/2) = S\,u(t)`. Circumferential harmonics
+whose sign is reversed by S then have odd harmonics in time only; the others have the mean and the even harmonics. This
+halves the number of unknowns. Of each pair of contact points that S maps onto each other, one is evaluated.
 
 The symmetry is not assumed: `HalfPeriod.of` checks it on the profiles of all modes, on the laws and on the preload. One
-thing is chosen: sliding that stops in a state of rest leaves tractions behind that depend on how the motion began
-(shakedown), and here both points of a pair begin half a period apart, as in a motion that grows slowly. Points in the
-plane of the mirror, which pair with themselves, have no such leftover.
+choice is made. Where slip ceases after the first periods (shakedown), the residual tractions depend on how the motion
+began. Here the motions of the two points of a pair begin half a period apart, as in a motion that grows slowly. Points
+in the plane of the mirror are their own partners and have no such residual tractions.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 SAME = 1e-7
-"""Largest difference between the two points of a pair, relative to the largest value of all points."""
+"""Largest difference, relative to the largest value of all points, at which two points of a pair count as equal."""
 
 
 @dataclass(frozen=True)
 class HalfPeriod:
-    """What half a period does to modes and points.
+    """Effect of a shift by half a period on modes and contact points.
 
     Attributes
     ----------
-    odd : (r,) modes of the condensation that change their sign
-    first : (k,) points that are evaluated, one of each pair
-    weight : (k,) number of points that each stands for, 1 or 2
-    source : (n,) the one of the ``k`` that stands for each point
-    mirrored : (n,) points that move as their source does half a period later
-    signs : (3,) of the components of a mirrored point
+    odd : (r,) whether a mode of the condensation changes its sign
+    first : (k,) indices of the evaluated points, one of each pair
+    weight : (k,) number of points that each evaluated point represents, 1 or 2
+    source : (n,) for each point, the index among the k evaluated points of the one that represents it
+    mirrored : (n,) whether a point moves as its source does half a period later
+    signs : (3,) signs of the hoop, axial and normal components of a mirrored point relative to its source
     """
 
     odd: BoolArray
@@ -50,7 +50,7 @@ class HalfPeriod:
 
     @classmethod
     def of(cls, condensation: Condensation, preload: ContactState, laws: PointLaws) -> HalfPeriod | None:
-        """Symmetry of a structure, or None without one."""
+        """Half-period symmetry of a structure; None if it has none."""
         c, n_theta = condensation, condensation.n_theta
         if n_theta < 2 or c.damping is not None or laws.n == 0:
             return None
@@ -77,14 +77,15 @@ class HalfPeriod:
         return None
 
     def parts(self, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Parts of modal ``vectors`` (r, k) that half a period reverses, and those that it leaves."""
+        """Parts of modal ``vectors`` (r, k) that change sign after half a period, and the remaining parts."""
         odd = np.where(self.odd[:, None], vectors, 0.0)
         return odd, vectors - odd
 
     def spread(self, coefficients: FloatArray, orders: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of harmonics ``orders`` (R,) of all points from those of the first (3 k, R).
+        """(3 n, R) Fourier coefficients of all contact points from those (3 k, R) of the evaluated ones.
 
-        A point that is its own mirror image keeps the symmetric part: the rest is a leftover traction of its start.
+        ``orders`` (R,) is the harmonic number of each coefficient. At a point that is its own mirror image only the
+        symmetric part is kept: the rest is residual traction from the start of the motion.
         """
         n, k = len(self.source), len(self.first)
         later = np.where(orders % 2 == 1, -1.0, 1.0)
@@ -97,12 +98,12 @@ class HalfPeriod:
         return whole
 
     def reversed_ones(self, vectors: FloatArray) -> BoolArray:
-        """(m,) which of the ``vectors`` (r, m), each of one kind, half a period reverses."""
+        """(m,) whether half a period reverses the sign of each of the ``vectors`` (r, m)."""
         return np.asarray(np.einsum("rm,rm->m", vectors[self.odd], vectors[self.odd]) > 0.5)
 
 
 def _parity(profiles: FloatArray, around: IntArray, hoop: float) -> BoolArray | None:
-    """(n_blocks,) whether the map of points reverses a block; None if it mixes some block with others."""
+    """(n_blocks,) whether the map of points reverses the sign of a block; None if it mixes a block with others."""
     mapped = profiles[:, :, around].copy()
     mapped[:, HOOP] *= hoop
     size = np.abs(profiles).max(axis=(1, 2))

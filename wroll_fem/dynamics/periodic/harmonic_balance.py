@@ -1,15 +1,15 @@
-r"""Harmonic balance: periodic motions of a preloaded structure with friction; the curve over frequency is `response`.
+r"""Harmonic balance: equations for the periodic motions of a preloaded structure with friction.
 
 With :math:`q = Q_0 + \sum_k Q^c_k \cos k\omega t + Q^s_k \sin k\omega t` in the coordinates of a `ReducedModel`, every
-harmonic of the equation of motion has to vanish,
+harmonic of the residual of the equation of motion has to vanish,
 
 .. math::
     [-(k\omega)^2 + i k \omega C + \Lambda]\, Q_k + (G\Phi)^T W s_k = -b\, a_g\, \delta_{k1}, \qquad
     s = t - t_0 - D_0 (g - g_0)
 
-with s from the alternating frequency-time evaluation (`aft`). The curve over frequency is followed by arc length
-(`continuation`), so that it may lean over. Unknowns are scaled by sqrt(lambda + omega^2), which makes the
-norm of a motion its energy.
+with s from the alternating frequency/time method (`aft`). The response curve (`response`) is followed by arc-length
+continuation (`continuation`), so that it may have folds. The unknowns are scaled by sqrt(lambda + omega^2): the norm
+of a scaled motion is its energy norm.
 
 References
 ----------
@@ -29,19 +29,20 @@ from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
 
 BAND_SCALE = 3.0
-"""Scaled length of the whole band; a resonance circle of the response has a length of about pi."""
+"""Length of the frequency band in scaled frequency; the resonance circle of a response has a length of about pi."""
 
 
 LARGEST_GROWTH = 500.0
-"""Transmissibility up to which a resonance is followed: a damping ratio of 0.1 %, below that of any web's material."""
+"""Transmissibility up to which a resonance is followed. It corresponds to a damping ratio of 0.1 %, less than the
+material damping of any web."""
 
 
 LARGEST_OVERTONES = 0.5
-"""Share of the overtones in the energy norm above which a motion is an internal resonance."""
+"""Share of the higher harmonics in the energy norm, above which a motion counts as an internal resonance."""
 
 
 class HarmonicBalance:
-    """Residual of the balance for coefficients (R, m), and its derivatives."""
+    """Residual of the harmonic balance for Fourier coefficients (R, m), and its derivatives."""
 
     def __init__(self, contact: HarmonicContact, acceleration: float):
         self.contact, self.model = contact, contact.model
@@ -49,7 +50,7 @@ class HarmonicBalance:
         self.orders = contact.sampling.orders
 
     def linear(self, coefficients: FloatArray, frequency: float) -> FloatArray:
-        """(R, m) inertia, damping and stiffness (interface stuck) of the motion at ``frequency`` (rad/s)."""
+        """(R, m) forces of inertia, damping and stiffness with the interface stuck, at ``frequency`` (rad/s)."""
         w = self.orders[:, None] * frequency
         out = (self.model.eigenvalues - w**2) * coefficients
         if self.model.damping is not None:
@@ -57,20 +58,20 @@ class HarmonicBalance:
         return np.asarray(out)
 
     def velocity(self, coefficients: FloatArray, frequency: float) -> FloatArray:
-        """(R, m) coefficients of the time derivative."""
+        """(R, m) Fourier coefficients of the velocity at ``frequency`` (rad/s)."""
         out = np.zeros_like(coefficients)
         w = self.orders[1::2, None] * frequency
         out[1::2], out[2::2] = w * coefficients[2::2], -w * coefficients[1::2]
         return out
 
     def load(self) -> FloatArray:
-        """(R, m) external force: base acceleration A cos(wt)."""
+        """(R, m) external force due to the base acceleration A cos(wt)."""
         out = np.zeros((len(self.orders), self.model.size))
         out[1] = -self.acceleration * self.model.base
         return out
 
     def residual(self, coefficients: FloatArray, frequency: float) -> tuple[FloatArray, PeriodicContact]:
-        """(R, m) residual force and the contact that belongs to it."""
+        """(R, m) residual force, and the periodic contact from which it was computed."""
         contact = self.contact.evaluate(self.contact.motion(coefficients), frequency)
         return self.linear(coefficients, frequency) + self.contact.force(contact) - self.load(), contact
 
@@ -82,7 +83,10 @@ class HarmonicBalance:
         *,
         threshold: float = PRESSURE_CHANGE,
     ) -> tuple[FloatArray, FloatArray]:
-        """d(residual)/d(unknowns) (k, k) in the order of `HarmonicContact.active`, d/d(frequency) (k,), per rad/s."""
+        """Derivatives of the residual with respect to the unknowns (k, k) and to the frequency (k,), per rad/s.
+
+        Unknowns and equations are in the order of `HarmonicContact.active`.
+        """
         active = self.contact.active
         matrix, by_log = self.contact.jacobian(contact, threshold=threshold)
         w = self.orders[:, None] * frequency
@@ -98,7 +102,10 @@ class HarmonicBalance:
         return matrix, by_frequency.ravel()[active]
 
     def cycle_work(self, coefficients: FloatArray, frequency: float) -> CycleWork:
-        """Energy of one period, J; the identity input = interface + viscous holds as exactly as the balance itself."""
+        """Work done during one period, J.
+
+        The identity input = interface + viscous holds as exactly as the harmonic balance itself.
+        """
         contact = self.contact.evaluate(self.contact.motion(coefficients), frequency)
         n, laws, area = self.contact.n, self.contact.laws, self.contact.laws.area
         friction, modulation, path, peak = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, 3))
@@ -125,15 +132,15 @@ class HarmonicBalance:
 
 @dataclass(frozen=True)
 class CycleWork:
-    """Work of one period, J.
+    """Work done during one period, J.
 
     Attributes
     ----------
-    input : of the base
-    friction : traction times plastic slip, from sample to sample
-    modulation : what elastic slip exchanges with the varying pressure
-    viscous : of the dashpots
-    interface : of all tractions, at the samples
+    input : work of the base excitation
+    friction : friction work, the sum of traction times slip from sample to sample
+    modulation : energy exchanged between the elastic slip and the varying pressure
+    viscous : work dissipated by the dashpots
+    interface : work of all interface tractions, from their values at the samples
     """
 
     input: float
@@ -144,7 +151,7 @@ class CycleWork:
 
 
 class FrequencyCurve:
-    """Harmonic balance as a `CurveProblem`: scaled coefficients, then scaled frequency."""
+    """Harmonic balance as a `CurveProblem`: the unknowns are the scaled coefficients, then the scaled frequency."""
 
     def __init__(self, balance: HarmonicBalance, band: tuple[float, float], size: float):
         self.balance = balance
@@ -156,18 +163,18 @@ class FrequencyCurve:
         self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
     def scaled(self, coefficients: FloatArray, frequency: float) -> FloatArray:
-        """(n + 1,) unknowns."""
+        """(n + 1,) scaled unknowns of a motion (R, m) at ``frequency`` (rad/s)."""
         y = (coefficients * self.root / self.size).ravel()[self.active]
         return np.append(y, (frequency - self.band[0]) / self.per_unit)
 
     def unpacked(self, y: FloatArray) -> FloatArray:
-        """(R, m) coefficients of scaled unknowns (n,), to the scale ``size``."""
+        """(R, m) coefficients from scaled unknowns (n,), divided by ``size``."""
         out = np.zeros(self.shape)
         out.ravel()[self.active] = y
         return out / self.root
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float]:
-        """Coefficients (R, m) and frequency, rad/s."""
+        """Coefficients (R, m) and frequency (rad/s) from scaled unknowns ``z`` (n + 1,)."""
         return self.unpacked(z[:-1]) * self.size, self.band[0] + z[-1] * self.per_unit
 
     def residual(self, z: FloatArray) -> FloatArray:
@@ -177,7 +184,7 @@ class FrequencyCurve:
         return np.asarray((residual / (self.root * self.size)).ravel()[self.active])
 
     def contact(self, z: FloatArray) -> PeriodicContact:
-        """Contact at ``z``."""
+        """Contact over a period of the motion ``z`` (n + 1,)."""
         if self._seen is None or not np.array_equal(self._seen[0], z):
             self.residual(z)
         assert self._seen is not None
@@ -194,12 +201,13 @@ class FrequencyCurve:
         return out
 
     def solve(self, z: FloatArray, control: StepControl) -> FloatArray:
-        """Solution (n + 1,) at the frequency of a guess ``z``.
+        """Solution (n + 1,) at the frequency of the initial guess ``z``.
 
         Raises
         ------
         ConvergenceError
-            If the iteration does not converge; ``opening`` is the share of the points that open in its last motion.
+            If the iteration does not converge. Its ``opening`` is the share of contact points that open in the motion
+            of the last iteration.
         """
         try:
             return solve_at(self, z, control)
@@ -209,19 +217,19 @@ class FrequencyCurve:
             raise
 
     def overtones(self, z: FloatArray) -> float:
-        """Share of the harmonics above the fundamental in the energy norm of the motion."""
+        """Energy norm of the harmonics above the fundamental, divided by the energy norm of the motion."""
         y = np.zeros(self.shape)
         y.ravel()[self.active] = z[:-1]
         return float(np.linalg.norm(y[3:])) / max(float(np.linalg.norm(y)), 1e-300)
 
     def grown(self, z: FloatArray) -> bool:
-        """Whether the absolute tip acceleration exceeds `LARGEST_GROWTH` times that of the base."""
+        """Whether the tip acceleration relative to the base exceeds `LARGEST_GROWTH` times the base acceleration."""
         q, frequency = self.motion(z)
         tip = frequency**2 * float(np.hypot(*(q[1:3] @ self.balance.model.tip)))
         return tip > LARGEST_GROWTH * self.balance.acceleration
 
     def ended(self, z: FloatArray) -> bool:
-        """Whether the curve is not followed beyond ``z``: `grown`, or in an internal resonance."""
+        """Whether the curve ends at ``z``: it has `grown` too large, or has reached an internal resonance."""
         return self.grown(z) or self.overtones(z) > LARGEST_OVERTONES
 
     def describe(self, z: FloatArray) -> str:
@@ -231,7 +239,7 @@ class FrequencyCurve:
 
 
 def _linear_start(balance: HarmonicBalance, frequency: float) -> FloatArray:
-    """(R, m) response of the stuck structure, without damping bounded near its resonances."""
+    """(R, m) undamped response of the structure with its interfaces stuck; it is bounded near the resonances."""
     model = balance.model
     out = np.zeros((len(balance.orders), model.size))
     stiffness = model.eigenvalues - frequency**2
@@ -252,12 +260,12 @@ def solve_motion(
     Parameters
     ----------
     start
-        (R, m) first guess; the response of the stuck structure when None.
+        (R, m) first guess; when None, the response of the structure with its interfaces stuck.
 
     Raises
     ------
     ConvergenceError
-        If Newton's method finds none, neither directly nor while the amplitude grows.
+        If Newton's method fails both at the full base acceleration and when the acceleration is raised in steps.
     """
     control = control or StepControl()
     first = _linear_start(balance, frequency) if start is None else start

@@ -1,4 +1,4 @@
-"""Steady response over frequency: the curve of periodic motions, through folds, gaps and internal resonances."""
+"""Steady response versus frequency: curves of periodic motions with folds, gaps and internal resonances."""
 
 from __future__ import annotations
 
@@ -24,33 +24,35 @@ from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, fo
 from wroll_fem.typing import FloatArray
 
 MOST_SKIPPED = 8
-"""Internal resonances that are stepped over in one curve."""
+"""Largest number of internal resonances that are stepped over in one curve."""
 
 STEPS_BEYOND = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 4e-2)
-"""Steps in frequency, relative to the band, that are tried to get past an internal resonance."""
+"""Frequency steps, relative to the width of the band, that are tried in turn to step over an internal resonance."""
 
 STEEP = 0.4
-"""Least transmissibility at the edges of a gap, over `LARGEST_GROWTH`: its middle is the resonance to 0.5 %."""
+"""Smallest transmissibility at the edges of a gap, relative to `LARGEST_GROWTH`. The middle of such a gap is the
+resonance frequency to within 0.5 %."""
 
 LARGEST_JUMP = 0.5
-"""Largest relative change of the motion over such a step."""
+"""Largest relative change of the motion that is accepted when an internal resonance is stepped over."""
 
 
 @dataclass(frozen=True)
 class HarmonicCurve:
-    """Periodic motions along a branch.
+    """Response curve: periodic motions along a branch of solutions.
 
     Attributes
     ----------
-    frequencies : (p,) rad/s, in the order of the branch (not rising through folds)
+    frequencies : (p,) rad/s, in the order along the branch; between two folds they decrease
     coefficients : (p, R, m) Fourier coefficients of q
-    tangents : (p, R m + 1) scaled unit tangents, for interpolation along the branch
-    iterations : (p,) Newton iterations
-    stable : (p,) False between folds (one real Floquet multiplier above 1 there; other instabilities are not seen)
-    balance : the equations
-    gap : frequencies (rad/s) between which the response exceeds `LARGEST_GROWTH` and is
-        not computed; None without
-    skipped : frequencies (rad/s) just behind internal resonances that were stepped over
+    tangents : (p, n + 1) unit tangents in scaled unknowns, for interpolation along the branch
+    iterations : (p,) number of Newton iterations
+    stable : (p,) False between folds, where one real Floquet multiplier exceeds 1; other instabilities are not detected
+    balance : equations of the harmonic balance
+    problem : scaling of the unknowns
+    gap : frequencies (rad/s) between which the response exceeds `LARGEST_GROWTH` and is not computed; None without a
+        gap
+    skipped : frequencies (rad/s) just past the internal resonances that were stepped over
     """
 
     frequencies: FloatArray
@@ -71,7 +73,7 @@ class HarmonicCurve:
         gap: tuple[float, float] | None = None,
         skipped: Sequence[float] = (),
     ) -> HarmonicCurve:
-        """Curve from what `continuation.follow` found."""
+        """Response curve with the points that `continuation.follow` returns."""
         motions = [problem.motion(p.z) for p in points]
         return cls(
             frequencies=np.array([w for _, w in motions]),
@@ -86,23 +88,23 @@ class HarmonicCurve:
         )
 
     def take(self, points: list[int]) -> HarmonicCurve:
-        """Some of the points."""
+        """Curve with the points of the given indices only."""
         names = ("frequencies", "coefficients", "tangents", "iterations", "stable")
         return replace(self, **{name: getattr(self, name)[points] for name in names})
 
     @property
     def beyond(self) -> int:
-        """Number of last points that are no part of the curve: none; see `BackboneCurve`."""
+        """Number of points beyond the end of the curve: always zero; see `BackboneCurve`."""
         return 0
 
     def without_beyond(self) -> HarmonicCurve:
-        """The curve."""
+        """The curve itself; see `BackboneCurve`."""
         return self
 
     def with_gap(self, low: float, high: float) -> HarmonicCurve | None:
-        """The curve without its points between two frequencies, rad/s, those of the new gap; None for flat edges.
+        """Curve with a gap between two frequencies (rad/s); None if the response at the edges of the gap is too small.
 
-        The resonance is read from the middle of the gap, which it has only between steep edges.
+        The middle of the gap is used as the resonance frequency, which requires steep edges (`STEEP`).
         """
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
         part = replace(self.take(kept.tolist()), gap=(low, high))
@@ -112,9 +114,10 @@ class HarmonicCurve:
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
     ) -> HarmonicCurve:
-        """These points in another model, in planes normal to the curve; those that do not converge are left out.
+        """Curve with these points recomputed in another model, without those that fail to converge.
 
-        ``starts`` (p, R, r) are first guesses of the modal motions; the motions of this curve without.
+        Each point is sought in the plane normal to the curve. ``starts`` (p, R, r) are first guesses in modal
+        coordinates. By default, the first guesses are the motions of this curve.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         balance = HarmonicBalance(contact, self.balance.acceleration)
@@ -136,7 +139,7 @@ class HarmonicCurve:
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
 
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:
-        """The same motions in the same model with the harmonics of ``contact``; further ones are zero."""
+        """Curve of the same motions with the number of harmonics of ``contact``; the added harmonics are zero."""
         more = contact.sampling.size - self.coefficients.shape[1]
         if more <= 0:
             return self
@@ -151,20 +154,20 @@ class HarmonicCurve:
 
     @property
     def folds(self) -> int:
-        """Number of turning points."""
+        """Number of folds of the curve."""
         return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
 
     def direction(self, k: int) -> FloatArray:
-        """(R, m) change of the coefficients along the branch at point k, to a scale."""
+        """(R, m) change of the coefficients along the curve at its point k, up to a factor."""
         return self.problem.unpacked(self.tangents[k, :-1])
 
     def fundamental(self, row: FloatArray) -> np.ndarray:
-        """(p,) complex amplitude of the fundamental of row . q, base acceleration being A cos(wt)."""
+        """(p,) complex amplitude of the fundamental of the quantity ``row`` . q for a base acceleration A cos(wt)."""
         return np.asarray(self.coefficients[:, 1] @ row - 1j * (self.coefficients[:, 2] @ row))
 
     @property
     def transmissibility(self) -> np.ndarray:
-        """(p,) complex: fundamental of the absolute tip acceleration over the base acceleration."""
+        """(p,) complex: fundamental of the absolute tip acceleration divided by the base acceleration."""
         tip = self.fundamental(self.balance.model.tip)
         return 1.0 - self.frequencies**2 * tip / self.balance.acceleration
 
@@ -182,14 +185,14 @@ def solve_response(
     control: StepControl | None = None,
     on_point: Callable[[float, int], None] | None = None,
 ) -> HarmonicCurve:
-    """Steady response to a base acceleration A cos(wt) over a band of frequencies; see `response_curve`.
+    """Steady response of a reduced model to a base acceleration A cos(wt) in a frequency band; see `response_curve`.
 
     Parameters
     ----------
     harmonics, samples
-        H and samples per period.
+        Number of harmonics H and number of samples per period.
     max_periods
-        Periods that the hysteresis may take to become periodic.
+        Largest number of periods until the hysteresis is periodic.
     """
     contact = HarmonicContact(model, preload, laws, Sampling(harmonics, samples), max_periods=max_periods)
     return response_curve(contact, amplitude=amplitude, frequencies=frequencies, control=control, on_point=on_point)
@@ -203,17 +206,17 @@ def response_curve(
     control: StepControl | None = None,
     on_point: Callable[[float, int], None] | None = None,
 ) -> HarmonicCurve:
-    """Steady response to a base acceleration A cos(wt) over a band of frequencies, through folds.
+    """Steady response to a base acceleration A cos(wt) in a frequency band; the curve may have folds.
 
-    The curve is followed from the first frequency. Where the response grows beyond `LARGEST_GROWTH`, the resonance has
-    practically no damping, or none that bounds it; the curve is then followed from the last frequency downwards as
-    well, and has a gap between the two ends. Narrow internal resonances, where a harmonic of the motion meets a mode
-    without damping, are stepped over.
+    The curve is followed upwards from the first frequency. A response beyond `LARGEST_GROWTH` shows a resonance whose
+    damping is practically zero or too small to bound it. The curve then ends there, is also followed downwards from the
+    last frequency, and has a gap between the two parts. A narrow internal resonance, where a harmonic of the motion
+    coincides with an undamped mode, is stepped over.
 
     Parameters
     ----------
     amplitude
-        A in m/s^2, 0-peak.
+        Amplitude A of the base acceleration, m/s^2, 0-peak.
     frequencies
         First and last frequency, Hz.
     on_point
@@ -222,15 +225,20 @@ def response_curve(
     Raises
     ------
     InputError
-        For an empty band or no amplitude.
+        If the band is empty or the amplitude is not positive.
     ConvergenceError
-        With the curve until then in ``partial`` (HarmonicCurve).
+        If the curve cannot be followed; ``partial`` holds the points so far (HarmonicCurve).
     """
     low, high = (2.0 * np.pi * f for f in frequencies)
     if not 0.0 < low < high:
-        raise InputError(f"band of {frequencies[0]:g} to {frequencies[1]:g} Hz", remedy="give two rising frequencies")
+        raise InputError(
+            f"the frequencies {frequencies[0]:g} and {frequencies[1]:g} Hz of the band are not positive and increasing",
+            remedy="give a lower, then a higher frequency",
+        )
     if not amplitude > 0.0:
-        raise InputError(f"base acceleration {amplitude:g} m/s^2", key="excitation.amplitude", remedy="use more than 0")
+        raise InputError(
+            f"the base acceleration is {amplitude:g} m/s^2", key="excitation.amplitude", remedy="use more than 0"
+        )
     control = control or StepControl()
     balance = HarmonicBalance(contact, amplitude)
     start = solve_motion(balance, low, control=control)
@@ -278,10 +286,10 @@ def response_curve(
 def _beyond(
     problem: FrequencyCurve, points: list[CurvePoint], end: float, control: StepControl
 ) -> tuple[list[CurvePoint], FloatArray] | None:
-    """Points up to an internal resonance, and the first solution (n + 1,) past it; None if there is none nearby.
+    """Points before an internal resonance and first solution (n + 1,) past it; None if no such solution is near.
 
-    The frequency is stepped at the motion before it. A solution counts when its overtones are no larger than they were
-    well before, and its fundamental has not jumped.
+    From the last motion before the resonance, frequencies past the resonance are tried. A solution is accepted if its
+    higher harmonics are small and it differs from that motion by less than `LARGEST_JUMP`.
     """
     forward = 1.0 if end > points[0].z[-1] else -1.0
     calm = [k for k, p in enumerate(points) if problem.overtones(p.z) <= 0.3 * LARGEST_OVERTONES]
@@ -310,14 +318,17 @@ def _beyond(
 def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
     share = problem.overtones(point.z)
     return ConvergenceError(
-        f"internal resonance without damping: a harmonic of the motion meets a mode ({problem.describe(point.z)})",
+        f"internal resonance without damping: a harmonic of the motion excites a mode ({problem.describe(point.z)})",
         time_s=None, iterations=point.iterations, residual_history=[share],
         advice="change the band, or compute a sweep",
     )  # fmt: skip
 
 
 def _response_size(balance: HarmonicBalance, start: FloatArray, low: float, high: float) -> float:
-    """Scale of the motion in the band, J^(1/2): the larger of the start's and a tenth of a resonance at 1 % damping."""
+    """Scale of the motions in the band, J^(1/2), in the energy norm.
+
+    It is the larger of the norm of the first motion and half of the largest resonance at 1 % damping.
+    """
     model = balance.model
     root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + low * high)
     here = float(np.linalg.norm(start * root))

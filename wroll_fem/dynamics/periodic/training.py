@@ -1,10 +1,11 @@
-r"""Training of a basis for periodic motions: it gets what the balance of the whole structure finds missing on a curve.
+r"""Training of a basis for periodic motions: it is enriched by corrections from the equations of the whole structure.
 
-A curve is computed in a small basis with large steps and few harmonics. At some of its points the balance of the
-*whole* structure is evaluated (`correction`). The principal shapes of the corrected motions are the next basis
-(`basis`); the motions are computed again, and shapes are added, until the corrections at these points are small. Then
-the curve is computed in this basis, and checked at points of its own; what is left is the error estimate. While it is
-too large, shapes of corrections between those points join, and the points of the curve are moved to the larger basis.
+A first curve is computed in a small basis with large steps and few harmonics. At some of its points the harmonic
+balance of the *whole* structure, with all modes, is evaluated (`correction`). The principal shapes of the corrected
+motions form the next basis (`basis`). The motions are then recomputed and shapes are added until the corrections at
+these points are small. The curve is computed in this basis and checked at other points; the remaining corrections are
+the error estimate. While it is too large, the shapes of these corrections are added, and the points of the curve are
+recomputed in the larger basis.
 """
 
 from __future__ import annotations
@@ -34,47 +35,54 @@ Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 Seen = TypeVar("Seen", HarmonicCurve, BackboneCurve, contravariant=True)
 
 COARSE = 2.5
-"""Factor on the steps of the curves in bases that are not good yet."""
+"""Factor on the step lengths of the curve in the first, inaccurate basis."""
 
 POINT_ROUNDS, POINT_SHARE = 4, 0.5
-"""Enrichments at the points of one curve, and the share of the tolerance at which they end."""
+"""Largest number of enrichments at the points of one curve, and correction, relative to the tolerance, below which the
+enrichment at a point ends."""
 
 FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
-"""Most harmonics of the curve in the first basis, and of the motions at its points in the following ones."""
+"""Largest number of harmonics of the first curve, and of the motions at its points that form the next basis."""
 
 MOST_TRAINED = 25
-"""Points of a curve at which the basis is enriched, besides those that are compared with the whole structure."""
+"""Largest number of points of a curve, besides the checked points, at which the basis is enriched."""
 
 LINEAR = 0.5
-"""Largest correction after which the corrected motion is closer than the motion itself."""
+"""Largest relative correction at which the corrected motion is more accurate than the motion itself."""
 
 MOVABLE = 20.0
-"""Largest error, over the tolerance, of a curve whose points are moved to the next basis; others are followed anew."""
+"""Largest error, relative to the tolerance, at which the points of a curve are recomputed in the next basis. Above it
+a new curve is computed."""
 
 HOPELESS, HOPELESS_ROUNDS = 3.0, 3
-"""Correction that ends the training after so many curves: linearised, corrections that large do not converge."""
+"""Relative correction above which the training ends, and number of curves from which this limit applies. Corrections
+from linearised equations do not converge if they are this large."""
 
 RATTLING, MOST_OPEN = 0.5, 0.5
-"""Error that ends the training where the surfaces open widely at the resonance (`WIDE`), and the share of points that
-open with which it does so before `HOPELESS_ROUNDS`: bases for rattling layers have hundreds of vectors, and curves in
-them take minutes."""
+"""Error, and share of contact points that open, above which the training of a response curve ends: bases for rattling
+layers have hundreds of vectors, and curves in them take minutes. From `HOPELESS_ROUNDS` curves on, the limit of the
+share is `WIDE`."""
 
 LARGEST_BASIS = 250
-"""Vectors of a basis beyond which a curve takes minutes."""
+"""Number of basis vectors above which the training ends: a curve would take minutes."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
-"""Curves after which the points that the basis still misses, by this multiple of the tolerance, are cut off."""
+"""Number of curves, and error relative to the tolerance, from which the inaccurate part of a curve is cut off."""
 
 UNSURE, SURE_ROUNDS = 0.1, 5
-"""Error of the motion beyond the end of a backbone above which this end may be one of the basis, and the number of
-curves after which it is taken as it is."""
+"""Error of the motion beyond the end of a backbone above which an insufficient basis may have caused this end, and
+number of curves from which the end is accepted all the same."""
 
 DOUBTFUL = 0.01
-"""Error up to which a curve whose basis grows no further is returned, for the analysis to warn; above, it fails."""
+"""Largest error of a curve that is returned although it exceeds the tolerance; the analysis then warns. Above it the
+training fails."""
 
 
 class Check(Protocol[Seen]):
-    """Corrections of the whole structure at points, to a relative residual of their linear equations."""
+    """Function that computes corrections by the whole structure at points of a curve.
+
+    ``residual`` is the relative residual to which the linear equations of the corrections are solved.
+    """
 
     def __call__(self, points: Seen, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
         """One correction per point."""
@@ -82,10 +90,13 @@ class Check(Protocol[Seen]):
 
 
 class Again(Protocol[Curve]):
-    """Points of a curve computed in another model, from modal motions (p, R, r) if there are any."""
+    """Function that recomputes points of a curve in another model.
+
+    ``starts`` (p, R, r) are first guesses in modal coordinates; by default they are the motions of the points.
+    """
 
     def __call__(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
-        """Points that converge."""
+        """Curve with the points that converge."""
         ...
 
 
@@ -95,10 +106,10 @@ class Trained(Generic[Curve]):
 
     Attributes
     ----------
-    curve : response or backbone
-    energy_error : largest energy norm of what the whole structure still adds at the checked points, over the motion's
-    tip_error : largest change of the tip's fundamental that it makes
-    rounds : curves computed
+    curve : response curve or backbone
+    energy_error : largest remaining correction at the checked points, relative to the motion, both in the energy norm
+    tip_error : largest relative change of the fundamental of the tip displacement by these corrections
+    rounds : number of curves computed
     """
 
     curve: Curve
@@ -113,10 +124,10 @@ class Structure:
 
     Attributes
     ----------
-    condensation, preload, laws : modes, state that motions are relative to, laws of the points
+    condensation, preload, laws : modes, state to which motions are relative, friction laws of the contact points
     sampling : harmonics and samples
-    max_periods : periods that the hysteresis may take to become periodic
-    symmetry : half-period symmetry, None without one
+    max_periods : largest number of periods until the hysteresis is periodic
+    symmetry : half-period symmetry; None without symmetry
     """
 
     condensation: Condensation
@@ -130,23 +141,23 @@ class Structure:
     def of(
         cls, condensation: Condensation, preload: ContactState, laws: PointLaws, sampling: Sampling, max_periods: int
     ) -> Structure:
-        """Structure with the symmetry that it has."""
+        """Structure with its half-period symmetry, if it has one."""
         symmetry = None if sampling.odd else HalfPeriod.of(condensation, preload, laws)
         return cls(condensation, preload, laws, sampling, max_periods, symmetry)
 
     def contact(self, model: ReducedModel) -> HarmonicContact:
-        """Contact of a model."""
+        """Periodic contact of a reduced model of this structure."""
         return HarmonicContact(
             model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry
         )
 
     def with_harmonics(self, most: int) -> Structure:
-        """The same with no more harmonics than ``most``."""
+        """Copy with at most ``most`` harmonics."""
         s = self.sampling
         return self if s.harmonics <= most else replace(self, sampling=Sampling(most, s.samples, odd=s.odd))
 
     def first_model(self) -> ReducedModel:
-        """Model to start from."""
+        """Reduced model to start from."""
         return first_model(self.condensation, self.preload, self.laws, self.sampling, self.symmetry)
 
 
@@ -156,8 +167,8 @@ class Training:
 
     Attributes
     ----------
-    tolerance : largest correction at the checked points, relative to the motion in the energy norm
-    max_rounds : curves at most
+    tolerance : largest correction at the checked points, relative to the motion, both in the energy norm
+    max_rounds : largest number of curves
     on_round : called with the number of the curve, its model and its error
     """
 
@@ -175,16 +186,16 @@ def trained(
     again: Again[Curve],
     shortened: Callable[[Curve, Curve, list[bool]], Curve | None],
 ) -> Trained[Curve]:
-    """Curves in bases that grow until the corrections are below the tolerance.
+    """Response curve or backbone in a basis that is enriched until the corrections are below the tolerance.
 
     Parameters
     ----------
-    solve : curve in a model, with steps longer by a factor
-    chosen : a few points of a curve
-    check : corrections of the whole structure at points
-    again : the same points computed in another model, from starts if there are any; points that do not converge are
-        left out
-    shortened : the part of a curve between its good points, from the curve, its points, and which are good; or None
+    solve : computes the curve in a reduced model, with steps longer by a factor
+    chosen : returns the indices of the points of a curve to be checked
+    check : see `Check`
+    again : see `Again`
+    shortened : cuts a curve to its accurate part; called with the curve, its checked points and whether each of them
+        is accurate; returns None if no such part exists
     """
     tolerance = training.tolerance
     model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
@@ -259,12 +270,12 @@ def trained(
 
 
 def _spread(count: int, most: int) -> set[int]:
-    """Up to ``most`` of ``count`` points, both ends among them."""
+    """Indices of at most ``most`` of ``count`` points, evenly spaced and with both ends."""
     return {int(k) for k in np.linspace(0, count - 1, min(count, most))}
 
 
 def _others(picked: list[int], used: set[int], count: int) -> list[int]:
-    """The ``picked`` of ``count`` points; neighbours in place of those that are ``used``, where there are any."""
+    """Indices ``picked`` of ``count`` points; an index already ``used`` is replaced by an unused neighbour if any."""
     free = [next((j for j in (k, k + 1, k - 1) if 0 <= j < count and j not in used), k) for k in picked]
     return sorted(set(free))
 
@@ -281,9 +292,9 @@ def _enriched(
 ) -> ReducedModel:
     """Model in which the corrections ``found`` at ``points`` become small.
 
-    The shapes of the corrections join the basis, and the motions are computed again, until the corrections are small.
-    With ``anew`` a basis made of the corrected motions takes the place of the first one, and in the end those shapes
-    leave it that no motion has; points that do not converge prevent both.
+    The shapes of the corrections are added to the basis, and the motions are recomputed, until the corrections are
+    small. With ``anew``, a basis of the corrected motions first replaces the given one, and finally a basis of the
+    recomputed motions replaces the enriched one. Neither replacement is made if a point does not converge.
     """
     model, condensation, symmetry = points.balance.model, structure.condensation, structure.symmetry
     wanted, settled = len(points.frequencies), []
@@ -315,11 +326,11 @@ def _enriched(
 
 
 def _joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:
-    """Model whose basis has the shapes of the larger corrections ``found`` as well."""
+    """Model whose basis also contains the shapes of the larger ones of the corrections ``found``."""
     large = [f.shapes for f in found if f.energy > POINT_SHARE * training.tolerance]
     return with_shapes(model, np.column_stack(large), 0.2 * training.tolerance, structure.symmetry)
 
 
 def _modal(points: Curve) -> FloatArray:
-    """(p, R, r) motions in modes of the condensation."""
+    """(p, R, r) motions of the points in modal coordinates of the condensation."""
     return np.asarray(points.coefficients @ points.balance.model.vectors.T)
