@@ -40,7 +40,7 @@ def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, c
 def pressure(
     radius: FloatArray, inner: float, outer: float, *, ratio: float, core: float, tension: Callable[[float], float]
 ) -> FloatArray:
-    """Pressure in a roll that grows continuously: integral over the radius a of T/a times the increment.
+    """Pressure in a roll that grows continuously: integral of T/a times `increment` over the winding radius a.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def pressure(
 def pressure_of_wraps(
     radius: FloatArray, inner: float, thickness: float, tension: FloatArray, *, ratio: float, core: float
 ) -> FloatArray:
-    """Pressure in a roll of wraps of finite thickness: sum over the outer wraps of T h/r times the increment.
+    """Pressure in a roll of wraps of finite thickness: sum of T h/r times `increment` over the wraps farther out.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def pressure_of_wraps(
 
     Notes
     -----
-    Inside a wrap, its own tension contributes with the part of its thickness that lies outside the radius.
+    At a radius inside a wrap, the tension of this wrap contributes in proportion to its thickness outside the radius.
     """
     under = inner + thickness * np.arange(len(tension))
     total = np.zeros(len(radius))

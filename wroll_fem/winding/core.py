@@ -25,7 +25,7 @@ def tube_stiffness(E: float, nu: float, outer_radius: float, wall: float) -> flo
 
 
 def mandrel_stiffness(section: WindingMandrel) -> float:
-    """Stiffness K_m of the mandrel of the case section `winding`, Pa."""
+    """Stiffness K_m, Pa, of the mandrel that the case section `winding` describes."""
     if section.stiffness is not None:
         return section.stiffness
     wall, E = section.tube

@@ -1,4 +1,4 @@
-"""Interface pressures of a layered model that match the pressure of a wound roll."""
+"""Pressures at the interfaces of a layered model, set equal to the pressure of a wound roll at the same radii."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def ring_split(roll: RollSections) -> FloatArray:
 
 
 def external_pressures(roll: RollSections, preload: Preload, winding: Winding | None = None) -> list[float]:
-    """External pressure on each layer, innermost first, Pa; a thin-ring estimate for `winding_tension`.
+    """External pressure on each layer, innermost first, Pa; with `kind: winding_tension` a thin-ring estimate.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def radial_modulus(pressure, knots, moduli, slope):
 
 @njit(cache=True)
 def coefficients(r, h, ratio):
-    """Coefficients (A, B, C) of equation 2.10.
+    """Coefficients (A, B, C) of the difference equation 2.10 of the thesis.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def wrap_by_wrap(r, T, h, E, core, knots, moduli, slope):
 
 @njit(cache=True)
 def _cell_means(P, P_next, E, knots, moduli, slope):
-    """Means of kappa over a cell, weighted with the shape functions of its inner and outer node (two Gauss points)."""
+    """Two means of kappa = E/E_r over a cell, weighted with the shape function of its inner and of its outer node."""
     near = E / radial_modulus(P + _NEAR * (P_next - P), knots, moduli, slope)
     far = E / radial_modulus(P + _FAR * (P_next - P), knots, moduli, slope)
     return 0.5 * (_FAR * near + _NEAR * far), 0.5 * (_NEAR * near + _FAR * far)
@@ -100,7 +100,7 @@ def _cell_means(P, P_next, E, knots, moduli, slope):
 
 @njit(cache=True)
 def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
-    """Eliminate rows first to last - 1: set ratio[i] = y[i]/y[i + 1] and carry[i + 1] (term of cell i in row i + 1)."""
+    """Eliminate rows first to last - 1. Fills ratio[i] = y[i]/y[i + 1] and carry[i + 1], cell i's term of row i + 1."""
     P = Q[first] / r[first]
     for i in range(first, last):
         P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]

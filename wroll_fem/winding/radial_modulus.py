@@ -42,12 +42,12 @@ class RadialModulus:
 
     @classmethod
     def table(cls, pressures: list[float], moduli: list[float]) -> RadialModulus:
-        """Piecewise linear law through measured pressures and moduli (Pa), constant outside them."""
+        """Piecewise linear law through measured pressures and moduli (Pa), constant outside the measured range."""
         return cls(np.array(pressures, float), np.array(moduli, float))
 
     @classmethod
     def from_case(cls, section: RadialModulusSection) -> RadialModulus:
-        """Law of the case section `winding.web.radial_modulus`."""
+        """Radial modulus from the case section `winding.web.radial_modulus`."""
         if section.law == "constant":
             return cls.constant(section.E_r)
         if section.law == "pfeiffer":
@@ -56,7 +56,7 @@ class RadialModulus:
 
     @property
     def knots(self) -> tuple[FloatArray, FloatArray, float]:
-        """Pressures, moduli and slope in the order of the kernel arguments."""
+        """Pressures, moduli and slope, in the order of the arguments of the compiled kernels."""
         return self.pressures, self.moduli, self.slope
 
     def __call__(self, pressure: FloatArray | float) -> FloatArray:

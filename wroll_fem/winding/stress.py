@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)
-"""Blocks and zones of `kernels.lay_wraps`, in wraps; they change the pressure by less than 4e-5 (relative)."""
+"""Arguments ``blocks`` and ``zones`` of `kernels.lay_wraps`; their relative error in the pressure is below 4e-5."""
 
 _MANY = 4000
-"""Number of wraps above which the blocks are doubled; they then change the pressure by less than 2e-4 (relative)."""
+"""Number of wraps above which ``blocks`` are doubled; their relative error in the pressure is then below 2e-4."""
 
 
 @dataclass(frozen=True)
 class WrapGrid:
-    """Result on the grid of the thesis, with one node per wrap.
+    """Pressure and hoop stress on the grid of the thesis, which has one node per wrap.
 
     Attributes
     ----------
@@ -64,9 +64,10 @@ class WoundRoll:
     mu
         Coefficient of friction between wraps, or None.
     error_estimate
-        Estimated relative error of the pressure at the mandrel: its change by the extrapolation from the two grids.
+        Estimated relative error of the pressure at the mandrel: the relative change of this pressure when the results
+        of the two grids are extrapolated.
     hoop_bound
-        Pressure at the mandrel if no wrap relaxed, sum of T h/r, Pa.
+        Pressure at the mandrel if no wrap relaxed: sum of T h/r, Pa.
     wraps
         The same roll on the grid of the thesis.
     """
