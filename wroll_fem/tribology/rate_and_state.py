@@ -192,7 +192,7 @@ def positive(name: str, values: npt.ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True)
 class VelocitySteps:
-    """Velocity-stepping test: slip alternately at two rates, starting with the lower one (thesis, Fig. E.11).
+    """Velocity-stepping test: slip alternates between two rates, starting with the lower one (thesis, Fig. E.11).
 
     Attributes
     ----------
@@ -252,7 +252,7 @@ def sine_history(amplitude: float, frequency: float, *, cycles: int = 3, points:
 def shear_history(
     law: RateAndState, rates: FloatArray, durations: FloatArray, *, state: float | None = None
 ) -> xr.Dataset:
-    """Friction along a history of piecewise constant slip rates, computed exactly.
+    """Coefficient of friction during a history of piecewise constant slip rates, computed exactly.
 
     Parameters
     ----------
@@ -266,8 +266,8 @@ def shear_history(
     Returns
     -------
     xr.Dataset
-        `slip_rate`, `slip_distance`, `state_variable` and `friction_coefficient` over `time` (end of each part). If a
-        rate is zero or negative, the coefficient is the signed, regularised one.
+        `slip_rate`, `slip_distance`, `state_variable` and `friction_coefficient` versus `time` (end of each part). If
+        a rate is zero or negative, the coefficient is the signed, regularised one.
 
     Raises
     ------

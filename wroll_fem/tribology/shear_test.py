@@ -29,11 +29,11 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
-"""Relative increase of the friction limit of all interfaces except at the platen; the stick stiffness is equal."""
+"""Relative increase of the friction limit at all interfaces except those at the platen; same stick stiffness."""
 NORMAL = 1.0e11
 """Normal penalty, Pa/m; it does not affect the results, because the normal force is prescribed."""
 ELASTIC = 0.8
-"""Fraction of the largest force up to which the stiffness is fitted."""
+"""Fraction of the largest force; only the data up to this force are used to fit the stiffness."""
 
 
 @dataclass(frozen=True)
@@ -96,13 +96,13 @@ class ShearTest:
 
     @property
     def stiffness(self) -> float:
-        """Shear stiffness K of both stacks, N/m, by the equation in the docstring of the module."""
+        """Shear stiffness K of both stacks, N/m, from the equation in the module docstring."""
         stick = self.mu * self.normal_force / self.elastic_slip
         layer = self.layer_shear_modulus * self.area / self.layer_thickness
         return 2.0 / (self.interfaces / stick + self.layers / layer)
 
     def system(self) -> System:
-        """The test as a `System`.
+        """Discrete model of the test, as a `System`.
 
         Its unknowns are the shear displacement of the platen and, for each stack from the platen outwards, the shear
         displacements of the two faces of each loose layer and the normal displacements of each layer and of the piston,
@@ -170,13 +170,14 @@ def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> 
     steps
         Number of equal steps of the actuator.
     travel
-        Displacement of the actuator relative to that at which the platen starts to slide.
+        Largest displacement of the actuator, divided by the displacement at which the platen starts to slide.
 
     Returns
     -------
     xr.Dataset
-        Over `step`: `actuator_displacement` and `platen_displacement`, m; `shear_force` of the machine, N;
-        `platen_slip` (plastic slip at the platen), m; `friction_coefficient`, the force over 2 F_N (equation E.5).
+        Versus `step`: `actuator_displacement` and `platen_displacement`, m; `shear_force` of the machine, N;
+        `platen_slip` (plastic slip at the platen), m; `friction_coefficient`, the force divided by 2 F_N (equation
+        E.5).
         Attributes: `shear_capacity_n`, `shear_stiffness_n_m`, `shear_modulus_pa`, `pressure_pa`, `interfaces`.
 
     Raises
@@ -187,7 +188,11 @@ def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> 
         If a step does not converge.
     """
     if travel / steps >= EDGE:
-        raise InputError(f"{steps} steps are too few", key="steps", remedy=f"use more than {travel / EDGE:.0f}")
+        raise InputError(
+            f"with {steps} steps, interfaces other than those at the platen may slide",
+            key="steps",
+            remedy=f"use more than {travel / EDGE:.0f}",
+        )
     system = test.system()
     slides_at = test.capacity * (1.0 / test.stiffness + 1.0 / test.machine_stiffness)
     way = travel * slides_at * np.arange(steps + 1) / steps
@@ -216,7 +221,7 @@ def run_shear_test(test: ShearTest, *, steps: int = 40, travel: float = 1.5) -> 
 
 
 def stiffness_of(displacement: FloatArray, force: FloatArray, *, share: float = ELASTIC) -> float:
-    """Slope of a straight line fitted to force over displacement.
+    """Slope of a straight line fitted to force versus displacement.
 
     Parameters
     ----------
