@@ -18,7 +18,7 @@ from wroll_fem.structure.probe import Probe
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
-"""Gauss points per direction and cell of the unrefined mesh, as in the three-dimensional model."""
+"""Number of Gauss points per direction in each cell of the unrefined mesh, equal to the three-dimensional model's."""
 
 
 def shear_modes(
@@ -31,10 +31,10 @@ def shear_modes(
     circumferential: int,
     probes: Mapping[str, tuple[Probe, float]] | None = None,
 ) -> ShearModes:
-    """Modes along the excitation among the lowest modes of a roll, with their shear stress in the coil.
+    """Modes of a roll that the base motion excites, out of its lowest modes, with their shear stress in the coil.
 
-    A lateral base motion excites only modes of circumferential wave number 1, and of each degenerate pair only the one
-    along the excitation. All other modes are omitted.
+    A lateral base motion excites only modes of circumferential wave number 1. In each degenerate pair it excites only
+    the mode along the excitation. All other modes are omitted.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def shear_modes(
 def shear_amplitudes(
     model: FourierModel, values: FloatArray, material: CylindricalOrthotropic, harmonic: int, points: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Amplitudes of srz (cos m theta) and srt (sin m theta) at points of the coil.
+    """Amplitudes of the shear stresses srz (times cos m theta) and srt (times sin m theta) at points of the coil.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, Sym
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
-"""Lowest interlayer shear modulus of the search, Pa; if bending is the fundamental mode here, there is no bound."""
+"""Lowest interlayer shear modulus of the search, Pa; if bending is fundamental even with it, no softest coil exists."""
 
 _TOLERANCE = 1e-8  # absolute tolerance of ln G
 _REACH = 2.5  # length of the first interval per gap at its start; with the slope 1/2 the zero is at 2
@@ -56,7 +56,7 @@ def with_shear_modulus(material: CylindricalOrthotropic, G: float) -> Cylindrica
 
 
 def fundamental(roll: FourierRoll) -> FourierMode:
-    """Fundamental mode of a roll, the lowest of all circumferential wave numbers.
+    """Fundamental mode of a roll: the mode of lowest frequency among all circumferential wave numbers.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> Softest
 
 
 def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
-    """Zero of an increasing function below ``top``, or ln `LOWEST_MODULUS` if the function is positive there.
+    """Zero of the increasing function ``gap`` below ``top``; ln `LOWEST_MODULUS` if ``gap`` is positive even there.
 
     Parameters
     ----------

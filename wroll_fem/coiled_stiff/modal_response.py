@@ -1,4 +1,4 @@
-"""Response of a linear structure to a sinusoidal base acceleration by modal superposition, exact in time.
+"""Exact response of a linear structure to a sinusoidal base acceleration, by modal superposition.
 
 With mass-normalised modes, participation Gamma_k = phi_k^T M i and displacements relative to the base,
 
@@ -25,16 +25,16 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY_CHANGE = 1e-4
-"""Largest change of the tip motion from one cycle to the next, relative to its amplitude, in the steady state.
+"""Change of the tip motion from one cycle to the next, relative to its amplitude, below which it counts as steady.
 
 The transient decays at least as fast as e^(-zeta w_1 t), so at resonance the remaining change is about
 STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
 """
 
 SAMPLES_PER_CYCLE = 64
-"""Samples per cycle of the stored history."""
+"""Number of samples per cycle in the stored history."""
 MOST_CYCLES = 20_000
-"""Number of cycles after which the search for the steady state stops with an error."""
+"""Largest number of cycles; if the motion is not steady by then, the search stops with an error."""
 
 
 class ModalState(NamedTuple):
@@ -102,7 +102,7 @@ class Oscillators:
         return np.asarray(-amplitude * np.asarray(self.participation) / stiffness)
 
     def from_rest(self, times: FloatArray, frequency_hz: float, amplitude: float = 1.0) -> ModalState:
-        """Motion from rest at t = 0 (equations of the module docstring).
+        """Modal motion that starts from rest at t = 0, from the equations of the module docstring.
 
         Parameters
         ----------
@@ -130,10 +130,10 @@ class Oscillators:
     def change_per_cycle(
         self, cycles: npt.NDArray[np.int64], frequency_hz: float, amplitude: float = 1.0
     ) -> FloatArray:
-        """Change of the motion of each mode over given cycles.
+        """Change of the motion of each mode during given cycles.
 
-        It is the amplitude, from displacement and velocity, of q(t) - q(t - T). It decays by e^(-zeta w T) per cycle
-        and has no zeros, whatever the phase of the transient.
+        It is the amplitude of q(t) - q(t - T), computed from displacement and velocity. It decays by e^(-zeta w T) per
+        cycle and has no zeros, whatever the phase of the transient.
 
         Parameters
         ----------
@@ -144,7 +144,7 @@ class Oscillators:
 
         Returns
         -------
-        (n_modes, n_cycles) change over the cycle that ends after each number of cycles, m sqrt(kg)
+        (n_modes, n_cycles) change during each of the cycles, m sqrt(kg)
         """
         ends = np.asarray(cycles) / frequency_hz
         now = self.from_rest(ends, frequency_hz, amplitude)
@@ -156,7 +156,7 @@ class Oscillators:
 
 
 class SteadyRun(NamedTuple):
-    """History from rest to the steady state.
+    """Response history from rest to the steady state.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class SteadyRun(NamedTuple):
     state
         Modal coordinates and their time derivatives at these times.
     change
-        (n_cycles,) change of the tip motion over each cycle, relative to its steady amplitude.
+        (n_cycles,) change of the tip motion during each cycle, relative to the steady-state amplitude of the tip.
     """
 
     time: FloatArray
@@ -186,7 +186,7 @@ def run_to_steady_state(
     *,
     tolerance: float = STEADY_CHANGE,
 ) -> SteadyRun:
-    """Integrate the motion from rest until the tip motion is periodic.
+    """Compute the motion from rest until the tip motion is periodic.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Slip criterion of a solid coil: shear resultant over a steady cycle compared with the friction capacity.
+"""Slip criterion of a solid coil: largest shear resultant in a steady-state cycle compared with friction capacity.
 
 The model is linear ("coiled stiff"): stresses are proportional to the base acceleration, so each point has one level of
 the base acceleration, its onset level, above which it slips. Slip does not redistribute the stresses.
@@ -34,7 +34,7 @@ class ShearPerG(NamedTuple):
 
 
 def cycle_maximum(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Maximum over a cycle of the magnitude of a vector with components Im(first e^(i W t)) and Im(second e^(i W t)).
+    """Largest magnitude, during a cycle, of the vector with components Im(first e^(i W t)) and Im(second e^(i W t)).
 
     The vector describes an ellipse. Its squared magnitude is a constant plus a cosine of 2 W t, with the maximum
     (|first|^2 + |second|^2 + |first^2 + second^2|) / 2, the square of the major semi-axis.
@@ -45,7 +45,7 @@ def cycle_maximum(first: ComplexArray, second: ComplexArray) -> FloatArray:
 
 
 def shear_per_g(modes: ShearModes, oscillators: Oscillators, frequency_hz: float) -> ShearPerG:
-    """Steady-state shear stress in the coil under a base acceleration of 1 g.
+    """Steady-state shear stress in the coil under a sinusoidal base acceleration of 1 g amplitude.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def onset_levels(resultant_per_g: FloatArray, capacity: FloatArray) -> FloatArra
 
 
 class SlipZone(NamedTuple):
-    """Extent of the slip zone at one level of the base acceleration; zeros without slip.
+    """Extent of the slip zone at one level of the base acceleration; all values are 0 if no point slips.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class SlipZone(NamedTuple):
 
 
 def slip_zone(modes: ShearModes, slipping: npt.NDArray[np.bool_], mandrel_radius: float) -> SlipZone:
-    """Extent of the slip zone.
+    """Extent of the zone that consists of the slipping points.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def slip_zone(modes: ShearModes, slipping: npt.NDArray[np.bool_], mandrel_radius
 
 
 def driven_mode(modes: ShearModes) -> int:
-    """Index of the mode with the largest effective mass along the excitation, which `frequency: resonance` excites.
+    """Index of the mode with the largest effective mass along the excitation; `frequency: resonance` excites this mode.
 
     For a cantilevered roll this is the first bending mode, even if modes of torsion or axial shear, which the base
     motion hardly excites, have lower frequencies.

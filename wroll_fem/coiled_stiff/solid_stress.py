@@ -25,7 +25,7 @@ from wroll_fem.structure.probe import Probe, probe_row
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
-"""Gauss points per direction and hexahedron."""
+"""Number of Gauss points per direction in each hexahedron."""
 
 _CELLS_AT_ONCE = 512  # limits the memory for the gradients
 
@@ -38,7 +38,7 @@ def shear_modes(
     direction: int,
     probes: Mapping[str, Probe] | None = None,
 ) -> ShearModes:
-    """Lowest modes of a roll and the shear stress of each in its solid coil.
+    """Lowest modes of a roll and the shear stress of each mode in the solid coil.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def coil_shear_strain(
     displacements
         (3 n_nodes, n_fields) nodal displacements, node-major [ux, uy, uz], m.
     gauss_points
-        Gauss points per direction and hexahedron.
+        Number of Gauss points per direction in each hexahedron.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def coil_shear_strain(
 
 
 def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Values (n, 27) and derivatives (n, 27, 3) of the quadratic basis of the unit cube at points (n, 3); VTK order."""
+    """Shape functions (n, 27) and derivatives (n, 27, 3) of a quadratic unit cube at points (n, 3), in VTK order."""
     s = np.asarray(points, float)[:, None, :]
     line = np.concatenate([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)  # (n, 3 nodes, 3 axes)
     slope = np.concatenate([4 * s - 3, 4 - 8 * s, 4 * s - 1], axis=1)

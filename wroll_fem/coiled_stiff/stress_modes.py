@@ -21,7 +21,7 @@ def needs_solid_coil() -> InputError:
 
 @dataclass(frozen=True)
 class ShearModes:
-    """Modes of a mandrel with a solid coil and their shear stress in the coil.
+    """Modes of a mandrel with a solid coil, and the shear stress of each mode in the coil.
 
     The modes are normalised to unit modal mass; modal coordinates have the unit m sqrt(kg).
 
