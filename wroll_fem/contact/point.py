@@ -76,7 +76,7 @@ def tangentials(values: FloatArray) -> FloatArray:
 
 
 def per_dof(tangential: FloatArray, normal: FloatArray) -> FloatArray:
-    """(3 n,) values at the contact degrees of freedom; hoop and axial share ``tangential`` (n,), then ``normal`` (n,)."""
+    """(3 n,) values at the contact degrees of freedom: ``tangential`` (n,) for hoop and axial, then ``normal`` (n,)."""
     return np.concatenate([np.repeat(tangential, 2), normal])
 
 

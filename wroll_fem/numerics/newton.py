@@ -50,7 +50,7 @@ class NewtonProblem(Protocol):
 
 
 LineSearch = Callable[[Callable[[float], float], float], float]
-"""Function that returns the damping factor of a step. Arguments: function from damping to residual size; current size."""
+"""Function that returns the damping factor of a step. Arguments: residual size versus damping; current size."""
 
 
 def best_of_halvings(
