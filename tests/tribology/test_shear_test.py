@@ -100,5 +100,6 @@ def test_values_without_a_meaning_are_refused(values: tuple[int, float], message
 
 
 def test_steps_that_would_leave_open_what_slides_are_refused() -> None:
-    with pytest.raises(InputError, match="steps: with 20 steps, interfaces other than those at the platen may slide; use more than 30"):
+    message = "steps: with 20 steps, interfaces other than those at the platen may slide; use more than 30"
+    with pytest.raises(InputError, match=message):
         run_shear_test(ShearTest(3, 100.0), steps=20)

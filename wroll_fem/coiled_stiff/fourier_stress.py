@@ -18,7 +18,7 @@ from wroll_fem.structure.probe import Probe
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
-"""Number of Gauss points per direction in each cell of the unrefined mesh, equal to the three-dimensional model's."""
+"""Number of Gauss points per direction in each cell of the unrefined mesh; the same in the three-dimensional model."""
 
 
 def shear_modes(

@@ -25,7 +25,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY_CHANGE = 1e-4
-"""Change of the tip motion from one cycle to the next, relative to its amplitude, below which it counts as steady.
+"""Change of the tip motion per cycle, relative to its amplitude, below which the motion counts as steady.
 
 The transient decays at least as fast as e^(-zeta w_1 t), so at resonance the remaining change is about
 STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.

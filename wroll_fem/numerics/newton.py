@@ -24,7 +24,7 @@ CHORD_RENEWAL = 0.25
 """Ratio of successive residuals above which the corrector of a continuation factorises a new Jacobian (dense)."""
 
 STALLED = 6
-"""Number of iterations without halving the residual, after which `zero_slope` damps the steps (convex potential)."""
+"""Number of iterations without halving the residual after which `zero_slope` damps the steps (with a potential)."""
 
 PATIENCE = 6
 """Factor on the largest number of iterations if `zero_slope` damps the steps: few points change state per iteration."""

@@ -100,7 +100,7 @@ def _cell_means(P, P_next, E, knots, moduli, slope):
 
 @njit(cache=True)
 def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
-    """Eliminate rows first to last - 1. Fills ratio[i] = y[i]/y[i + 1] and carry[i + 1], cell i's term of row i + 1."""
+    """Eliminate rows first to last - 1: fill ratio[i] = y[i]/y[i + 1], and carry[i + 1] with the term of cell i."""
     P = Q[first] / r[first]
     for i in range(first, last):
         P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]
