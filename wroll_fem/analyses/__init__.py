@@ -23,7 +23,7 @@ __all__ = [
 
 
 def case_warnings(case: Case) -> list[str]:
-    """Warnings about a case before its run, each with a remedy; reads the file of `structure`.
+    """Warnings about a case before its run, each with a remedy; the file named in `structure` is read.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def estimate(case: Case) -> dict[str, Any]:
 
 
 def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False) -> xr.Dataset:
-    """Run the analysis of a case; the results hold all warnings, those before the run included.
+    """Run the analysis of a case; the results contain all warnings, including those issued before the run.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
     Raises
     ------
     ConvergenceError
-        If a step does not converge; attribute ``partial`` has the results up to that step, if there are any.
+        If a step does not converge; attribute ``partial`` contains the results up to that step, if any.
     """
     from wroll_fem.analyses.shared.doubts import doubts
     from wroll_fem.analyses.shared.self_contained import described, with_warnings
@@ -88,7 +88,7 @@ def run_analysis(case: Case, *, progress: Progress, checkpoint: Path | None = No
 
 
 def summarise(dataset: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
-    """Flat summary in SI with units in the names; lists have an entry per interface (inner first) or mode.
+    """Flat summary in SI units, with the unit in each name; lists have one entry per interface (inner first) or mode.
 
     Parameters
     ----------
@@ -116,16 +116,16 @@ def write_fields(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def write_figures(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the figures of the analysis (.png); figures without data in incomplete results are left out.
+    """Draw the figures of the analysis (.png); figures whose data are missing in incomplete results are omitted.
 
-    Figures in space need pyvista and are left out without it; slip maps need points that span a cylinder.
+    Three-dimensional figures need pyvista and are omitted without it. Slip maps need points that span a cylinder.
     """
     dataset, analysis = _own(dataset)
     return _written(analysis.figures, dataset, folder)
 
 
 def _own(dataset: xr.Dataset, case: Case | None = None) -> tuple[xr.Dataset, Analysis]:
-    """Return the self-contained Dataset and its analysis."""
+    """Return the Dataset with all case data that its outputs need, and its analysis."""
     from wroll_fem.analyses.shared.self_contained import completed, described
 
     dataset = completed(dataset) if case is None else described(dataset, case)

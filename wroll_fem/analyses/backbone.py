@@ -1,4 +1,4 @@
-"""Backbone of a case: frequency and damping of the resonance over its amplitude."""
+"""Backbone curve of a case: frequency and damping of the resonance versus amplitude."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 
 
 NO_DAMPING = 1e-9
-"""Largest damping ratio of a backbone that is rounding."""
+"""Damping ratio up to which the damping of a backbone is regarded as round-off."""
 
 
 def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
-    """Dataset over `tip_amplitude`: frequency, damping and work per cycle; interface fields at the largest damping."""
+    """Dataset of frequency, damping and work versus `tip_amplitude`, with interface fields at the largest damping."""
     motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
     dim, tip, base = "tip_amplitude", curve.tip, curve.base_acceleration
     data = {
@@ -49,7 +49,7 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
         "resonant_base_acceleration": (dim, base),
         "newton_iterations": (dim, curve.iterations),
     } | per_motion(motions, system, dim)
-    # the negative damping feeds the mode: what it puts in is what the base would have to
+    # the work done by the negative damping is the work that the base would have to do
     data["input_work_per_cycle"] = (dim, curve.dissipation)
     most = int(np.argmax(curve.damping))
     dataset = xr.Dataset(data, coords={dim: tip})
@@ -80,43 +80,45 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
 
 
 def range_remark(dataset: xr.Dataset) -> str:
-    """Warning if the largest damping lies on the upper end of the amplitudes, where it may still rise; else empty."""
+    """Warning if the damping is largest at the largest amplitude and may rise beyond it; empty otherwise."""
     damping = dataset["modal_damping"].values
     if not damping.max() > 0.0 or int(np.argmax(damping)) < len(damping) - 1:
         return ""
     return (
         f"the damping still rises at the largest amplitude, {dataset.attrs['tip_amplitude_at_zeta_max_m']:.2g} m: "
-        "zeta_max is that of the end of the range; raise backbone.tip_largest"
+        "zeta_max is the value at the end of the range; raise backbone.tip_largest"
     )
 
 
 def undamped_remark(dataset: xr.Dataset) -> str:
-    """Warning if nothing dissipates at any amplitude; else empty."""
+    """Warning if the damping is zero at every amplitude; empty otherwise."""
     if float(dataset["modal_damping"].max()) > NO_DAMPING:
         return ""
     return (
-        f"friction dissipates nothing up to the largest amplitude, {float(dataset['tip_amplitude'].max()):.2g} m: "
-        "layers stick or have no friction, and zeta_max is rounding; raise backbone.tip_largest, or mu if it is 0"
+        f"friction dissipates no energy up to the largest amplitude, {float(dataset['tip_amplitude'].max()):.2g} m: "
+        "layers stick or have no friction, and zeta_max is round-off; raise backbone.tip_largest, or mu if it is 0"
     )
 
 
 def end_remark(curve: BackboneCurve, largest: float) -> str:
-    """Warning if a backbone ends before the ``largest`` tip amplitude asked for, m; else empty."""
+    """Warning if a backbone ends below the requested tip amplitude ``largest`` (m); empty otherwise."""
     if not curve.cut:
         return ""
     return (
-        f"the backbone ends at a tip amplitude of {float(curve.tip[-1]):.2g} m of {largest:.2g} m: {curve.cut}; "
-        "lower backbone.tip_largest, raise preload.pressure, or compute a time history"
+        f"the backbone ends at a tip amplitude of {float(curve.tip[-1]):.2g} m, below the requested {largest:.2g} m: "
+        f"{curve.cut}; lower backbone.tip_largest, raise preload.pressure, or compute a time history"
     )
 
 
 def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
-    """Compute frequency and damping of the most excited resonance over amplitude, from sticking to gross slip.
+    """Compute frequency and damping of the main mode versus its amplitude, from sticking to gross slip.
+
+    The main mode contributes most to the tip displacement under a static base acceleration.
 
     Raises
     ------
     ConvergenceError
-        If a motion is not found; ``partial`` has the curve up to there.
+        If a periodic motion is not found; ``partial`` contains the curve up to that point.
     """
     system, state = prepare(case, progress)
     condensation = condensed_structure(case, system, state, progress)
@@ -158,7 +160,7 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
 
 ANALYSIS = Analysis(
     name="backbone",
-    sentence="Periodic motion at resonance: frequency and damping over amplitude.",
+    sentence="Periodic motion at resonance: frequency and damping versus amplitude.",
     sections=("geometry", "mandrel", "coil", "contact", "preload"),
     run=run_backbone,
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip),

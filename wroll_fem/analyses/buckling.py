@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 
 
 def run_buckling(case: BucklingCase, *, progress: Progress) -> xr.Dataset:
-    """Compute the lowest factors of the preload at which the roll buckles, (K + factor K_g) x = 0.
+    """Compute the lowest load factors at which the preload makes the roll buckle: (K + factor K_g) x = 0.
 
     The interfaces are held by the springs of `modal.interface` (frictionless: normal contact and a negligible
-    stiffness along the surface). Geometric stiffness K_g as in docs/geometric-stiffness.md; motions symmetric about the
-    x-z plane, which contain one mode of every pair.
+    stiffness along the surface). docs/geometric-stiffness.md defines the geometric stiffness K_g. Only motions
+    symmetric about the x-z plane are computed; they contain one mode of every degenerate pair.
 
     Raises
     ------
     InputError
-        If the preload presses nothing, or destabilises no motion.
+        If the preload destabilises no motion.
     """
     from wroll_fem.fem.buckling import load_factors
 
@@ -58,7 +58,7 @@ def run_buckling(case: BucklingCase, *, progress: Progress) -> xr.Dataset:
         stage.update(1)
     if not len(factors):
         raise InputError(
-            "destabilises no motion: nothing buckles at any multiple of it", key="preload",
+            "destabilises no motion: the roll does not buckle at any multiple of it", key="preload",
             remedy="use analysis: modal with preload.geometric_stiffness: true for its effect on frequencies",
         )  # fmt: skip
     kinds = [classify_mode(roll.bodies, vector) for vector in vectors.T]

@@ -1,4 +1,4 @@
-"""Design map: difference of bending frequency between stiffest and softest coil over mandrels (thesis, Fig. 2.16)."""
+"""Design map of mandrels: bending frequency with the stiffest coil minus that with the softest (thesis, Fig. 2.16)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NUMBERS = ("frequency_tightest", "frequency_loosest", "frequency_mandrel", "loo
 
 @dataclass(frozen=True)
 class Design:
-    """Frequencies of the softest and stiffest coil on one mandrel, Hz; nan if bending is not the fundamental mode.
+    """Bending frequencies of a mandrel with stiffest and softest coil, Hz; nan if bending is not the fundamental mode.
 
     Attributes
     ----------
@@ -36,8 +36,8 @@ class Design:
     loosest_shear_modulus
         Shear modulus between wraps of the softest coil, Pa.
     limit_kind
-        Mode that is lower than bending in a softer coil; if a frequency is nan, the fundamental mode in place of
-        bending; "" if the case sets the softest coil, or if bending is always the lowest mode.
+        Kind of the mode that lies below bending if the coil is made softer. If a frequency is nan: kind of the
+        fundamental mode. "" if the case sets the softest coil, or if bending is always the lowest mode.
     """
 
     frequency_tightest: float
@@ -48,14 +48,14 @@ class Design:
 
 
 class _Models:
-    """Finite-element models with and without coil, reused from design to design so that forms compile once."""
+    """Finite-element models with and without coil; all designs reuse them, so that the forms are compiled only once."""
 
     def __init__(self) -> None:
         self._with: FourierModel | None = None
         self._without: FourierModel | None = None
 
     def design(self, case: DesignMapCase, geometry: Geometry) -> Design:
-        """Frequencies of the coil of the case on a mandrel."""
+        """Bending frequencies of a mandrel with the coil of the case, and without coil."""
         from wroll_fem.coiled_stiff.frequency_bounds import fundamental, softest_coil, with_shear_modulus
         from wroll_fem.fem.fourier_modes import symmetry_class_modes
         from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
@@ -84,7 +84,7 @@ class _Models:
 
 
 def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
-    """Compute the frequency disparity of every mandrel of `design_map` and of the mandrel of the case.
+    """Compute the frequency disparity of stiffest and softest coil for all mandrels, including the mandrel of the case.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def summarise_design_map(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def estimate_design_map(case: DesignMapCase) -> dict[str, Any]:
-    """DOFs of one wave number, number of mandrels and approximate time."""
+    """Number of DOFs per circumferential wave number, number of mandrels, and approximate computing time."""
     dofs = fourier_dofs(case)
     designs = len(case.design_map.mandrel_radius) * len(case.design_map.mandrel_thickness) + 1
     seconds = 2.0 + 26 * SECONDS_PER_FOURIER_DOF * dofs * designs
@@ -155,7 +155,7 @@ def estimate_design_map(case: DesignMapCase) -> dict[str, Any]:
 
 ANALYSIS = Analysis(
     name="design_map",
-    sentence="Frequencies of the softest and stiffest coil over mandrel radius and wall.",
+    sentence="Bending frequencies with the softest and stiffest coil versus mandrel radius and wall.",
     sections=("geometry", "mandrel", "coil", "design_map", "mesh"),
     run=run_design_map,
     summary=(summarise_design_map,),

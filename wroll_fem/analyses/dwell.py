@@ -1,4 +1,4 @@
-"""Dwell: time history under a sine of the base at one frequency, and the steady response."""
+"""Dwell: time history under sinusoidal base motion at one frequency, and the steady response."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 STEADY_CYCLES = 5
-"""Number of last cycles from which the steady response is computed, if there are as many after the ramp."""
+"""Largest number of cycles, at the end of a dwell, from which the steady response is computed."""
 
 
 def run_dwell(
     case: DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
-    """Compute the time history with energy ledger and slip fields; attributes ``steady_*`` are the steady response.
+    """Compute the time history with energy ledger and slip fields, and the steady response (attributes ``steady_*``).
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ def run_dwell(
         history.attrs |= {f"steady_{key}": value for key, value in response.items()} | {"steady_doubt": doubt}
         if doubt:
             progress.warning(
-                f"the dwell is not steady: over the last {cycles} cycles {doubt}; steady_magnitude is doubtful: raise "
-                "excitation.cycles, and if the residual stays, it is of harmonics"
+                f"the dwell is not steady: during the last {cycles} cycles {doubt}; steady_magnitude is doubtful: "
+                "raise excitation.cycles; a residual that does not decrease is due to harmonics"
             )
     error, text = dwell_step_error(case, history)
     if text:
@@ -62,7 +62,7 @@ def run_dwell(
 
 ANALYSIS = Analysis(
     name="dwell",
-    sentence="Time history under a sine of the base at one frequency.",
+    sentence="Time history under sinusoidal base motion at one frequency.",
     sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
     run=run_dwell,
     summary=SUMMARY,

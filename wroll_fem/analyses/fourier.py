@@ -1,4 +1,4 @@
-"""Modal analysis by semi-analytical (Fourier) finite elements: Dataset of frequencies, masses, shapes in space."""
+"""Modal analysis by semi-analytical (Fourier) finite elements: frequencies, effective masses and mode shapes in 3D."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
 
 def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
-    """Compute the lowest modes of the whole roll; the Dataset has the variables of the three-dimensional model.
+    """Compute the lowest modes of the whole roll; the variables are the same as for the three-dimensional model.
 
     Modes of wave numbers m >= 1 come in degenerate pairs, the one along x first. Shapes are given on the outer surface
-    of the revolved half plane, with `mesh.circumferential` cells around.
+    of the revolved half plane, with `mesh.circumferential` cells along the circumference.
     """
     from wroll_fem.fem.fourier_modes import lowest_modes
     from wroll_fem.fem.fourier_roll import FourierRoll
 
     with progress.stage("mesh and matrices", 1) as stage:
         roll = FourierRoll(case)
-        stage.update(1, f"{3 * len(roll.model.nodes)} DOFs in each harmonic")
+        stage.update(1, f"{3 * len(roll.model.nodes)} DOFs per wave number")
     with progress.stage("modes", 1) as stage:
         found = lowest_modes(roll, case.modal.count)
-        stage.update(1, f"harmonics 0 to {max(mode.symmetry.wave_number for mode in found)}")
+        stage.update(1, f"wave numbers 0 to {max(mode.symmetry.wave_number for mode in found)}")
     if remark := fourier_remark(case):
         progress.warning(remark)
     listed = [(mode, turned) for mode in found for turned in ((False, True) if mode.symmetry.wave_number else (False,))]
@@ -72,7 +72,7 @@ def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
 def _with_probes(
     dataset: xr.Dataset, case: RollModalCase, roll: FourierRoll, modes: list[tuple[FourierMode, bool]], tip: FloatArray
 ) -> xr.Dataset:
-    """Dataset with the displacement of the modes at the tip, along the excitation, and at the probes of the case."""
+    """Dataset with the modal displacements at the tip (along the excitation) and at the probes of the case."""
     from wroll_fem.analyses.shared.assembly import named_probes
     from wroll_fem.fem.fourier_probe import mode_at_probe
     from wroll_fem.mesh.generate import shell_layout
@@ -91,7 +91,7 @@ def _with_probes(
 def _shapes(
     model: FourierModel, modes: list[tuple[FourierMode, bool]], around: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
-    """Nodes (n, 3), cells (c, 9) and mode shapes (modes, n, 3), largest 1, on the revolved outer surface."""
+    """Nodes (n, 3), cells (c, 9) and mode shapes (modes, n, 3; largest value 1) on the revolved outer surface."""
     outline = model.half_plane.outline
     nodes, cells = revolve(outline, around)
     values = model.evaluate(np.column_stack([mode.values for mode, _ in modes]), outline)[0]

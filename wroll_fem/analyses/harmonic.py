@@ -39,21 +39,22 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
-"""Criteria of the warning about a mode near a neglected harmonic: highest odd order, relative distance of the mode from
-that multiple of the resonance, least participation at the tip over the participation of the main mode."""
+"""Criteria of the warning about a mode near a neglected harmonic: highest odd order; largest relative distance of the
+mode from that multiple of the resonance frequency; least tip participation, relative to the main mode."""
 
 DRIFT = 10.0
-"""Mean relative displacement, over the motion, above which the run warns."""
+"""Mean relative displacement of the interfaces, divided by its oscillating part, above which the run warns."""
 
 MOMENTS = 4
-"""Terms of the compliance of each circumferential block: exact to 1e-9 up to about ten times the lab resonance."""
+"""Number of terms in the series (in frequency squared) for the compliance of each circumferential block. The relative
+error is below 1e-9 up to about ten times the resonance frequency of the lab roll."""
 
 MEMORY_WARNING = 0.02
-"""Change of the elastic slip per period, over gamma*, above which the run warns."""
+"""Change of the elastic slip per period, relative to its largest value gamma*, above which the run warns."""
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
-    """Condense the structure to the modes that its interfaces, its base and its tip can move, interfaces stuck."""
+    """Reduce the structure with stuck interfaces to modes that interface forces, base motion or tip force excite."""
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
         moments = MOMENTS if _held(system, springs) else 0
@@ -61,14 +62,14 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is projected, with an error of about 1e-4 of the "
-            "largest displacement"
+            "the mesh has no rotational symmetry: the interior is approximated by a projection, with an error of about "
+            "1e-4 of the largest displacement"
         )
     return condensation
 
 
 def _held(system: System, springs: FloatArray) -> bool:
-    """Whether friction at rest holds the surfaces of every interface: static responses need no free body."""
+    """Whether every interface has friction at zero slip rate; otherwise a body is free and has no static response."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     return all(np.any(part > 0.0) for part in np.split(tangentials(springs)[:, 0], ends))
 
@@ -94,7 +95,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     Raises
     ------
     ConvergenceError
-        If a point does not converge; ``partial`` has the curve up to there.
+        If a point of the curve does not converge; ``partial`` contains the curve up to that point.
     """
     system, state = prepare(case, progress)
     condensation = condensed_structure(case, system, state, progress)
@@ -142,14 +143,14 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
 
 
 def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int) -> str:
-    """Warning if a mode lies near a neglected harmonic of the resonance; else empty.
+    """Warning if a mode lies near a neglected harmonic of the resonance frequency; empty otherwise.
 
     Parameters
     ----------
     condensation
         Modes of the structure.
     frequency
-        Resonance, rad/s.
+        Resonance frequency, rad/s.
     harmonics
         Highest harmonic in the analysis.
 
@@ -165,17 +166,17 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
         near = (np.abs(natural / (order * frequency) - 1.0) < NEAR_MULTIPLE) & (share > LEAST_SHARE)
         if near.any():
             return (
-                f"a mode at {natural[near][0] / (2.0 * np.pi):.0f} Hz lies near {order} times the resonance, whose "
-                f"harmonic is neglected; set harmonic.harmonics to {order}"
+                f"a mode at {natural[near][0] / (2.0 * np.pi):.0f} Hz lies near {order} times the resonance frequency, "
+                f"and this harmonic is neglected; set harmonic.harmonics to {order}"
             )
     return ""
 
 
 def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
-    """Estimate damping from the curve, by a method of `ESTIMATORS`; of a folded curve, the highest branch is used.
+    """Estimate damping from the response curve by a method of `ESTIMATORS`; of a folded curve, use the highest branch.
 
-    On a curve that leans over, frequencies between the folds have several motions. The reading then keeps, for
-    every frequency, the largest of them: the envelope, which has no phase.
+    Between the folds of a curve that leans over, several motions have the same frequency. The largest of them is used
+    at every frequency. The resulting envelope has no phase.
     """
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
@@ -194,35 +195,35 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
 
 
 def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
-    """Reading of a curve whose resonance is practically undamped: f_n, no peak, no damping; None for other curves."""
+    """Estimate of f_n, without peak and damping, if the resonance is practically undamped; None for other curves."""
     if curve.gap is None:
         return None
     low, high = (w / (2.0 * np.pi) for w in curve.gap)
     middle = 0.5 * (low + high)
     reason = (
         f"the resonance near {middle:.5g} Hz grows beyond {LARGEST_GROWTH:.0f} times the base motion: its damping "
-        f"ratio by friction is below {50.0 / LARGEST_GROWTH:.2g} %, or friction does not bound it; the curve is left "
-        f"out between {low:.6g} and {high:.6g} Hz"
+        f"ratio due to friction is below {50.0 / LARGEST_GROWTH:.2g} %, or friction does not limit it; the curve is "
+        f"omitted between {low:.6g} and {high:.6g} Hz"
     )
     shape = HalfPower(middle, np.nan, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
     return CurveDamping(shape, DampingEstimate(middle, np.nan, np.nan, np.nan, "half power", reason))
 
 
 def skipped_remark(curve: HarmonicCurve) -> str:
-    """Warning about internal resonances that the curve has stepped over; else empty."""
+    """Warning about internal resonances that were stepped over along the curve; empty otherwise."""
     if not curve.skipped:
         return ""
     places = ", ".join(f"{w / (2.0 * np.pi):.5g}" for w in curve.skipped)
     return (
-        f"internal resonances without damping just below {places} Hz are stepped over: a harmonic of the motion meets "
-        "a mode there; compare a sweep, or add a harmonic"
+        f"undamped internal resonances just below {places} Hz are stepped over: a harmonic of the motion coincides "
+        "with a mode there; compare with a sweep, or raise harmonic.harmonics"
     )
 
 
 def drift_remark(curve: HarmonicCurve) -> str:
-    """Warning about a mean relative displacement that the friction law does not bound; else empty.
+    """Warning about a mean relative displacement that the friction law does not limit; empty otherwise.
 
-    A law without memory transmits nothing at rest: whatever holds no layer in place otherwise lets it drift.
+    A friction law without memory transmits no traction at zero slip rate. A layer that is not held otherwise drifts.
     """
     contact = curve.balance.contact
     if contact.laws.sticks.all():
@@ -233,9 +234,9 @@ def drift_remark(curve: HarmonicCurve) -> str:
     if mean <= DRIFT * motion:
         return ""
     return (
-        f"the mean relative displacement of the layers is {mean:.2g} m, {mean / max(motion, 1e-300):.2g} times their "
-        "motion: the friction law transmits nothing at rest, so that nothing holds them; displacements and slip of the "
-        "interfaces are without meaning, use penalty_coulomb"
+        f"the mean relative displacement of the layers is {mean:.2g} m, {mean / max(motion, 1e-300):.2g} times its "
+        "amplitude: the friction law transmits no traction at rest and does not hold them; displacements and slip of "
+        "the interfaces are meaningless; use penalty_coulomb"
     )
 
 
@@ -253,17 +254,17 @@ def _described(dataset: xr.Dataset, case: HarmonicCase) -> xr.Dataset:
 
 
 def reduction_remark(error: float, settings: Harmonic) -> str:
-    """Warning if the error estimate of the reduced model is above its tolerance; else empty."""
+    """Warning if the error estimate of the reduced model exceeds its tolerance; empty otherwise."""
     if error <= settings.reduction_tolerance:
         return ""
     return (
         f"the estimated error of the reduced model is {100 * error:.2g} % of the motion, above "
-        "harmonic.reduction_tolerance, and its basis grows no further"
+        "harmonic.reduction_tolerance, and its basis is not enlarged further"
     )
 
 
 def memory_remark(dataset: xr.Dataset) -> str:
-    """Warning if the friction hysteresis is not yet periodic; else empty."""
+    """Warning if the friction hysteresis is not yet periodic; empty otherwise."""
     change = float(dataset.attrs["memory_change"])
     if change <= MEMORY_WARNING:
         return ""
@@ -276,7 +277,7 @@ def memory_remark(dataset: xr.Dataset) -> str:
 
 ANALYSIS = Analysis(
     name="harmonic",
-    sentence="Periodic response to a sine of the base over frequency, by harmonic balance.",
+    sentence="Periodic response to sinusoidal base motion versus frequency, by harmonic balance.",
     sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
     run=run_harmonic,
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip),

@@ -1,4 +1,4 @@
-"""Time history of a case, for sweep and dwell: preload, condensation, time integration."""
+"""Time history of a sweep or dwell case: preload, condensation, time integration."""
 
 from __future__ import annotations
 
@@ -30,12 +30,13 @@ if TYPE_CHECKING:
 
 
 LARGE_REDUCTION_ERROR = 0.01
-"""Error estimate of the reduced model above which the run falls back to `condensed`, or warns where that would take too
-long; below 0.004 for the lab roll at 10 to 300 kPa. Five times `solver.reduction_tolerance` if that is more."""
+"""Estimated relative error of the reduced model above which the run falls back to `condensed`, or only warns if that
+would take too long. Five times `solver.reduction_tolerance` is the limit if it is larger. The lab roll at 10 to 300 kPa
+stays below 0.004."""
 
 FALLBACK_SIZE = 2000
-"""Contact degrees of freedom above which a run that could go on as reduced does not fall back to condensed: a step of
-condensed then takes seconds where many points change their state."""
+"""Largest number of contact degrees of freedom for which a run falls back from `reduced` to `condensed`. With more, a
+step of `condensed` takes seconds when many points change their contact state."""
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
 FIGURES = (
@@ -76,7 +77,7 @@ def time_history(
     system, state = prepare(case, progress)
     saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
     run = _Integration(case, system, state, progress)
-    method, reason = solver.method, "an earlier part of this run found the reduced model too inaccurate"
+    method, reason = solver.method, "the reduced model was too inaccurate in an earlier part of this run"
     fell_back = method == "reduced" and saved_method(saving) == "condensed"
     if not fell_back:
         try:
@@ -90,15 +91,15 @@ def time_history(
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
     if estimate > run.largest_error:
         progress.warning(
-            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide widely; "
-            "compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
+            f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide over "
+            "large areas; compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
         )
     return history
 
 
 @dataclass(frozen=True)
 class _Integration:
-    """Time integration of a prepared case by any method."""
+    """Time integration of a prepared case by any `solver.method`."""
 
     case: SweepCase | DwellCase
     system: System
@@ -107,11 +108,11 @@ class _Integration:
 
     @property
     def largest_error(self) -> float:
-        """Error estimate of the reduced model that is still good enough."""
+        """Largest acceptable error estimate of the reduced model."""
         return max(LARGE_REDUCTION_ERROR, 5.0 * self.case.solver.reduction_tolerance)
 
     def history(self, method: str, saving: Checkpointing | None) -> xr.Dataset:
-        """Integrate by ``method``."""
+        """Compute the time history by ``method``."""
         case, solver, dt = self.case, self.case.solver, time_step(self.case)
         scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
         options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
@@ -144,14 +145,14 @@ def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) 
         participation = np.abs(condensation.base * condensation.tip)
         main = int(np.argmax(participation))
         frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
-        progress.info(f"sticking roll: {frequency:.2f} Hz, {len(condensation.eigenvalues)} modes")
+        progress.info(f"resonance of the sticking roll: {frequency:.2f} Hz; {len(condensation.eigenvalues)} modes")
     detuned = detuned_harmonic(case, condensation) if stepper.system.interfaces else ""
     if detuned:
         progress.warning(detuned)
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is projected, with an error of about 1e-4 of the "
-            "largest displacement; use solver.method: full for the exact solution"
+            "the mesh has no rotational symmetry: the interior is approximated by a projection, with an error of about "
+            "1e-4 of the largest displacement; use solver.method: full for the exact solution"
         )
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 DENSE_MODES = 500
-"""Largest number of DOFs for which modes of matrices from a file are computed by a dense eigensolver."""
+"""Largest number of DOFs for which the modes of matrices read from a file are computed by a dense eigensolver."""
 
 
 def run_modal(case: ModalCase, *, progress: Progress) -> xr.Dataset:
@@ -47,7 +47,7 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
     -------
     xr.Dataset
         `mode_frequency`, `mode_kind`, `mode_harmonic`, `effective_mass_fraction` (mode, component), `mode_residual`,
-        `tip_participation`, `mode_shape` (mode, node, component) with the mesh it lives on.
+        `tip_participation`, `mode_shape` (mode, node, component) and its mesh.
     """
     from wroll_fem.fem.eigen import solve_pairs
 
@@ -105,7 +105,7 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
 
 
 def with_probes(dataset: xr.Dataset, system: System, vectors: FloatArray) -> xr.Dataset:
-    """Dataset with the displacement of M-normalised modes at the probes, if the case defines probes."""
+    """Dataset with the displacement of each M-normalised mode at the probes, if the case defines probes."""
     names = list(system.probe_names)
     if len(names) == 1:
         return dataset
@@ -122,7 +122,7 @@ def tip_participation(system: System, vectors: FloatArray) -> FloatArray:
 
 
 def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset:
-    """Compute frequency and effective mass of the undamped modes of matrices from a file."""
+    """Compute frequencies and effective masses of the undamped modes of matrices read from a file."""
     stuck = case.modal.interface == "stuck"
     system, state = prepare(case, progress) if stuck else read_structure(case)
     springs = linear_springs(case, system, state) if system.interfaces else np.zeros(0)

@@ -1,4 +1,4 @@
-"""Solid coil under a steady sine of the base: where shear exceeds the friction capacity."""
+"""Solid coil under steady sinusoidal base motion: where the shear stress exceeds the friction capacity."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 def run_modal_transient(case: ModalTransientCase, *, progress: Progress) -> xr.Dataset:
-    """Compute modes with stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
+    """Compute modes, their stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
     return SlipModel.of(case, progress=progress).run(progress=progress)
 
 
 def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Onset and slip zone for summary.json; lists have an entry per level of `amplitude_g`."""
+    """Slip onset and slip zone for summary.json; lists have one entry per level of `amplitude_g`."""
     onset, levels = dataset["slip_onset"].values, dataset["amplitude_g"].values
     first = int(np.argmin(onset))
     found: dict[str, Any] = {
@@ -46,7 +46,7 @@ def slip_summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def slip_statement(dataset: xr.Dataset) -> str:
-    """Sentence on onset, location and extent of slip in the coil."""
+    """Sentence that states onset, location and extent of slip in the coil."""
     onset, top = dataset["slip_onset"].values, float(dataset["amplitude_g"].values[-1])
     first = int(np.argmin(onset))
     if not np.isfinite(onset[first]):
@@ -64,7 +64,7 @@ def slip_statement(dataset: xr.Dataset) -> str:
 
 ANALYSIS = Analysis(
     name="modal_transient",
-    sentence="Solid coil under a steady sine of the base: where shear exceeds the friction capacity.",
+    sentence="Solid coil under steady sinusoidal base motion: where the shear stress exceeds the friction capacity.",
     sections=("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
     run=run_modal_transient,
     summary=(slip_summary, summary.modes),

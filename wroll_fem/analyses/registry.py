@@ -1,7 +1,7 @@
-"""What an analysis declares, and how it is found; all tables of analyses are derived from these declarations.
+"""Declaration and lookup of the analyses; all tables of analyses are derived from the declarations.
 
-An analysis is a module that holds `ANALYSIS`, an `Analysis` object, and stands in `case.analyses.MODULES`. It is
-imported when it is asked for, so that this module stays cheap to import.
+An analysis is a module that contains `ANALYSIS`, an `Analysis` object, and is listed in `case.analyses.MODULES`. It is
+imported on first use, so that importing this module is fast.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ class Analysis:
     sentence
         What it computes.
     sections
-        Case sections without which it is refused, for a roll with layers (or a solid coil).
+        Case sections that are required for a roll with layers (or a solid coil).
     run
-        Function of the case and ``progress``, that returns an annotated Dataset; a resumable one also takes
-        ``checkpoint`` (path or None) and ``resume``.
+        Function of the case and ``progress`` that returns an annotated Dataset. The function of a resumable analysis
+        also takes ``checkpoint`` (path or None) and ``resume``.
     summary
         Functions of the Dataset; each returns entries of summary.json, named in `results.summary.SUMMARY`. Attributes
-        of the Dataset with names of that table are entries without further ado.
+        of the Dataset whose names are in that table become entries as they are.
     figures, fields
         Functions of the Dataset and a folder; each writes figures (.png) or fields (.vtu) and returns the files.
     variables
-        Dimensions -> main variables over them, for the documentation.
+        Dimensions -> main variables with these dimensions, for the documentation.
     plots
         Figures of `wf.plot` that draw its results.
     preflight
-        Checks before the run: functions of the case that return warnings, each with what to change.
+        Checks before the run: functions of the case that return warnings, each with a remedy.
     estimate
         Size and approximate time of the run, from the case.
     resumable
@@ -72,12 +72,12 @@ class Analysis:
 
 
 def find_analysis(name: str) -> Analysis:
-    """Return the analysis with a name.
+    """Return the analysis with the given name.
 
     Raises
     ------
     InputError
-        When the registry has no such name.
+        If the registry has no such name.
     """
     if name not in MODULES:
         remedy = f"use one of: {', '.join(MODULES)}"
@@ -87,5 +87,5 @@ def find_analysis(name: str) -> Analysis:
 
 
 def all_analyses() -> list[Analysis]:
-    """Return all analyses in the order of the registry; imports their modules."""
+    """Return all analyses in the order of the registry; their modules are imported."""
     return [find_analysis(name) for name in MODULES]

@@ -1,4 +1,4 @@
-"""Slip of a solid coil under a sine of the base, by modal superposition: response, shear stress, slip zone."""
+"""Slip of a solid coil under sinusoidal base motion, by modal superposition: response, shear stress, slip zone."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 FEWEST_MASS = 0.9
-"""Share of the mass along the excitation below which the modes get a warning."""
+"""Effective mass of all computed modes along the excitation, divided by the total mass, below which the run warns."""
 
 
 LEAST_MASS = 1e-6
-"""Least effective mass of the driven mode over the total mass; smaller values are round-off."""
+"""Least effective mass of the driven mode, divided by the total mass; smaller values are round-off."""
 
 
 class CoilShape(NamedTuple):
@@ -60,11 +60,11 @@ def transient_dataset(
     shape
         Extent of the coil.
     damping_ratio
-        Of every mode.
+        Damping ratio of every mode.
     frequency_hz
-        Of the base; None is the natural frequency of the mode with the largest effective mass.
+        Frequency of the base motion; None: natural frequency of the mode with the largest effective mass.
     levels_g
-        Base acceleration (0-peak) over 9.80665 m/s^2, ascending.
+        Base acceleration (0-peak) divided by 9.80665 m/s^2, ascending.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def _mode_fields(modes: ShearModes) -> dict[str, Any]:
 
 
 def _capacity_fields(capacity_at: Callable[[FloatArray], FloatArray], shape: CoilShape) -> dict[str, Any]:
-    """Friction capacity over the radius, from the mandrel outwards."""
+    """Friction capacity versus radius, from the mandrel outwards."""
     radius = np.linspace(shape.mandrel_radius, shape.outer_radius, 301)
     return {
         "capacity_radius": ("capacity_point", radius),
@@ -159,7 +159,7 @@ def _capacity_fields(capacity_at: Callable[[FloatArray], FloatArray], shape: Coi
 
 
 def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, onset: FloatArray) -> dict[str, Any]:
-    """Position, shear at 1 g, capacity and onset of slip of every quadrature point."""
+    """Position, shear stress at 1 g, friction capacity and slip onset of every quadrature point."""
     return {
         "theta_rad": ("point", modes.points[:, 0]),
         "z_m": ("point", modes.points[:, 1]),
@@ -174,7 +174,7 @@ def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, ons
 
 
 def _zone_fields(zones: list[SlipZone]) -> dict[str, Any]:
-    """Extent of slip at every level."""
+    """Extent of the slip zone at every level."""
     return {
         "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
         "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),
@@ -189,13 +189,13 @@ def remarks(dataset: xr.Dataset) -> list[str]:
     if share < FEWEST_MASS:
         found.append(
             f"{dataset.sizes['mode']} modes carry {100 * share:.0f} % of the mass along the excitation; "
-            "the stresses lack the contribution of the others: raise modal.count until "
-            f"{100 * FEWEST_MASS:.0f} % are reached"
+            "the contribution of the other modes to the stresses is missing: raise modal.count until "
+            f"{100 * FEWEST_MASS:.0f} % is reached"
         )
     f, top = float(dataset.attrs["excitation_frequency_hz"]), float(dataset["mode_frequency"].max())
     if f > 0.7 * top:
         found.append(
             f"the base moves at {f:.1f} Hz and the highest mode is at {top:.1f} Hz: raise modal.count until the "
-            "highest lies well above"
+            "highest mode lies well above the excitation"
         )
     return found

@@ -1,4 +1,4 @@
-"""Slip of a solid coil from one set of modes, for many levels, dampings, frequencies and windings."""
+"""Slip of a solid coil from one set of modes, for many excitation levels, damping ratios, frequencies and windings."""
 
 from __future__ import annotations
 
@@ -61,7 +61,8 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
 class SlipModel:
     """Modes of a coil with their shear stress, and the friction capacity from winding.
 
-    The coil is linear, so one set of modes serves every level, friction, damping, frequency and winding.
+    The coil is linear, so one set of modes is valid for every excitation level, friction coefficient, damping ratio,
+    frequency and winding.
 
     Attributes
     ----------
@@ -106,7 +107,7 @@ class SlipModel:
         return cls(case, modes, roll)
 
     def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:
-        """Compute the result of a case with the same modes; None for the case that was solved.
+        """Compute the result of a case with the same modes, or, if None is given, of the case that was solved.
 
         Parameters
         ----------
@@ -149,7 +150,7 @@ class SlipModel:
             changed = ["excitation.direction"]
         else:
             return case
-        remedy = "solve that case: SlipModel.of(case), or run it"
+        remedy = "make a new model with SlipModel.of(case), or run the case"
         raise InputError("changes the modes of the slip model", key=", ".join(changed), remedy=remedy)
 
 

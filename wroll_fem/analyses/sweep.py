@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def run_sweep(
     case: SweepCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
-    """Compute the time history with energy ledger, slip fields and transmissibility; attributes contain the damping.
+    """Compute the time history with energy ledger, slip fields and transmissibility; attributes describe the damping.
 
     Parameters
     ----------

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 SECONDS_PER_MOTION = {"periodic": 1.5e-3, "time": 1.0}
-"""Seconds per periodic motion for each method, on a 2.5 GHz core."""
+"""Method -> computing time per periodic motion on a 2.5 GHz core, s."""
 SECONDS_PER_DESIGN = 0.2
 
 _WORK = ("input", "primary", "secondary", "friction")
 
 
 def two_masses(section: TwoDof) -> TwoMasses:
-    """Model of the two masses from the case section."""
+    """Two-mass model from the case section `two_dof`."""
     return TwoMasses(
         m1=section.m1, k1=section.k1, c1=section.c1, m2=section.m2, k2=section.k2, c2=section.c2,
         base_amplitude=section.Y0, smoothing=section.smoothing, arrangement=section.arrangement,
@@ -118,7 +118,7 @@ def _curves(
 
 
 def design_dataset(space: DesignSpace) -> xr.Dataset:
-    """Map of the design space: damping, its maximum over the friction capacities, and the capacity of the maximum."""
+    """Map of the design space: damping ratio, its largest value per design, and the capacity at which it occurs."""
     dims, flat = ("m2", "k2", "friction_capacity"), ("m2", "k2")
     known = np.where(np.isfinite(space.zeta), space.zeta, -np.inf)
     best = known.argmax(axis=2)
@@ -137,7 +137,7 @@ def design_dataset(space: DesignSpace) -> xr.Dataset:
 
 
 def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
-    """Flat summary; lists have an entry per friction capacity, null if damping cannot be estimated."""
+    """Flat summary; lists have one entry per friction capacity, null if the damping cannot be estimated."""
 
     def listed(name: str) -> list[float | None]:
         return [float(v) if np.isfinite(v) else None for v in dataset[name].values]
@@ -170,7 +170,7 @@ def summarise_two_dof(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
-    """Number of motions and curves, and approximate computing time."""
+    """Numbers of periodic motions and response curves, and approximate computing time."""
     import os
 
     section = case.two_dof
@@ -186,7 +186,7 @@ def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
 
 ANALYSIS = Analysis(
     name="two_dof",
-    sentence="Two masses coupled by friction, under a sine of the base.",
+    sentence="Two masses coupled by friction, under sinusoidal base motion.",
     sections=("two_dof",),
     run=run_two_dof,
     summary=(summarise_two_dof,),

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 COARSE = 0.01
-"""Estimated error of the pressure at the mandrel above which the run warns."""
+"""Estimated relative error of the pressure at the mandrel above which the run warns."""
 
 
 def run_winding(case: WindingCase, *, progress: Progress) -> xr.Dataset:
-    """Compute pressure, capacity and hoop stress over the radius, on the refined grid and the wrap grid of the thesis.
+    """Compute pressure, capacity and hoop stress versus radius, on a refined grid and on the grid of the thesis.
 
     Returns
     -------
     xr.Dataset
-        `pressure_pa`, `capacity_pa`, `hoop_stress_pa`, `radial_modulus_pa`, `winding_tension_pa` over `r`, and the
-        thesis's grid over `wrap` (values under each wrap; the hoop stress is the mean in it).
+        `pressure_pa`, `capacity_pa`, `hoop_stress_pa`, `radial_modulus_pa`, `winding_tension_pa` over `r`. On the
+        grid of the thesis, over `wrap`: the values under each wrap, and the mean hoop stress in it.
     """
     section = case.wound
     with progress.stage("wound roll", 1) as stage:
@@ -81,8 +81,8 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
     found = []
     if roll.error_estimate > COARSE:
         found.append(
-            f"the pressure at the mandrel still changes by {100 * roll.error_estimate:.1f} % with the grid; raise "
-            f"winding.cells (now {section.cells})"
+            f"the pressure at the mandrel still changes by {100 * roll.error_estimate:.1f} % when the grid is "
+            f"refined; raise winding.cells (now {section.cells})"
         )
     stiffest = float(roll.modulus(roll.pressure[0]))
     if stiffest > section.web.E_theta:

@@ -32,10 +32,10 @@ UNUSED_LAW = PenaltyCoulomb(0.0, 1e-6)
 
 
 def normal_penalty(roll: RollSections, normal: Normal) -> float:
-    """Normal contact stiffness in Pa/m, from the case or from the through-thickness stiffness of the half shells.
+    """Normal contact stiffness in Pa/m, from the case or from the through-thickness stiffness of mandrel and layer.
 
-    ``auto`` is physical: two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is some
-    thousand times the hoop stiffness E t / R^2 of a lab layer, so that the pressure split does not feel it.
+    ``auto`` is the stiffness of the two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is about a
+    thousand times the hoop stiffness E t / R^2 of the lab layer, so the split of the pressure hardly depends on it.
     """
     if not isinstance(normal.penalty, str):
         return float(normal.penalty)
@@ -51,7 +51,7 @@ def uses_symmetry(case: StructuralCase) -> bool:
 def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
     """Mesh and assemble the bodies of a case, inner first.
 
-    A mesh file that is not symmetric about the x-z plane gives the whole circumference.
+    With a mesh file that is not symmetric about the x-z plane, the whole circumference is modelled.
     """
     from wroll_fem.fem.body import assemble_bodies
     from wroll_fem.mesh.generate import build_mesh
@@ -65,7 +65,7 @@ def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
 
 
 def friction_law(friction: Friction) -> FrictionLaw:
-    """Tangential law of every interface."""
+    """Friction law of every interface, from the case section `contact.friction`."""
     return BY_NAME[friction.law].from_section(friction)
 
 
@@ -89,8 +89,8 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     if contact is None and not bonded and not isinstance(case, ModalCase):
         raise InputError(
             "required section is missing", key="contact",
-            remedy=f"add it: analysis {case.analysis} includes contact between all shells (coil.model: solid is "
-            "one body with the mandrel)",
+            remedy=f"add it: analysis {case.analysis} includes contact between all shells (not with coil.model: "
+            "solid, which forms one body with the mandrel)",
         )  # fmt: skip
     normal = Normal() if contact is None or bonded else contact.normal
     system = System.from_bodies(
@@ -107,7 +107,7 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
 
 
 def named_probes(points: Mapping[str, ProbePoint] | None) -> dict[str, Probe]:
-    """Probes of the case section `probes` by name; the tip is not among them."""
+    """Probes of the case section `probes`, by name; the tip is not included."""
     return {name: Probe(at.theta, at.z, at.direction, at.body) for name, at in (points or {}).items()}
 
 
@@ -135,7 +135,7 @@ def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, Pro
 
 
 def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:
-    """System with external pressures that give the mean interface pressures of the wound roll."""
+    """System with external pressures that produce the mean interface pressures of the wound roll."""
     from wroll_fem.dynamics.statics.pressure_matching import match_interface_pressure
     from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
 

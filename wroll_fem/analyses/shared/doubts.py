@@ -1,4 +1,4 @@
-"""Doubts about finished results: limits that the numbers of a run exceed, each as one warning with its remedy."""
+"""Checks of finished results: each limit that is exceeded gives one warning with a remedy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wroll_fem.case import Case
 
 ENERGY_ERROR = 0.005
-"""Energy balance error above which no number of a run is trustworthy, relative to the largest input."""
+"""Energy balance error, relative to the largest input work, above which the results of a run are doubtful."""
 
 
 def doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list[str]:
@@ -44,4 +44,4 @@ def _energy(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list
 
 
 CHECKS = (_energy, displacement_doubts)
-"""Functions of results, summary and case that return warnings."""
+"""Checks of a finished run; each takes results, summary and case, and returns warnings."""

@@ -13,7 +13,7 @@ from wroll_fem.results.interface_slip import has_surface
 
 
 def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
-    """Figure writer for a function of `wroll_fem.plot`.
+    """Return a function that draws a figure of `wroll_fem.plot` and saves it.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Pa
     name
         Name of the figure.
     needs
-        Variable without which there is nothing to draw.
+        Variable that the figure needs; without it, the figure is not drawn.
     """
 
     def part(dataset: xr.Dataset, folder: Path) -> list[Path]:
@@ -44,7 +44,7 @@ def _surfaces(dataset: xr.Dataset) -> list[int]:
 
 
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw slip maps and vectors of the largest relative displacement of every interface."""
+    """Draw the slip map and the vectors of the largest relative displacement for every interface."""
     kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
     return [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
@@ -71,7 +71,7 @@ def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def _mode_values(dataset: xr.Dataset) -> tuple[list[float], list[int], list[str]]:
-    """Frequency or buckling load of each mode, its decimals and its unit."""
+    """Frequency or buckling load factor of each mode, with the number of decimals and the unit for display."""
     name, digits, unit = ("load_factor", 3, "x preload") if "load_factor" in dataset else ("mode_frequency", 1, "Hz")
     values = dataset[name].values.tolist()
     return values, [digits] * len(values), [unit] * len(values)
@@ -91,7 +91,7 @@ def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw shear stress at the root and slip zone, if the points of the coil form a grid."""
+    """Draw the shear stress at the root and the slip zone, if the points of the coil form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
 
     kinds = (("root_section", "root_sections"), ("slip_zone", "slip_zone"))
@@ -121,7 +121,7 @@ def write_slip(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def write_coil(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Write coil_slip.vtu: shear, capacity and onset in the coil."""
+    """Write coil_slip.vtu: shear stress, friction capacity and slip onset in the coil."""
     from wroll_fem.plotting.coil_slip_space import write_coil_vtu
 
     return [write_coil_vtu(dataset, folder / "coil_slip.vtu")]

@@ -1,4 +1,4 @@
-"""Variables of mode shapes and of the mesh on which they live."""
+"""Dataset variables of the mode shapes and of their mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wroll_fem.typing import FloatArray
 
 
 def shape_variables(bodies: Sequence[Body], vectors: FloatArray) -> dict[str, Any]:
-    """Variables of a Dataset: mode shapes, node positions, quads and, with a solid coil, its hexahedra.
+    """Dataset variables: mode shapes, node positions, quadrilaterals and, for a solid coil, hexahedra.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def shape_variables(bodies: Sequence[Body], vectors: FloatArray) -> dict[str, An
 
 
 def _shapes(bodies: Sequence[Body], vectors: FloatArray) -> FloatArray:
-    """Mode shapes (n_modes, n_nodes, 3): nodal displacements, largest 1."""
+    """Mode shapes (n_modes, n_nodes, 3): nodal displacements, scaled to a largest displacement of 1."""
     ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
     parts = []
     for body, part in zip(bodies, np.split(vectors, ends), strict=True):
@@ -53,7 +53,7 @@ def _starts(bodies: Sequence[Body]) -> list[int]:
 
 
 def _cells(bodies: Sequence[Body]) -> np.ndarray:
-    """Quads (n, 9) of the shells and of the outer surface of the solid coil."""
+    """Quadrilaterals (n, 9) of the shells and of the outer surface of the solid coil."""
     quads = []
     for body, start in zip(bodies, _starts(bodies), strict=False):
         quads.append(body.cells + start)

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
-    """First bending frequency in Hz of the tube(s) as a cantilever with tip mass (Rayleigh, with shear flexibility).
+    """First bending frequency in Hz of the roll as a cantilever with tip mass (Rayleigh, with shear flexibility).
 
-    33/140 of the beam's mass acts at the tip. The error is some per cent.
+    33/140 of the mass of the beam acts at the tip. The error is a few per cent.
 
     Parameters
     ----------
@@ -58,9 +58,9 @@ def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[fl
 
 
 def buckling_pressure(roll: RollSections) -> float:
-    """Linear hoop-buckling pressure in Pa of mandrel plus layers, each a short tube with round ends.
+    """Linear hoop-buckling pressure in Pa: sum of mandrel and layers, each a short tube whose ends stay circular.
 
-    Windenburg and Trilling's formula, p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)), summed.
+    Windenburg and Trilling's formula for a tube is p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)).
     """
     g, coil = roll.geometry, roll.coil
     tubes = [(roll.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
@@ -78,9 +78,9 @@ def buckling_pressure(roll: RollSections) -> float:
 
 
 def interface_pressures(case: OnRoll) -> list[float]:
-    """Estimated pressure in Pa at each interface, inner first; concentric rings share the load by E t / R^2.
+    """Estimated pressure in Pa at each interface, inner first; rings share the load in proportion to E t / R^2.
 
-    Thin rings without end effects; the pressure of an opening interface is zero.
+    The rings are thin, and end effects are neglected. The pressure of an interface that opens is zero.
     """
     g, coil = case.geometry, case.coil
     if case.preload is None:
@@ -97,7 +97,7 @@ def interface_pressures(case: OnRoll) -> list[float]:
 
 
 def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
-    """Shear-lag length in m of the axial force between layer and mandrel, sqrt((E t)_series / k_t).
+    """Shear-lag length in m of the transfer of axial force between layer and mandrel, sqrt((E t)_series / k_t).
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
     rigid = float(system.probes["tip"] @ system.influence)
     if system.influence.any() and abs(rigid - 1.0) > 1e-6:
         warnings.append(
-            f"probe_tip moves {rigid:.6g} m when the base moves 1 m; the transmissibility adds the base motion once: "
+            f"probe_tip moves {rigid:.6g} m when the base moves 1 m, but the transmissibility assumes 1 m; "
             "write the row of a displacement along the excitation"
         )
     return warnings
@@ -183,7 +183,7 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
 
 
 def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
-    """External pressure on each layer, Pa; imports the wound roll only where it sets them."""
+    """External pressure on each layer, Pa; `wroll_fem.winding` is imported only for a preload by winding tension."""
     if preload.kind != "winding_tension":
         return preload.per_layer(case.coil.layers)
     from wroll_fem.winding.interface import external_pressures
@@ -205,7 +205,7 @@ def contact_warnings(case: StructuralCase) -> list[str]:
         warnings.append(
             f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
             f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
-            f"some per cent; raise mesh.axial (about {need}) or mesh.grading"
+            f"a few per cent; raise mesh.axial (about {need}) or mesh.grading"
         )
     if case.friction.law == "smoothed_coulomb":
         warnings.append(
@@ -216,12 +216,12 @@ def contact_warnings(case: StructuralCase) -> list[str]:
     if total > limit and not case.has_geometric_stiffness:
         warnings.append(
             f"the external pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, "
-            f"about {limit / 1e3:.0f} kPa: kinematics are linear and do not see it; real winding pressure is balanced "
-            "by web tension; preload.geometric_stiffness: true computes the buckling load"
+            f"about {limit / 1e3:.0f} kPa: the kinematics are linear and do not include buckling; real winding "
+            "pressure is balanced by web tension; preload.geometric_stiffness: true computes the buckling load"
         )
     if 0 < min(pressures) < 2e3:
         warnings.append(
-            f"the estimated interface pressure of {min(pressures):.0f} Pa is low: surfaces may open widely; "
+            f"the estimated interface pressure of {min(pressures):.0f} Pa is low: large areas may open; "
             "watch for step cuts, and raise integrator.steps_per_cycle if the run stops"
         )
     return warnings
@@ -240,4 +240,5 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "design_map": (),
     "two_dof": (),
 }
-"""Analysis -> its checks; here and not in the modules of the analyses, so that `wroll validate` imports no solver."""
+"""Analysis -> its checks. They are listed here, not in the modules of the analyses, so that `wroll validate` imports no
+solver."""

@@ -28,8 +28,8 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
     """Return the system of a case and its preload state; report the interface pressure.
 
     Used by every analysis that starts from the preloaded system, whether the case describes a roll
-    (mesh, assemble, preload) or matrices from a file (`structure`). Layers of `coil.model: bonded` are bonded by
-    springs in the stiffness: their system has no interfaces.
+    (mesh, assemble, preload) or matrices from a file (`structure`). With `coil.model: bonded` the layers are
+    bonded by springs in the stiffness matrix, and the system has no interfaces.
 
     Raises
     ------
@@ -90,16 +90,16 @@ def _pressures(system: System, state: ContactState) -> list[tuple[str, float, fl
 
 
 def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
-    """System of `structure.file`, with the laws of `contact` if the case has them, and its preload state.
+    """System of `structure.file`, with the contact laws of `contact` if the case has them, and its preload state.
 
-    The state is None when it has to be solved: the file holds none, or `contact` changes a law and the file
-    holds the load as well.
+    The state is None if it has to be computed. This is so if the file contains no state, or if `contact` changes a law
+    and the file also contains the load.
 
     Raises
     ------
     InputError
-        From `load_system`, for a preload that presses nothing, and for a singular mass matrix with a method
-        that needs its inverse.
+        From `load_system`; for a preload that opens every contact point; and for a singular mass matrix with a
+        method that needs its inverse.
     """
     path = case.structure.file
     contact = case.contact
@@ -119,7 +119,7 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
 
 
 def _check_pressing(system: System, file: str) -> None:
-    """Refuse a preload that opens every contact point, computed with bilateral contact and negligible friction."""
+    """Refuse a preload that opens every contact point; the check assumes bilateral contact and negligible friction."""
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not system.interfaces or not force.any():
         return
@@ -142,7 +142,7 @@ def _check_pressing(system: System, file: str) -> None:
 
 
 def _check_mass(case: OnStructure, system: System) -> None:
-    """Require a regular mass matrix, except for solver.method: full."""
+    """Refuse a singular mass matrix, unless the analysis is preload or solver.method is full."""
     if case.analysis == "preload" or case.solver.method == "full" or not is_singular(sp.csr_matrix(system.mass)):
         return
     count = massless_dofs(sp.csr_matrix(system.mass))

@@ -1,4 +1,4 @@
-"""Geometric stiffness of the preload in the system of a case: loads, static state, stiffened matrices, buckling."""
+"""Geometric stiffness due to the preload of a case: loads, static state, stiffness matrix, buckling load."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Stability:
-    """Lowest buckling load of a preload.
+    """Lowest buckling load, as a multiple of the preload.
 
     Attributes
     ----------
     factor
-        Load over preload at which the roll buckles.
+        Load at which the roll buckles, divided by the preload.
     kind
         Shape of the buckling mode and its circumferential wave number.
     """
@@ -44,7 +44,7 @@ class Stability:
 
 
 def prestressed_roll(case: OnRoll, bodies: Sequence[Body]) -> PrestressedRoll | None:
-    """Bodies with the loads of a preload that has geometric stiffness; None if the case does not ask for it."""
+    """Bodies and preload of a case with geometric stiffness; None if the case does not request geometric stiffness."""
     from wroll_fem.fem.prestressed_roll import PrestressedRoll
 
     if not case.has_geometric_stiffness or case.preload is None:
@@ -53,16 +53,17 @@ def prestressed_roll(case: OnRoll, bodies: Sequence[Body]) -> PrestressedRoll | 
 
 
 def body_pressures(case: OnRoll, system: System) -> list[float]:
-    """(n_bodies,) external pressure on each body, Pa: on the mandrel only if it is alone."""
+    """(n_bodies,) external pressure on each body, Pa; zero on the mandrel unless it is the only body."""
     if system.interfaces or case.preload is None:
         return [0.0, *system.pressures]
     return [sum(case.preload.per_layer(1))]
 
 
 def contact_state(case: OnRoll, roll: PrestressedRoll, system: System) -> tuple[System, ContactState]:
-    """System with its preload, and its static state: of the contact with friction, or bonded.
+    """System with its preload, and its static state with frictional or bonded interfaces.
 
-    Interfaces are bonded without `contact`, and with `coil.model: bonded`. The external pressure of a case without
+    Interfaces are bonded if the case has no `contact`, or has `coil.model: bonded`. The
+    external pressure of a case without
     layers acts on the mandrel.
     """
     if not system.interfaces:
@@ -78,15 +79,15 @@ def contact_state(case: OnRoll, roll: PrestressedRoll, system: System) -> tuple[
 
 
 def stiffened(system: System, geometric: sp.csr_matrix, state: ContactState) -> System:
-    """System whose stiffness contains the geometric stiffness; its load holds `state` with the new matrix."""
+    """System with the geometric stiffness added; its preload is changed so that `state` stays in equilibrium."""
     found = replace(system, stiffness=sp.csr_matrix(system.stiffness + geometric))
     return replace(found, loads={**system.loads, "preload": equilibrium_force(found, state)})
 
 
 def held_springs(system: System, state: ContactState, *, sticks: bool = True) -> FloatArray:
-    """(3 n_points,) springs of the contact that sticks, Pa/m; at least a negligible stiffness.
+    """(3 n_points,) spring stiffness of sticking contact, Pa/m; each spring has at least a negligible stiffness.
 
-    Without `sticks` only the negligible stiffness is left along the surface.
+    If `sticks` is False, the tangential springs have the negligible stiffness alone.
     """
     springs, least = stick_springs(system, state), LEAST_TANGENT * system.laws.kn
     along = np.maximum(tangentials(springs)[:, 0], least) if sticks else least
@@ -96,7 +97,7 @@ def held_springs(system: System, state: ContactState, *, sticks: bool = True) ->
 def stability(
     bodies: Sequence[Body], system: System, geometric: sp.csr_matrix, springs: FloatArray
 ) -> Stability | None:
-    """Lowest buckling load with springs in the interfaces (3 n_points,), Pa/m; None if nothing buckles."""
+    """Lowest buckling load with interface springs (3 n_points,), Pa/m; None if the roll does not buckle."""
     from wroll_fem.fem.buckling import load_factors
 
     factors, modes = load_factors(system.with_interface_springs(springs), geometric, 1)
@@ -106,21 +107,21 @@ def stability(
 def add_geometric_stiffness(
     case: OnRoll, roll: PrestressedRoll, system: System, state: ContactState, springs: FloatArray | None = None
 ) -> tuple[System, float]:
-    """System with the geometric stiffness of its preload, and the lowest buckling load over the preload.
+    """System with the geometric stiffness of its preload, and its lowest buckling load divided by the preload.
 
     Parameters
     ----------
     case, roll, system, state
         A case, its bodies, its system and its static state.
     springs
-        (3 n_points,) springs in the interfaces for the buckling load, Pa/m; None takes those of the contact that
-        sticks. A point without any gets a negligible stiffness.
+        (3 n_points,) interface springs for the buckling load, Pa/m; None takes the springs of sticking contact. A
+        point without a spring gets a negligible stiffness.
 
     Returns
     -------
     system : System
     factor : float
-        Infinite if nothing buckles.
+        Infinite if the roll does not buckle.
 
     Raises
     ------
@@ -136,7 +137,7 @@ def add_geometric_stiffness(
     if found is not None and found.factor <= 1.0:
         raise InputError(
             f"the preload exceeds the linear buckling load: at {found.factor:.3g} times the preload the roll buckles "
-            f"with {found.kind.wave_number} waves around",
+            f"with {found.kind.wave_number} circumferential waves",
             key="preload.geometric_stiffness",
             remedy="lower the preload, use kind: winding_tension (self-equilibrated), or leave the key out",
         )

@@ -1,4 +1,4 @@
-"""Whether a mesh resolves the modes of a roll without friction: its frequencies against those of finer elements."""
+"""Mesh check for a roll without friction: its natural frequencies are compared with those of a finer mesh."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ if TYPE_CHECKING:
     from wroll_fem.fem.fourier_roll import SymmetryClass
 
 TOLERANCE = 0.01
-"""Relative difference of a frequency from that of the finer elements, above which a run warns."""
+"""Relative difference between the natural frequencies of the mesh and of the finer mesh, above which a run warns."""
 
 COILS = ("solid", "bonded")
-"""Coil models whose mesh is checked: elastic coils without friction, which semi-analytical elements can model."""
+"""Coil models whose mesh is checked: elastic coils without friction, which semi-analytical elements can represent."""
 
 _FINE = {"axial": 24, "grading": 12.0, "radial": 3, "radial_grading": 10.0}
-"""Least mesh of the semi-analytical elements, which are cubic; they add cells at the clamp, the tip and the wall."""
+"""Least numbers of cells and least gradings of the finer mesh. Its semi-analytical elements are cubic. It has
+additional cells at the clamp, at the tip and at the wall."""
 
 _LOWEST = 8  # modes among which the one with the largest effective mass is the first bending mode
 _RIGID = 2  # most rigid motions of a symmetry class
 
 
 def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float], *, pairs: bool = True) -> str:
-    """Warning about modes whose frequency is off by more than `TOLERANCE`, else empty.
+    """Warning about the least accurate natural frequency, if its error exceeds `TOLERANCE`; empty otherwise.
 
-    The reference are semi-analytical (Fourier) elements on a finer mesh, an independent discretisation of the same
-    roll, which takes about a second. Bending, ovalling and torsion are compared.
+    The reference is a finer mesh of semi-analytical (Fourier) elements, an independent discretisation of the same roll.
+    It takes about a second. Bending, ovalling and torsion are compared.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     kinds, hertz
         Kind (`wroll_fem.structure.mode_shapes`) and frequency of the lowest modes of the mesh.
     pairs
-        Whether the modes of a degenerate pair are both listed.
+        Whether both modes of a degenerate pair are listed.
     """
     if case.coil.model not in COILS or case.mesh.file is not None:
         return ""
@@ -75,7 +76,7 @@ def system_remark(case: OnRoll, system: System) -> str:
 
 
 def fourier_remark(case: OnRoll) -> str:
-    """Warning if the first bending frequency of Fourier elements changes on a mesh twice as fine; else empty."""
+    """Warning if a mesh twice as fine changes the first bending frequency of Fourier elements; empty otherwise."""
     from wroll_fem.fem.fourier_modes import symmetry_class_modes
     from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
 
@@ -89,7 +90,7 @@ def fourier_remark(case: OnRoll) -> str:
 
 
 def finer(roll: RollSections, least: Mapping[str, float]) -> RollSections:
-    """Sections of a roll with a mesh of at least the given numbers and gradings."""
+    """Case sections of a roll whose mesh has at least the given numbers of cells and gradings."""
     mesh = roll.mesh.model_copy(update={key: max(getattr(roll.mesh, key), value) for key, value in least.items()})
     return RollSections(geometry=roll.geometry, mandrel=roll.mandrel, coil=roll.coil, mesh=mesh)
 

@@ -1,4 +1,4 @@
-"""Self-contained results: data of the case for summary, fields and figures, as attributes of the Dataset."""
+"""Self-contained results: the Dataset stores the case data for summary, fields and figures as attributes."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
-    """Copy with the case data that summary, fields and figures need; existing attributes are kept.
+    """Copy of a Dataset with the case data for summary, fields and figures; existing attributes are kept.
 
-    `analysis`; `excitation_direction` where fractions are kept for each direction; `output_every` with kept fields;
-    `winding_pressure_pa` with `preload.kind: winding_tension`.
+    The attributes are `analysis`; `excitation_direction` if effective masses are stored for each direction;
+    `output_every` if fields are stored during the motion; `winding_pressure_pa` with `preload.kind: winding_tension`.
     """
     attrs: dict[str, Any] = {"analysis": case.analysis}
     if "component" in dataset.dims:
@@ -33,24 +33,24 @@ def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
 
 
 def with_warnings(dataset: xr.Dataset, warnings: Sequence[str]) -> xr.Dataset:
-    """Copy whose attribute `warnings` holds the warnings, one a line; a repeated one counts once."""
+    """Copy of a Dataset with the warnings in the attribute `warnings`, one per line and without repetitions."""
     return dataset.assign_attrs(warnings="\n".join(dict.fromkeys(warnings)))
 
 
 def completed(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset with the attributes of `described`, which for results of version 0.1.0 are read from `case_yaml`.
+    """Dataset with the attributes of `described`; for results of version 0.1.0, they are read from `case_yaml`.
 
     Raises
     ------
     InputError
-        When neither attribute nor case name the analysis.
+        If neither the attributes nor the case name the analysis.
     """
     if "analysis" in dataset.attrs:
         return dataset
     given = yaml.safe_load(dataset.attrs.get("case_yaml", "")) or {}
     if "analysis" not in given:
         raise InputError(
-            "does not name its analysis", key="result", remedy="pass a result of wf.run, or name its case as well"
+            "does not name its analysis", key="result", remedy="pass a result of wf.run, or pass its case as well"
         )
     attrs: dict[str, Any] = {
         "analysis": given["analysis"],
@@ -64,7 +64,7 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _wound_pressure(case: Case) -> dict[str, Any]:
-    """Pressure of the wound roll at the interfaces, for `preload.kind: winding_tension`; else empty."""
+    """Interface pressure of the wound roll, for `preload.kind: winding_tension`; empty otherwise."""
     if not isinstance(case, OnRoll) or case.preload is None or case.wound is None or case.coil.model != "layers":
         return {}
     if case.preload.kind != "winding_tension":

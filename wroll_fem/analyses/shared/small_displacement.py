@@ -5,11 +5,12 @@ A cantilever whose tip moves by u has the curvature :math:`\kappa = 3 u / L^2` a
 
 * flattening: compressed and stretched fibres press a bent tube flat by the share
   :math:`\zeta = (1 - \nu^2)\, \kappa^2 R^4 \sum E t / \sum E t^3` of its radius (Brazier 1927, for nested tubes with a
-  common shape), and its bending stiffness falls by :math:`\tfrac32 \zeta`. Ends that are held round reduce it, so this
-  is a bound. Long before the wall buckles at the strain 0.6 t/R it is the largest effect of a thin wall;
+  common shape), and its bending stiffness falls by :math:`\tfrac32 \zeta`. Ends that are kept circular reduce the
+  flattening, so this is an upper bound. Long before a thin wall buckles, at the strain 0.6 t/R, flattening is its
+  largest effect;
 * rotation: forces and inertia keep their directions, with a relative error of :math:`\theta^2/2`;
-* sliding of the contact points: they are matched once, so friction and pressure act at a wrong place by the slip, and
-  along tangents that are wrong by slip / R.
+* sliding of the contact points: they are matched only once. The positions at which friction and pressure act are
+  therefore wrong by the slip, and the directions of the tangents by the angle slip / R.
 
 References
 ----------
@@ -33,17 +34,18 @@ if TYPE_CHECKING:
     from wroll_fem.case import Case, RollSections
 
 STIFFNESS_ERROR = 0.01
-"""Loss of bending stiffness by flattening, or error by the rotation, above which a run warns."""
+"""Relative loss of bending stiffness due to flattening of the cross-section, or relative error due to the rotation of
+the tip, above which a run warns."""
 
 SLIP_OF_RADIUS, SLIP_OF_ELEMENT = 0.01, 0.1
-"""Slip over the radius, and over the smallest edge of an element, above which a run warns."""
+"""Slip divided by the radius, and slip divided by the smallest element edge, above which a run warns."""
 
 
 def flattening(roll: RollSections, tip: float) -> float:
-    """Loss of bending stiffness by flattening at the root, relative, for a tip displacement ``tip`` in m.
+    """Relative loss of bending stiffness at the root due to flattening, for a tip displacement ``tip`` in m.
 
-    Layers flatten with the mandrel and slide on it; a solid coil adds bending stiffness but is taken not to hold the
-    mandrel round, which overestimates the loss.
+    Layers flatten with the mandrel and slide on it. A solid coil is assumed not to resist the flattening of the
+    mandrel, which overestimates the loss.
     """
     g, material, coil = roll.geometry, roll.mandrel.material, roll.coil
     radius = 0.5 * (g.mandrel_outer_diameter - g.mandrel_thickness)
@@ -78,10 +80,10 @@ def _of_tip(dataset: xr.Dataset, case: OnRoll) -> list[str]:
     loss, rotation = flattening(case, tip), 0.5 * (1.5 * tip / case.geometry.length) ** 2
     if max(loss, rotation) <= STIFFNESS_ERROR:
         return []
-    part, what = max((loss, "the bent tube flattens"), (rotation, "the tip rotates"))
+    part, what = max((loss, "flattening of the tube"), (rotation, "rotation of the tip"))
     return [
-        f"the tip moves by {1e3 * tip:.2g} mm, beyond small-displacement theory: {what}, an error of up to "
-        f"{100 * part:.2g} % of the bending stiffness; lower the base acceleration"
+        f"the tip moves by {1e3 * tip:.2g} mm, beyond small-displacement theory: {what} is neglected, "
+        f"with a relative error of up to {100 * part:.2g} %; lower the base acceleration"
     ]
 
 
@@ -95,5 +97,5 @@ def _of_slip(slip: float | None, case: OnRoll) -> list[str]:
         return []
     return [
         f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points are "
-        f"matched once, for slip up to {1e3 * limit:.2g} mm; lower the base acceleration or raise the preload"
+        f"matched only once, enough up to {1e3 * limit:.2g} mm; lower the base acceleration or raise the preload"
     ]

@@ -1,4 +1,4 @@
-"""Springs of the interfaces in linear analyses: bonded, frictionless or stuck."""
+"""Interface springs in linear analyses: bonded, frictionless or stuck."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from wroll_fem.typing import FloatArray
 
 
 def linear_springs(case: OnRoll | OnStructure, system: System, state: ContactState | None = None) -> FloatArray:
-    """Springs (3 n_points,) of the contact degrees of freedom in a linear analysis, Pa/m.
+    """Spring stiffness (3 n_points,) of the contact degrees of freedom in a linear analysis, Pa/m.
 
     Parameters
     ----------
     case
-        Its `modal.interface` selects the springs. frictionless: bilateral normal contact only; bonded: no relative
-        motion; stuck: normal penalty and stick stiffness mu p / gamma* of the preloaded interface.
+        `modal.interface` of the case selects the springs. frictionless: bilateral normal contact only; bonded: no
+        relative motion; stuck: normal penalty and stick stiffness mu p / gamma* of the preloaded interface.
     system
         System of the case.
     state
-        Preload state for stuck; None computes it.
+        Preload state for stuck; if None, it is computed.
     """
     bonded = isinstance(case, OnRoll) and case.coil.model == "bonded"
     kind = "bonded" if bonded else case.modal.interface

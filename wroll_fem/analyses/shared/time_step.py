@@ -1,4 +1,4 @@
-"""Time step of a history: choice of the steps per cycle, and their error after the run."""
+"""Time step of a time history: number of steps per cycle, and error estimate after the run."""
 
 from __future__ import annotations
 
@@ -27,33 +27,34 @@ if TYPE_CHECKING:
     from wroll_fem.dynamics.reduction.condensation import Condensation
 
 WANTED = 0.05
-"""Error of a history, over its largest displacement, up to which its steps are fine enough."""
+"""Largest acceptable error of a time history due to its time step, relative to its largest displacement."""
 
 CHOICES = (DEFAULT_STEPS, 60, 80, 120, 160)
-"""Steps per cycle from which `auto` chooses."""
+"""Numbers of steps per cycle from which `auto` chooses."""
 
 ASSUMED_DAMPING = 0.01
-"""Damping ratio of the resonance that `auto` assumes, before the run; the run warns where it turns out sharper."""
+"""Damping ratio of the resonance that `auto` assumes before the run. The error is estimated again after the run, with
+the damping of the computed response."""
 
 MARGIN = 0.05
-"""Relative error of the resonances by `preflight.beam_frequency`."""
+"""Relative error of the resonance frequencies estimated by `preflight.beam_frequency`."""
 
 ORDERS, NEAR_MULTIPLE, LEAST_SHARE = (3, 5, 7), 0.06, 0.02
-"""Harmonics of the friction force; distance of a mode from that multiple of the excitation, relative; its participation
-at the tip over that of the main mode."""
+"""Criteria of `detuned_harmonic`: orders of the harmonics of the friction force; largest relative distance of a mode
+from that multiple of the excitation frequency; least tip participation, relative to the main mode."""
 
 PERIOD_ERROR = 0.01
-"""Period error of such a mode above which a dwell warns."""
+"""Relative period error, of a mode near a harmonic of the excitation, above which a dwell warns."""
 
 USEFUL_FIT = 0.3
-"""Misfit of the fitted oscillator above which its error tells nothing about the history."""
+"""Largest misfit of the oscillator fitted to a history; with a larger misfit, no time step error is estimated."""
 
 
 def steps_per_cycle(case: SweepCase | DwellCase) -> int:
-    """Steps per cycle of the highest excitation frequency: those of the case, or the choice of `auto`.
+    """Number of steps per cycle of the highest excitation frequency, set by the case or chosen by `auto`.
 
-    For the dwell of a roll it is the smallest of `CHOICES` whose error is at most `WANTED` wherever between the
-    frictionless and the bonded roll the resonance may lie; for other histories `DEFAULT_STEPS`.
+    For the dwell of a roll, `auto` takes the smallest of `CHOICES` whose error is at most `WANTED` for all resonance
+    frequencies between the frictionless and the bonded roll. For other histories it takes `DEFAULT_STEPS`.
     """
     excitation = case.excitation
     if case.integrator.steps_per_cycle != "auto" or not isinstance(case, OnRoll) or excitation.kind != "dwell":
@@ -71,14 +72,14 @@ def steps_per_cycle(case: SweepCase | DwellCase) -> int:
 
 
 def time_step(case: SweepCase | DwellCase) -> float:
-    """Time step of a history, s."""
+    """Time step of a time history, s."""
     return 1.0 / (case.excitation.highest_frequency_hz * steps_per_cycle(case))
 
 
 def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
-    """Error of a dwell's history due to its time step, relative to the largest displacement, and a warning or "".
+    """Error of a dwell due to its time step, relative to the largest displacement, and a warning ("" if it is small).
 
-    The error is nan where no oscillator describes the history.
+    The error is nan if no oscillator describes the history.
     """
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
     motion, tip = base_motion(case.excitation), history["tip_displacement"].values
@@ -92,7 +93,7 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
 
 
 def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
-    """Error of a sweep's |T| due to its time step, relative to the peak (nan without one), and a warning or ""."""
+    """Relative error of |T| of a sweep due to its time step (nan without a peak), and a warning ("" if it is small)."""
     if not read.resonant:
         return np.nan, ""
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
@@ -102,9 +103,9 @@ def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
 
 
 def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) -> str:
-    """Warning if the step detunes a mode that a harmonic of the friction force can drive in a dwell; else empty.
+    """Warning if the time step of a dwell detunes a mode that harmonics of friction can excite; empty otherwise.
 
-    The friction force is odd in the motion, so its odd harmonics dominate. `dwell_step_error` does not see them.
+    The friction force is odd in the motion, so its odd harmonics dominate. `dwell_step_error` does not include them.
     """
     excitation = case.excitation
     if excitation.kind != "dwell":
@@ -120,9 +121,10 @@ def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) ->
         longer = numerical_damping(scheme, 2.0 * np.pi * order / steps)[1]
         if longer > PERIOD_ERROR:
             return (
-                f"a mode at {natural[near][0]:.0f} Hz lies near {order} times the excitation: friction may drive it, "
-                f"but {steps} steps per cycle lengthen its period by {100 * longer:.2g} %, which time_step_error misses"
-                f"; set integrator.steps_per_cycle to {steps_for(longer, steps, PERIOD_ERROR)}"
+                f"a mode at {natural[near][0]:.0f} Hz lies near {order} times the excitation frequency: "
+                f"friction may drive it, but {steps} steps per cycle lengthen its period by {100 * longer:.2g} %, and "
+                f"time_step_error does not include this; "
+                f"set integrator.steps_per_cycle to {steps_for(longer, steps, PERIOD_ERROR)}"
             )
     return ""
 
