@@ -101,7 +101,7 @@ def test_mandrels_that_never_bend_first_are_said_to():
     [
         (lambda: mapped("design_map.mandrel_radius=[0.05, 0.04]"), "ascending"),
         (lambda: mapped("design_map.mandrel_thickness=[0.0, 0.001]"), "positive"),
-        (lambda: mapped("design_map.mandrel_thickness=[0.03]"), "fills the smallest mandrel"),
+        (lambda: mapped("design_map.mandrel_thickness=[0.03]"), "the smallest radius must exceed the thickest wall"),
         (lambda: mapped("design_map.softest=soft"), "fundamental_bending"),
         (lambda: mapped("design_map.softest=-1"), "positive"),
         (lambda: mapped("design_map.softest=1e10"), "not softer than the coil of the case"),

@@ -115,7 +115,7 @@ def test_a_preload_above_the_buckling_load_is_refused():
         InputError, match=r"exceeds the linear buckling load: at 0\.\d+ times .* 3 circumferential waves"
     ):
         run(lab("modal.interface=frictionless", "preload.pressure=4e5", ON))
-    with pytest.raises(InputError, match="geometric_stiffness: is a property of shells"):
+    with pytest.raises(InputError, match="geometric_stiffness: needs shells; a solid coil has no preload"):
         load_case(CONFIGS / "coiled_stiff.yaml", ["preload={pressure: 1.0e5, geometric_stiffness: true}"])
 
 

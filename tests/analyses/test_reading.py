@@ -151,7 +151,7 @@ def test_two_masses_are_read_by_the_same_estimators() -> None:
     [
         ("tiny.yaml", "analysis dwell has no response curve from which damping is estimated"),
         ("lab_modal.yaml", "analysis modal has no response curve"),
-        ("two_dof_design_space.yaml", "the map of the design space uses half power"),
+        ("two_dof_design_space.yaml", "the map of the design space is computed with half_power"),
     ],
 )
 def test_an_estimator_without_a_curve_is_refused(file: str, said: str) -> None:

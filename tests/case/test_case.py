@@ -82,7 +82,7 @@ def test_committed_schema_equals_the_generated_one(root: Path) -> None:
         ("contact.mu=0.3", "contact.mu: unknown key, got 0.3; did you mean contact.friction.mu?"),
         ("excitation.frequency=3", "excitation.frequency: unknown key, got 3; known keys: amplitude, direction, kind"),
         ("geometry.mandrel_thickness=-1e-3", "mandrel_thickness: must be greater than 0, got -0.001; give the wall"),
-        ("geometry.mandrel_thickness=0.05", "the wall is thicker than the radius, got 0.05; use less than"),
+        ("geometry.mandrel_thickness=0.05", "the mandrel wall must be thinner than its radius, got 0.05; use"),
         ("coil.total_thickness=0", "coil.total_thickness: must be greater than 0, got 0"),
         ("mandrel.material.nu=0.5", "mandrel.material.nu: must be less than 0.5, got 0.5; give the Poisson's ratio"),
         ("coil.material.nu=-1", "coil.material.nu: must be greater than -1, got -1; give the Poisson's ratio"),
@@ -378,7 +378,7 @@ def test_loading_a_case_imports_nothing_heavy() -> None:
 
 @pytest.mark.parametrize(
     ("file", "steps", "reason"),
-    [("tiny.yaml", 2, "sampled at its zeros"), ("lab_sweep.yaml", 8, "cannot be demodulated")],
+    [("tiny.yaml", 2, "every sample could be zero"), ("lab_sweep.yaml", 8, "too few to demodulate")],
 )
 def test_steps_that_do_not_sample_the_motion_are_refused_whatever_is_allowed(
     file: str, steps: int, reason: str

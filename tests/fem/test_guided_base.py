@@ -98,7 +98,7 @@ def test_the_spring_has_the_stiffness_of_the_whole_ring() -> None:
     [
         (["coil.base=clamped", "coil.base_stiffness=1e6"], "does not apply to base: clamped"),
         (["coil.base=guided", "coil.base_stiffness=-1"], "base_stiffness"),
-        (["coil.base=guided", "coil.model=nonstructural_mass"], "is the base of shells"),
+        (["coil.base=guided", "coil.model=nonstructural_mass"], "applies to shells, not to model"),
     ],
 )
 def test_a_guided_base_that_makes_no_sense_is_refused(overrides: list[str], said: str) -> None:

@@ -131,7 +131,7 @@ def test_constants_left_out_are_those_of_a_web_isotropic_in_its_plane():
     ("change", "words"),
     [
         ({"material": COIL["material"] | {"nu_theta_r": 30.0}}, "sqrt(E_theta / E_r) = 10"),
-        ({"model": "bonded"}, "shells (model: bonded) are isotropic"),
+        ({"model": "bonded"}, "shells (model: bonded) must be isotropic"),
         ({"bending": False}, "does not apply to a solid coil"),
         ({"total_thickness": 10e-3}, "differs from total_thickness = 0.01 m"),
         ({"thickness": None}, "required key is missing; add it (thickness of the coil"),

@@ -56,8 +56,8 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
         "got 20.0; give"),
         (STUDY, "winding.tension_stress=null", "winding.tension_stress: the tension is missing; give tension_stress i"),
         (LAB, "winding.web_width=null", "winding.web_width: tension_newton needs the width; add it (width of the web"),
-        (STUDY, "winding.web.radial_modulus.K2=40e9", "K2: K2 is not a modulus in Pa: it has no unit, got '40e9'; giv"),
-        (STUDY, "winding.web.radial_modulus.K2=40 GPa", "K2: K2 is a number without a unit, got '40 GPa'; give the K2"),
+        (STUDY, "winding.web.radial_modulus.K2=40e9", "K2: K2 must be dimensionless, not a modulus in Pa, got '40e9'"),
+        (STUDY, "winding.web.radial_modulus.K2=40 GPa", "K2: K2 must be a number without a unit, got '40 GPa'; give"),
         (STUDY, "winding.web.radial_modulus.K2=-3", "K2: must be greater than 0, got -3"),
         (STUDY, "winding.web.radial_modulus={K1: 1}", "radial_modulus.law: required key is missing; add law: constant"),
         (STUDY, "winding.web.radial_modulus={law: steel}", "radial_modulus.law: is not one of the choices, got 'steel"),
@@ -69,7 +69,7 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
         (
             STUDY,
             "winding.web.radial_modulus={law: table, pressure: [0, 1], modulus: [1]}",
-            "radial_modulus.modulus: 1 values for 2 of pressure, got [1.0]; give one value per pressure",
+            "radial_modulus.modulus: 1 values for 2 values of pressure, got [1.0]; give one value per pressure",
         ),
         (
             STUDY,
@@ -81,7 +81,7 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
             "winding.tension_profile={kind: table, radius: [], factor: [1]}",
             "tension_profile.radius: must have 1 or more entries, got []; give the radius at which a wrap is laid, m, ",
         ),
-        (STUDY, "winding.wrap_thickness=0.02", "wrap_thickness: the web is thicker than the roll it is wound on, got"),
+        (STUDY, "winding.wrap_thickness=0.02", "wrap_thickness: must be less than the mandrel radius, got"),
         (STUDY, "winding.mandrel.wall=0.02", "winding.mandrel.wall: the wall is thicker than the radius, got 0.02; us"),
         (STUDY, "winding.mandrel.stiffness=1e9", "winding.mandrel.wall: cannot be combined with stiffness, "
         "which replaces it"),
@@ -91,7 +91,7 @@ def test_the_case_study_holds_the_values_of_tables_2_1_to_2_3() -> None:
         (STUDY, "winding=null", "winding: required section is missing; add it (winding of the roll"),
         (STUDY, "winding.tension_profile={kind: taper, taper: 1.0}", "tension_profile.taper: must be less than 1, got"),
         (SWEEP, "winding=null", "preload.kind: winding_tension needs it"),
-        (SWEEP, "winding.wrap_thickness=2e-3", "wrap_thickness: the web is thicker than the roll, got 0.002; use coil"),
+        (SWEEP, "winding.wrap_thickness=2e-3", "wrap_thickness: the web is thicker than the coil, got 0.002; use coil"),
         (SWEEP, "winding.wraps=30", "winding.wraps: 30 wraps of 5e-05 m are 0.0015 m thick, the coil is 0.00125 m, go"),
         (SWEEP, "winding.web_width=0.5", "winding.web_width: the web is wider than the roll is long, got 0.5; use geo"),
         (

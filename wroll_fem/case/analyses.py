@@ -1,7 +1,7 @@
-"""Registry of the analyses: every name that `analysis` may have in a case file, with the module that runs it.
+"""Registry of the analyses: every value of the key `analysis`, with the module that runs the analysis.
 
-The table stands in this room because case classes and schema follow from it. It holds the modules as text, and nothing
-here imports them; `analyses.registry` does when an analysis is asked for.
+The table is in this room because the case classes and the schema are derived from it. The modules are named as text
+and are not imported here. `analyses.registry` imports the module of an analysis when it is needed.
 """
 
 from __future__ import annotations
@@ -19,4 +19,4 @@ MODULES: dict[str, str] = {
     "design_map": "wroll_fem.analyses.design_map",
     "two_dof": "wroll_fem.analyses.two_dof",
 }
-"""Name in the case file -> module that defines its `ANALYSIS`."""
+"""Name of the analysis -> module that defines its `ANALYSIS`."""

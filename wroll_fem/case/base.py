@@ -1,4 +1,4 @@
-"""Base classes and number types of the case sections: strict frozen models."""
+"""Base classes (strict, immutable models) and number types of the case sections."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pydantic_core import CoreSchema, PydanticCustomError
 
 
 class Section(BaseModel):
-    """Case section: frozen, in SI units; unknown keys are refused."""
+    """Immutable case section in SI units; unknown keys are refused."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False,
@@ -26,12 +26,12 @@ class Section(BaseModel):
 
 
 class TaggedSection(Section):
-    """Case section of several kinds; its tag, `kind` or `law`, is required in case files and optional in Python."""
+    """Case section that has several kinds; the key `kind` or `law` selects one and is required in case files."""
 
     TAGS: ClassVar[tuple[str, ...]] = ("kind", "law")
 
     def model_post_init(self, context: Any) -> None:
-        """Mark the tag as set, so that it is serialised."""
+        """Mark the tag, `kind` or `law`, as set, so that it is always serialised."""
         self.model_fields_set.update(tag for tag in self.TAGS if tag in type(self).model_fields)
 
     @classmethod
@@ -44,7 +44,7 @@ class TaggedSection(Section):
 
 
 class SparseSection(Section):
-    """Case section whose empty keys are left out when it is serialised."""
+    """Case section that is serialised without the keys that have no value (None)."""
 
     @model_serializer(mode="wrap")
     def _without_empty_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -54,16 +54,16 @@ class SparseSection(Section):
 def validation_error(
     problem: str, *, remedy: str, key: str = "", value: Any = None, show_value: bool = True
 ) -> PydanticCustomError:
-    """Return the error of a check that a bound on a field cannot express.
+    """Return the validation error of a check that cannot be written as a bound on a field.
 
     Parameters
     ----------
     problem
         What is wrong, without the value.
     remedy
-        What would be right.
+        What to do.
     key
-        Dotted key relative to the model that raises; empty when the field's own validator raises.
+        Dotted key relative to the model whose validator fails; empty for the validator of a single field.
     value
         The offending value, shown as "got VALUE".
     show_value
@@ -74,7 +74,7 @@ def validation_error(
 
 
 def _number(value: Any) -> Any:
-    """Turn PyYAML's strings such as '1e-3' into floats; refuse booleans and text."""
+    """Convert a number that PyYAML reads as text, such as '1e-3', to a float; refuse booleans and other text."""
     if isinstance(value, bool):
         raise validation_error("must be a number", remedy="write a number, not true or false", value=value)
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""The case: the complete, frozen input of a run in SI units."""
+"""Case: the complete, immutable input of a run in SI units."""
 
 from __future__ import annotations
 
@@ -42,20 +42,20 @@ C = TypeVar("C", bound="Case")
 K = TypeVar("K")
 
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
-"""Solver keys that do not change any number of the results."""
+"""Solver keys that do not affect the results; they do not enter the hash of a case."""
 
 _OFF_BY_DEFAULT = (("preload", "geometric_stiffness"),)
-"""(Section, key) of switches that came later and are off by default."""
+"""(Section, key) of switches that are off by default; they enter the hash of a case only if they are on."""
 
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
     "damping_ratio": ("modal damping", "modal_transient"),
 }  # fmt: skip
-"""Key that only one analysis uses -> (its content, name of that analysis)."""
+"""Key that only one analysis uses -> (description of the key, name of the analysis)."""
 
 
 class Origin(NamedTuple):
-    """Origin of a case, for messages: its file, the keys set with `--set`, the former names of keys in it."""
+    """Origin of a case, for messages: its file, the keys set with `--set`, and the former key names used in it."""
 
     file: Path | None = None
     overrides: Sequence[str] = ()
@@ -84,7 +84,7 @@ class Case(Section):
     _former: tuple[str, ...] = PrivateAttr(default=())
 
     def __new__(cls, **sections: Any) -> Self:
-        """Create an object of the class for the analysis."""
+        """Create an object of the case class that belongs to the analysis."""
         return super().__new__(cls._kind(sections) or cls)
 
     @classmethod
@@ -101,7 +101,7 @@ class Case(Section):
 
     @classmethod
     def _own_analysis(cls) -> str | None:
-        """Analysis of this class and its subclasses, or None if they serve several."""
+        """Name of the analysis that this class and its subclasses serve, or None if they serve several."""
         found = {analysis for (analysis, _), kind in _KINDS.items() if issubclass(kind, cls)}
         return found.pop() if len(found) == 1 else None
 
@@ -157,7 +157,7 @@ class Case(Section):
 
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
-        """Problem and remedy for a case section of other analyses; None for an unknown key."""
+        """Problem and remedy for a key that belongs to other analyses; None for an unknown key."""
         if key not in SECTIONS:
             return None
         analysis = cls._own_analysis()
@@ -187,11 +187,11 @@ class Case(Section):
 
     @property
     def renamed(self) -> list[str]:
-        """Warnings about keys that have their former names."""
+        """Warnings about keys written with their former names."""
         return [f"{key} is now called {current_key(key)}; both names are accepted" for key in self._former]
 
     def resolved(self) -> dict[str, Any]:
-        """All values with defaults as plain types, without case sections that are neither used nor in the file."""
+        """All values, with defaults, as plain types; only sections that were given or are in `ALWAYS_WRITTEN`."""
         left_out = set(type(self).model_fields) - self.model_fields_set - set(self.ALWAYS_WRITTEN)
         data = self.model_dump(mode="json", exclude=left_out)
         return {key: data[key] for key in SECTIONS if key in data}
@@ -201,10 +201,11 @@ class Case(Section):
         return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
 
     def hash(self) -> str:
-        """Return the SHA-256 of everything that can change a number.
+        """Return the SHA-256 hash of everything in the case that can change the results.
 
-        Files count by their content. Of `output` only the way to estimate damping counts. Its default does not count,
-        nor do switches that are off by default: cases that do not name them keep the hash they had before they existed.
+        A mesh file or structure file enters with its content. Of section `output`, only the damping estimator enters,
+        and only if it is not the default. Switches that are off by default enter only if they are on. A case without
+        these keys therefore keeps the hash that it had before the keys existed.
         """
         data = with_former_keys(self.resolved())
         del data["output"]
@@ -212,7 +213,7 @@ class Case(Section):
             data["output"] = {"damping": self.output.damping}
         integrator = data.get("integrator") or {}
         if integrator.get("steps_per_cycle") == "auto" and self.analysis != "dwell":
-            integrator["steps_per_cycle"] = DEFAULT_STEPS  # what auto means there, and what was the default before it
+            integrator["steps_per_cycle"] = DEFAULT_STEPS  # value of auto there, and the default before auto existed
         for section, key in _OFF_BY_DEFAULT:
             if data.get(section, {}).get(key) is False:
                 del data[section][key]
@@ -233,12 +234,12 @@ class Case(Section):
         """
         if not isinstance(self, kind):
             raise InputError(
-                f"analysis {self.analysis}: a {type(self).__name__} is not a {kind.__name__}", key="analysis"
+                f"analysis {self.analysis} gives a {type(self).__name__}, not a {kind.__name__}", key="analysis"
             )
         return self
 
     def replace(self, *overrides: str | Mapping[str, Any]) -> Case:
-        """Copy with changed dotted keys, validated again.
+        """Return a copy with new values of dotted keys, validated again.
 
         Parameters
         ----------
@@ -267,7 +268,7 @@ class Case(Section):
             raise
 
     def changed(self, *overrides: str | Mapping[str, Any]) -> Case:
-        """Copy with changed dotted keys: former name of `replace`."""
+        """Same as `replace`, under its former name."""
         return self.replace(*overrides)
 
 
@@ -276,7 +277,7 @@ _KINDS: dict[tuple[str, bool], type[Case]] = {}
 
 
 def case_kind(kind: type[C]) -> type[C]:
-    """Class decorator that registers the class for its analysis, on a roll or on matrices from a file."""
+    """Class decorator that registers a case class for its analysis, either for a roll or for matrices from a file."""
     (analysis,) = get_args(kind.model_fields["analysis"].annotation)
     _KINDS[analysis, "structure" in kind.model_fields] = kind
     return kind

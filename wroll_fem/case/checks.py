@@ -1,4 +1,4 @@
-"""Checks of case sections against each other; each function raises an error if they are inconsistent."""
+"""Checks of case sections against each other; each function raises an error if the sections are inconsistent."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ from wroll_fem.case.solver import Solver
 from wroll_fem.case.two_dof import TwoDof
 
 FEWEST_STEPS_PER_CYCLE = 20
-"""Lowest accepted number of steps per cycle; fewer give a period error above 0.8 % and miss slip reversals."""
+"""Smallest number of steps per cycle without `solver.allow_coarse`; with fewer, the period error exceeds 0.8 % and slip
+reversals are missed."""
 
-FEWEST_OF_DWELL = 3, "the base motion would be sampled at its zeros"
-"""Fewest steps per cycle of a dwell whatever is allowed, and why: two samples per cycle of a sine are both zero."""
+FEWEST_OF_DWELL = 3, "too few to sample the base motion: every sample could be zero"
+"""Smallest number of steps per cycle of a dwell with `solver.allow_coarse`, and the message for a smaller number."""
 
-FEWEST_OF_SWEEP = 9, "the response of a sweep cannot be demodulated"
-"""The same of a sweep: the demodulation needs more than 8 samples per cycle at the end of the sweep."""
+FEWEST_OF_SWEEP = 9, "too few to demodulate the response of a sweep"
+"""Smallest number of steps per cycle of a sweep with `solver.allow_coarse`, and the message for a smaller number."""
 
 WITH_CURVE = ("sweep", "harmonic", "two_dof")
-"""Analyses with a curve over frequency, from which damping can be estimated."""
+"""Analyses that give a response curve versus frequency, from which damping can be estimated."""
 
 FOURIER = ("modal", "modal_transient", "design_map")
 """Analyses that can use `mesh.discretisation: fourier`."""
@@ -41,12 +42,12 @@ _ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transi
 
 
 def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
-    """Refuse a kind of base motion that does not fit the analysis, before its keys are read.
+    """Refuse a kind of base motion that the analysis cannot use; called before the other keys are validated.
 
     Parameters
     ----------
     excitation
-        Case section as a mapping or model.
+        Case section `excitation`, as a mapping or a model.
     wanted
         Kinds that the analysis can use.
 
@@ -73,7 +74,7 @@ def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
 
 
 def check_direction_of_file(excitation: Excitation | None) -> None:
-    """Refuse a direction for matrices from a file: their influence vector sets it.
+    """Refuse `excitation.direction` for matrices from a file; their influence vector sets the direction.
 
     Raises
     ------
@@ -82,13 +83,13 @@ def check_direction_of_file(excitation: Excitation | None) -> None:
     """
     if excitation is not None and "direction" in excitation.model_fields_set:
         raise validation_error(
-            "the influence vector of structure.file sets the direction", key="excitation.direction",
-            value=excitation.direction, remedy="leave it out (`wroll export` writes the direction of its case)",
+            "the direction is set by the influence vector in structure.file", key="excitation.direction",
+            value=excitation.direction, remedy="leave it out (`wroll export` stores the direction of the case)",
         )  # fmt: skip
 
 
 def check_base(mandrel: Mandrel, analysis: str) -> None:
-    """Refuse a free mandrel except in the analysis modal.
+    """Refuse a mandrel with a free base in every analysis except modal.
 
     Raises
     ------
@@ -103,7 +104,7 @@ def check_base(mandrel: Mandrel, analysis: str) -> None:
 
 
 def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
-    """Require contact and preload if the analysis uses interfaces of the coil.
+    """Require the case sections `contact` and `preload` if the analysis uses the interfaces of the coil.
 
     Parameters
     ----------
@@ -118,8 +119,8 @@ def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str])
     stuck = analysis == "modal" and modal.interface == "stuck"
     if coil.model != "layers" or (analysis == "modal" and not stuck):
         return
-    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else "coil.model layers has interfaces"
-    sections = {"contact": "between matched interfaces", "preload": "pressure on the layers"}
+    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else "coil.model: layers has interfaces"
+    sections = {"contact": "friction and normal contact", "preload": "pressure on the layers"}
     for section, what in sections.items():
         if section not in written:
             remedy = f"add it ({what}): {reason}"
@@ -139,7 +140,7 @@ def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
     for name, probe in probes.items():
         key = f"probes.{name}"
         if name == "tip":
-            remedy = "choose another name; every result holds the tip"
+            remedy = "choose another name; every result contains the tip"
             raise validation_error("is the name of the default probe", key=key, show_value=False, remedy=remedy)
         if not name.isidentifier():
             remedy = "use letters, digits and underscores, for example mid_height"
@@ -153,7 +154,7 @@ def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
 
 
 def check_layers(coil: Coil) -> None:
-    """Refuse the analysis preload for a coil without layers.
+    """Require `coil.model: layers` for the analysis preload.
 
     Raises
     ------
@@ -166,7 +167,7 @@ def check_layers(coil: Coil) -> None:
 
 
 def check_pressures(preload: Preload, layers: int) -> None:
-    """Require one pressure, or a list with one per layer.
+    """Require one external pressure, or a list with one external pressure per layer.
 
     Raises
     ------
@@ -182,7 +183,7 @@ def check_pressures(preload: Preload, layers: int) -> None:
 
 
 def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integrator, solver: Solver) -> None:
-    """Refuse too few time steps per cycle; `solver.allow_coarse` accepts down to the fewest that sample the motion.
+    """Refuse too few time steps per cycle; `solver.allow_coarse` lowers the limit to what sampling requires.
 
     Raises
     ------
@@ -194,7 +195,7 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
     if steps < fewest:
         raise validation_error(
             reason, key="integrator.steps_per_cycle", value=steps,
-            remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more ({fewest} with solver.allow_coarse)",
+            remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more ({fewest} or more with solver.allow_coarse: true)",
         )  # fmt: skip
     if solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
         return
@@ -208,7 +209,7 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
 
 
 def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None = None) -> None:
-    """Refuse a damping estimator for an analysis without a response curve over frequency.
+    """Refuse damping estimators other than half_power for analyses and maps that cannot use them.
 
     Raises
     ------
@@ -226,13 +227,13 @@ def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None =
         )  # fmt: skip
     if two_dof is not None and two_dof.design_space is not None:
         raise validation_error(
-            "the map of the design space uses half power", key="output.damping", value=method,
+            "the map of the design space is computed with half_power", key="output.damping", value=method,
             remedy="leave it out, or leave two_dof.design_space out",
         )  # fmt: skip
 
 
 def check_solid_coil(coil: Coil) -> None:
-    """Require a solid coil for the shear stresses of modal_transient.
+    """Require a solid coil for modal_transient, which computes shear stresses in the coil.
 
     Raises
     ------
@@ -247,7 +248,7 @@ def check_solid_coil(coil: Coil) -> None:
 
 
 def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
-    """Refuse `mesh.discretisation: fourier` if the circumferential harmonics are coupled.
+    """Refuse `mesh.discretisation: fourier` for an analysis, coil or mesh that Fourier elements cannot handle.
 
     Raises
     ------
@@ -259,7 +260,7 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
     three = "or leave out mesh.discretisation"
     if analysis not in FOURIER:
         raise validation_error(
-            f"analysis {analysis} couples the circumferential harmonics", key="mesh.discretisation", value="fourier",
+            f"analysis {analysis} cannot use Fourier elements", key="mesh.discretisation", value="fourier",
             remedy=f"use three_dimensional, or one of the analyses {', '.join(FOURIER)}",
         )  # fmt: skip
     if coil.model not in FOURIER_COILS:
@@ -280,7 +281,7 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
 
 
 def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
-    """Refuse the geometric stiffness of a preload where the model has none, or no contact to compute the preload with.
+    """Refuse `preload.geometric_stiffness` for a solid coil, for Fourier elements, and for layers without `contact`.
 
     Raises
     ------
@@ -291,11 +292,11 @@ def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
     if coil.model == "solid" or mesh.discretisation == "fourier":
         what = "a solid coil" if coil.model == "solid" else "a roll of Fourier elements"
         raise validation_error(
-            f"is a property of shells; {what} has no preload", key=key, value=True,
+            f"needs shells; {what} has no preload", key=key, value=True,
             remedy="leave it out, or use coil.model: layers with mesh.discretisation: three_dimensional",
         )  # fmt: skip
     if coil.model == "layers" and not contact:
-        remedy = "add it (between matched interfaces): the preload acts through the contact"
+        remedy = "add it (friction and normal contact): the preload acts through the contact"
         raise validation_error("required section is missing", key="contact", show_value=False, remedy=remedy)
 
 
@@ -309,11 +310,12 @@ def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
     """
     if coil.model != "solid":
         raise validation_error(
-            "analysis design_map softens a solid coil", key="coil.model", value=coil.model, remedy="use solid"
-        )
+            "analysis design_map varies the shear moduli of a solid coil", key="coil.model", value=coil.model,
+            remedy="use solid",
+        )  # fmt: skip
     if coil.material.kind != "cylindrical_orthotropic":
         raise validation_error(
-            "analysis design_map changes the shear moduli between wraps", key="coil.material.kind",
+            "analysis design_map varies the shear moduli between wraps", key="coil.material.kind",
             value=coil.material.kind, remedy="use cylindrical_orthotropic",
         )  # fmt: skip
     if mesh.discretisation != "fourier":
@@ -326,11 +328,11 @@ def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
         raise validation_error(
             "the softest coil is not softer than the coil "
             "of the case", key="design_map.softest", value=design_map.softest,
-            remedy=f"use less than its shear moduli between wraps, {stiffest:g} Pa",
+            remedy=f"use less than {stiffest:g} Pa, the smaller shear modulus between wraps of that coil",
         )  # fmt: skip
     wall, radius = max(design_map.mandrel_thickness), min(design_map.mandrel_radius)
     if wall >= radius:
         raise validation_error(
-            f"the thickest wall, {wall:g} m, fills the smallest mandrel", key="design_map.mandrel_radius", value=radius,
-            remedy=f"start above {wall:g} m",
+            f"the smallest radius must exceed the thickest wall, {wall:g} m", key="design_map.mandrel_radius",
+            value=radius, remedy=f"start above {wall:g} m",
         )  # fmt: skip

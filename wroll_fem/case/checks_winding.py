@@ -11,11 +11,11 @@ from wroll_fem.case.preload import Preload
 from wroll_fem.case.winding import Winding
 
 FIT = 0.01
-"""Largest relative difference in size between the wound roll and geometry and coil."""
+"""Largest accepted relative difference between a dimension in `winding` and the same one in `geometry` or `coil`."""
 
 
 def check_winding_given(winding: Winding | None, preload: Preload | None) -> None:
-    """Require the case section if the preload is computed from winding.
+    """Require the case section `winding` if the preload is computed from it.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def check_winding_given(winding: Winding | None, preload: Preload | None) -> Non
 
 
 def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
-    """Require the friction coefficient between wraps, above zero if ``positive``.
+    """Require the coefficient of friction between wraps; it must be above zero if ``positive``.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
         If the check fails.
     """
     if winding.mu is None:
-        remedy = "add it (coefficient of friction between wraps): the capacity is mu times the pressure"
+        remedy = "add it (coefficient of friction between wraps): the friction capacity is mu times the pressure"
         raise validation_error("required key is missing", key="winding.mu", show_value=False, remedy=remedy)
     if winding.mu == 0.0 and positive:
         remedy = "use a value above 0: without friction every point slips at any level"
@@ -47,7 +47,7 @@ def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
 
 
 def check_winding_mandrel(winding: Winding | None, *, described: bool) -> None:
-    """Require the mandrel if geometry and mandrel do not describe it.
+    """Require `winding.mandrel` unless the sections `geometry` and `mandrel` are present (``described``).
 
     Raises
     ------
@@ -73,7 +73,7 @@ def check_winding_size(winding: Winding, geometry: Geometry, coil: Coil | None) 
         if winding.mandrel.wall is not None:
             _check_same(winding.mandrel.wall, wall, "mandrel.wall", "geometry.mandrel_thickness")
     if winding.wrap_thickness >= radius:
-        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", "a thinner web")
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "must be less than the mandrel radius", "a thinner web")
     if winding.web_width is not None and winding.web_width > (1.0 + FIT) * geometry.length:
         limit = f"geometry.length = {geometry.length:g} m or less"
         raise _misfit("web_width", winding.web_width, "the web is wider than the roll is long", limit)
@@ -81,8 +81,8 @@ def check_winding_size(winding: Winding, geometry: Geometry, coil: Coil | None) 
         return
     thickness = coil.total_thickness
     if winding.wrap_thickness > (1.0 + FIT) * thickness:
-        limit = f"coil.total_thickness = {thickness:g} m / wraps"
-        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the roll", limit)
+        limit = f"coil.total_thickness / wraps, with coil.total_thickness = {thickness:g} m"
+        raise _misfit("wrap_thickness", winding.wrap_thickness, "the web is thicker than the coil", limit)
     if abs(winding.build_up - thickness) > FIT * thickness:
         problem = (
             f"{winding.wraps} wraps of {winding.wrap_thickness:g} m are {winding.build_up:g} m thick, the coil is "

@@ -9,14 +9,14 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from wroll_fem.case.base import Real, Section, Switch, Whole, validation_error
 from wroll_fem.case.material import IsotropicMaterial, Material
 
-#: Keys that every model of the coil except `none` needs.
+#: Keys that every coil model except `none` needs.
 _NEEDED = ("total_thickness", "material")
 
-#: Keys of shells, without a meaning for the solid coil.
+#: Keys of shells; a solid coil does not use them.
 _OF_SHELLS = ("layers", "bending")
 
 SHELL_COILS = ("layers", "bonded")
-"""Models of the coil that consist of shells."""
+"""Coil models that consist of shells."""
 
 
 def _lab_layer() -> IsotropicMaterial:
@@ -24,7 +24,7 @@ def _lab_layer() -> IsotropicMaterial:
 
 
 def _written_thickness(given: dict[str, Any]) -> float:
-    """Default of the total thickness: the alias `thickness`, or the thickness of the lab layer for `model: none`."""
+    """Default of `total_thickness`, m: its alias `thickness`, or the thickness of the lab layer for `model: none`."""
     written: float | None = given.get("thickness")
     return 1.25e-3 if written is None else written
 
@@ -86,11 +86,11 @@ class Coil(Section):
             if self.model == "solid" and key in self.model_fields_set:
                 raise validation_error(
                     "does not apply to a solid coil", key=key, value=getattr(self, key),
-                    remedy="leave it out (mesh.radial sets the elements through the coil), or use model: layers",
+                    remedy="leave it out (mesh.radial: number of elements through the coil), or use model: layers",
                 )  # fmt: skip
         if self.base == "guided" and self.model not in SHELL_COILS:
             raise validation_error(
-                f"is the base of shells, not of model: {self.model}", key="base", value=self.base,
+                f"applies to shells, not to model: {self.model}", key="base", value=self.base,
                 remedy="use free, clamped or inner_edge, or model: layers",
             )  # fmt: skip
         if self.base != "guided" and "base_stiffness" in self.model_fields_set:
@@ -100,7 +100,7 @@ class Coil(Section):
             )  # fmt: skip
         if self.model in SHELL_COILS and not isinstance(self.material, IsotropicMaterial):
             raise validation_error(
-                f"shells (model: {self.model}) are isotropic", key="material.kind", value=self.material.kind,
+                f"shells (model: {self.model}) must be isotropic", key="material.kind", value=self.material.kind,
                 remedy="give E, nu and rho, or use model: solid",
             )  # fmt: skip
         return self

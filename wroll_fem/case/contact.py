@@ -1,4 +1,4 @@
-"""Case section `contact`: friction and normal contact between matched interfaces."""
+"""Case section `contact`: friction and normal contact at the interfaces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class PenaltyFriction(Section):
 
 
 class RateTable(Section):
-    """Table of the coefficient of friction over slip rate: linear between rows, constant beyond the last row."""
+    """Table of the coefficient of friction versus slip rate: linear between rows, constant beyond the last row."""
 
     slip_rate: list[Real] = Field(description="slip rates, m/s, rising from 0")
     mu: list[Real] = Field(description="coefficient of friction at each slip rate, dimensionless")
@@ -55,7 +55,7 @@ class RateFriction(TaggedSection):
         description="rate_coulomb: as penalty_coulomb with a coefficient that depends on the slip rate",
     )
     elastic_slip: Real = Field(gt=0, description=_ELASTIC_SLIP)
-    rate_table: RateTable = Field(description="coefficient of friction over slip rate")
+    rate_table: RateTable = Field(description="coefficient of friction versus slip rate")
     mu: Real = Field(
         default_factory=_at_rest,
         description="coefficient of friction at rest, dimensionless; default: the first value of rate_table",
@@ -73,7 +73,7 @@ class RateFriction(TaggedSection):
 
 
 class SmoothedFriction(TaggedSection):
-    """Regularised Coulomb friction: smooth in the slip rate, zero at rest."""
+    """Regularised Coulomb friction: a smooth function of the slip rate, zero at rest."""
 
     law: Literal["smoothed_coulomb"] = Field(
         default="smoothed_coulomb",
@@ -87,14 +87,14 @@ class SmoothedFriction(TaggedSection):
 
 
 def _law_of(value: Any) -> Any:
-    """Tag of the friction law; penalty_coulomb if `law` is missing."""
+    """Content of the section `friction`; a missing `law` is set to penalty_coulomb."""
     if isinstance(value, dict) and "law" not in value:
         return {"law": "penalty_coulomb", **value}
     return value
 
 
 def derived_section(law: type[FrictionLaw]) -> type[Section]:
-    """Case section with the parameters of a law: keys, bounds and descriptions are taken from the law."""
+    """Case section of a friction law; keys, bounds and descriptions are taken from the parameters of the law."""
     keys: dict[str, Any] = {"law": (Literal[law.name], Field(description=f"{law.name}: {law.sentence}"))}
     for name, parameter in parameters(law).items():
         keys[name] = (Real, Field(gt=parameter.above, ge=parameter.least, description=parameter.meaning))
@@ -107,7 +107,7 @@ WRITTEN: dict[str, type[Section]] = {
     "rate_coulomb": RateFriction,
     "smoothed_coulomb": SmoothedFriction,
 }
-"""Law -> its hand-written case section; the case sections of other laws are generated from `contact.registry`."""
+"""Friction law -> its case section written here; the sections of other laws are generated from `contact.registry`."""
 
 if TYPE_CHECKING:
     Friction = PenaltyFriction | RateFriction | SmoothedFriction

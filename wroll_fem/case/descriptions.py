@@ -1,4 +1,4 @@
-"""Units, labels and meanings of choices, parsed from the descriptions of case fields for reference and report."""
+"""Units, labels and meanings of choices, parsed from the descriptions of case fields for reference and reports."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ UNITS = (
     "octaves per minute", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "N s/m", "N/m^2",
     "N/m", "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "rad", "Pa", "Hz", "kg", "m", "s", "N",
 )  # fmt: skip
-"""Units in the spelling of the descriptions."""
+"""Units, spelled as in the descriptions of case fields."""
 
 _UNIT = re.compile(rf"(?:, |\()({'|'.join(re.escape(unit) for unit in UNITS)})(?=[,;:)]|$| \(|, )")
 
 
 def unit_of(description: str) -> str:
-    """Unit in a description, as it is spelled there; "" if there is no unit."""
+    """Unit found in a description, as spelled there; "" if it has no unit."""
     found = _UNIT.search(description)
     return found[1] if found else ""
 
@@ -32,7 +32,7 @@ def name_of(description: str) -> str:
 
 
 def meaning_of(description: str, choice: str) -> str:
-    """Meaning of a choice that the description lists as "choice: meaning; ...", or "choice (meaning)"."""
+    """Meaning of a choice, from "choice: meaning; ..." or "choice (meaning)" in a description; "" if not found."""
     for part in re.split(r"; (?![^()]*\))", description):
         if part.startswith(f"{choice}: "):
             return part.removeprefix(f"{choice}: ")

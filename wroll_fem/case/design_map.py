@@ -1,4 +1,4 @@
-"""Case section `design_map`: mandrels for the map of the frequency disparity between softest and stiffest coil."""
+"""Case section `design_map`: mandrels of the map, and softest coil."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wroll_fem.case.base import Section, _number, validation_error
 
 
 class DesignMap(Section):
-    """Grid of mandrel radii and walls, and the softest coil; the coil of the case is the stiffest."""
+    """Mandrel radii and wall thicknesses of the map, and the softest coil; the coil of the case is the stiffest."""
 
     mandrel_radius: list[float] = Field(description="outer radii of the mandrel, m, ascending")
     mandrel_thickness: list[float] = Field(description="walls of the mandrel, m, ascending")

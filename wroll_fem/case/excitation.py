@@ -72,7 +72,7 @@ class DwellExcitation(_BaseMotion):
 
 
 class SineExcitation(TaggedSection):
-    """Steady sine of the base at several levels, for modal_transient."""
+    """Steady sine motion of the base at several acceleration levels, for the analysis modal_transient."""
 
     kind: Literal["sine"] = Field(
         default="sine", description="sine: steady, at one frequency and several levels (modal_transient)"
@@ -102,14 +102,14 @@ class SineExcitation(TaggedSection):
 
     @property
     def amplitude(self) -> float:
-        """Largest level, m/s^2, 0-peak."""
+        """Largest level of the base acceleration, m/s^2, 0-peak."""
         from scipy.constants import g  # slow to import, and not needed to check a case
 
         return float(g) * self.amplitude_g[-1]
 
     @property
     def highest_frequency_hz(self) -> float:
-        """Frequency of the base motion, Hz; NaN for `resonance`, which is computed in the run."""
+        """Frequency of the base motion, Hz; NaN for `resonance`, because that frequency is computed in the run."""
         return math.nan if isinstance(self.frequency, str) else self.frequency
 
 

@@ -1,4 +1,4 @@
-"""Case section `geometry`: tube of the mandrel."""
+"""Case section `geometry`: dimensions of the mandrel tube."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Geometry(Section):
     def _wall_fits(self) -> Self:
         if self.mandrel_thickness >= self.mandrel_outer_diameter / 2:
             raise validation_error(
-                "the wall is thicker than the radius",
+                "the mandrel wall must be thinner than its radius",
                 key="mandrel_thickness",
                 value=self.mandrel_thickness,
                 remedy=f"use less than mandrel_outer_diameter / 2 = {self.mandrel_outer_diameter / 2:g} m",

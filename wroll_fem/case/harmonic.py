@@ -10,7 +10,7 @@ from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Harmonic(Section):
-    """Settings of harmonic balance: number of harmonics and evaluation of friction over a period."""
+    """Settings of harmonic balance: number of harmonics, sampling of friction, tolerance of the reduced model."""
 
     harmonics: Whole = Field(default=3, ge=1, le=50, description="harmonics of the motion besides the mean (count)")
     samples: Whole = Field(default=64, ge=8, le=8192, description="evaluations of friction per period (count)")
@@ -24,8 +24,8 @@ class Harmonic(Section):
         default=1e-3,
         gt=0,
         le=0.1,
-        description="tolerance of the reduced model: energy norm of the residual error over that of the motion, "
-        "dimensionless",
+        description="tolerance of the reduced model: energy norm of the residual error divided by the energy norm "
+        "of the motion, dimensionless",
     )
 
     @model_validator(mode="after")

@@ -9,10 +9,10 @@ from pydantic import Field, field_validator, model_validator
 from wroll_fem.case.base import Real, Section, _number, validation_error
 
 DEFAULT_STEPS = 40
-"""Steps per cycle where the case leaves them out and nothing asks for more."""
+"""Number of time steps per cycle for `auto`; the analysis of a dwell may choose more."""
 
 SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}
-"""Alpha of the named schemes (thesis, Table B.1); quasi_static is backward Euler, without alpha."""
+"""HHT parameter alpha of the named schemes (thesis, Table B.1); 0 for quasi_static, which is backward Euler."""
 
 
 def _own_alpha(given: dict[str, Any]) -> float:
@@ -21,7 +21,7 @@ def _own_alpha(given: dict[str, Any]) -> float:
 
 
 class Integrator(Section):
-    """Hilber-Hughes-Taylor integration, alpha <= 0, or backward Euler (quasi_static)."""
+    """Time integration: Hilber-Hughes-Taylor (HHT) scheme with alpha <= 0, or backward Euler (quasi_static)."""
 
     scheme: Literal["hht", "transient_fidelity", "moderate_dissipation", "no_damping", "quasi_static"] = Field(
         default="hht",
@@ -48,12 +48,12 @@ class Integrator(Section):
             return value
         number = _number(value)
         if not isinstance(number, int | float) or number != int(number) or number < 2:
-            raise validation_error("must be auto or a whole number from 2", remedy="write for example 80", value=value)
+            raise validation_error("must be auto or a whole number >= 2", remedy="write for example 80", value=value)
         return int(number)
 
     @property
     def steps(self) -> int:
-        """Steps per cycle; `DEFAULT_STEPS` for auto, which the analysis of a dwell may raise."""
+        """Number of time steps per cycle; `DEFAULT_STEPS` for auto, which the analysis of a dwell may raise."""
         return DEFAULT_STEPS if self.steps_per_cycle == "auto" else self.steps_per_cycle
 
     @model_validator(mode="after")

@@ -1,6 +1,6 @@
-"""Case classes, one per analysis; structural analyses have two: for a roll and for matrices from a file.
+"""Case classes, one per analysis; a structural analysis has two: one for a roll, one for matrices from a file.
 
-An analysis of a roll that needs no case section of its own needs no class here: it gets one from its name.
+An analysis of a roll without a case section of its own has no class here; its class is created from its name.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _motion(analysis: str, *wanted: str) -> BeforeValidator:
 
 
 class SweepCase(StructuralCase):
-    """Time history of a sine sweep of the base."""
+    """Time history of the response to a sine sweep of the base."""
 
     analysis: Literal["sweep"] = Field(description=ANALYSIS)
     excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
@@ -79,11 +79,11 @@ class RollSweepCase(SweepCase, OnRoll):
 
 @case_kind
 class StructureSweepCase(SweepCase, OnStructure):
-    """Sine sweep of matrices from a file."""
+    """Sine sweep of a structure whose matrices come from a file."""
 
 
 class DwellCase(StructuralCase):
-    """Time history of a sine of the base at one frequency."""
+    """Time history of the response to sine motion of the base at one frequency."""
 
     analysis: Literal["dwell"] = Field(description=ANALYSIS)
     excitation: Annotated[DwellExcitation, _motion("dwell", "dwell")] = Field(description=EXCITATION)
@@ -100,11 +100,11 @@ class RollDwellCase(DwellCase, OnRoll):
 
 @case_kind
 class StructureDwellCase(DwellCase, OnStructure):
-    """Dwell of matrices from a file."""
+    """Dwell of a structure whose matrices come from a file."""
 
 
 class HarmonicCase(StructuralCase):
-    """Periodic response to a sine of the base over frequency, by harmonic balance."""
+    """Periodic response to sine motion of the base versus frequency, by harmonic balance."""
 
     analysis: Literal["harmonic"] = Field(description=ANALYSIS)
     excitation: Annotated[ChirpExcitation, _motion("harmonic", "chirp")] = Field(description=EXCITATION)
@@ -118,11 +118,11 @@ class RollHarmonicCase(HarmonicCase, OnRoll):
 
 @case_kind
 class StructureHarmonicCase(HarmonicCase, OnStructure):
-    """Periodic response of matrices from a file."""
+    """Periodic response of a structure whose matrices come from a file."""
 
 
 class BackboneCase(StructuralCase):
-    """Periodic motion at resonance over its amplitude."""
+    """Backbone: periodic motion at resonance versus amplitude."""
 
     analysis: Literal["backbone"] = Field(description=ANALYSIS)
     harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
@@ -136,7 +136,7 @@ class RollBackboneCase(BackboneCase, OnRoll):
 
 @case_kind
 class StructureBackboneCase(BackboneCase, OnStructure):
-    """Backbone of matrices from a file."""
+    """Backbone of a structure whose matrices come from a file."""
 
 
 class ModalCase(StructuralCase):
@@ -152,12 +152,12 @@ class RollModalCase(ModalCase, OnRoll):
 
 @case_kind
 class StructureModalCase(ModalCase, OnStructure):
-    """Modes of matrices from a file."""
+    """Modes of a structure whose matrices come from a file."""
 
 
 @case_kind
 class ModalTransientCase(OnRoll):
-    """Solid coil under a steady sine of the base: where shear exceeds the friction capacity."""
+    """Solid coil under steady sine motion of the base: points at which shear exceeds the friction capacity."""
 
     analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
     winding: Winding = Field(description=WINDING)
@@ -184,7 +184,7 @@ class ModalTransientCase(OnRoll):
 
     @property
     def wound(self) -> Winding:
-        """Case section `winding`; a missing mandrel is filled in from the case."""
+        """Case section `winding`; a missing mandrel is taken from `geometry` and `mandrel`."""
         return self.winding.on_mandrel(self.geometry, self.mandrel)
 
 
@@ -205,7 +205,7 @@ class RollPreloadCase(PreloadCase, OnRoll):
 
 @case_kind
 class StructurePreloadCase(PreloadCase, OnStructure):
-    """Preload of matrices from a file."""
+    """Preload of a structure whose matrices come from a file."""
 
 
 @case_kind
@@ -217,7 +217,7 @@ class BucklingCase(OnRoll):
 
     @property
     def has_geometric_stiffness(self) -> bool:
-        """Always: the analysis is about it."""
+        """True, because linear buckling is computed with the geometric stiffness."""
         return True
 
     @classmethod
@@ -231,8 +231,8 @@ class BucklingCase(OnRoll):
 class WindingCase(Case):
     """Stress in the wound roll: pressure between the wraps and friction capacity.
 
-    Sections of a roll may be written: geometry and mandrel describe the mandrel under the web, and the wound roll has
-    to have the size of the coil. The other sections have no effect here.
+    The sections of a roll are optional. `geometry` and `mandrel` describe the mandrel under the web. The wound roll
+    must have the size of `coil`. The other sections have no effect here.
     """
 
     analysis: Literal["winding"] = Field(description=ANALYSIS)
@@ -259,7 +259,7 @@ class WindingCase(Case):
 
     @property
     def wound(self) -> Winding:
-        """Case section `winding`; a missing mandrel is filled in from the case."""
+        """Case section `winding`; a missing mandrel is taken from `geometry` and `mandrel` if these are given."""
         if self.geometry is None or self.mandrel is None:
             return self.winding
         return self.winding.on_mandrel(self.geometry, self.mandrel)
@@ -273,11 +273,11 @@ class WindingCase(Case):
 
 @case_kind
 class DesignMapCase(OnRoll):
-    """Frequencies of the softest and the stiffest coil over mandrel radius and wall."""
+    """Frequencies of the softest and the stiffest coil versus mandrel radius and wall thickness."""
 
     analysis: Literal["design_map"] = Field(description=ANALYSIS)
     design_map: DesignMap = Field(
-        description="mandrels for the map of the disparity between softest and stiffest coil",
+        description="mandrels of the map, and softest coil",
         examples=[{"mandrel_radius": [0.03, 0.04], "mandrel_thickness": [1.5e-3, 2.0e-3]}],
     )
 
@@ -288,7 +288,7 @@ class DesignMapCase(OnRoll):
 
 @case_kind
 class TwoDofCase(Case):
-    """Two masses coupled by friction, under a sine of the base."""
+    """Two masses coupled by friction, under sine motion of the base."""
 
     analysis: Literal["two_dof"] = Field(description=ANALYSIS)
     two_dof: TwoDof = Field(
@@ -306,7 +306,7 @@ class TwoDofCase(Case):
 
 
 def _roll_case(name: str) -> type[OnRoll]:
-    """Class of the cases of an analysis on a roll without a section of its own."""
+    """Case class of a roll analysis that has no case section of its own."""
     title = "".join(word.capitalize() for word in name.split("_"))
     analysis: Any = (Literal[name], Field(description=ANALYSIS))
     return create_model(f"Roll{title}Case", __base__=OnRoll, __doc__=f"Case of the analysis {name}.", analysis=analysis)

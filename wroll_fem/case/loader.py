@@ -45,7 +45,7 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
     data
         Content of a case file.
     overrides
-        As of `load_case`.
+        As in `load_case`.
     source
         File of the data, for messages.
 
@@ -59,7 +59,7 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
 
 
 def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
-    """Read a YAML file with a mapping; errors name the expected kind of file, ``what``.
+    """Read a YAML file that contains a mapping; messages call the expected kind of file ``what``.
 
     Raises
     ------

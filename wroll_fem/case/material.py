@@ -28,12 +28,12 @@ class IsotropicMaterial(Section):
 
 
 def _like(key: str) -> Callable[[dict[str, Any]], float]:
-    """Default of an elastic constant: the value of an earlier key."""
+    """Function that gives the default of an elastic constant: the value of the earlier key ``key``."""
     return lambda given: given.get(key, math.nan)
 
 
 def _isotropic_shear(given: dict[str, Any]) -> float:
-    """In-plane shear modulus of a web with in-plane isotropy, Pa."""
+    """In-plane shear modulus, Pa, of a web that is isotropic in its plane."""
     E, nu = given.get("E_theta", math.nan), given.get("nu_theta_z", math.nan)
     return 0.0 if nu <= -1 else E / (2 * (1 + nu))
 
@@ -95,7 +95,7 @@ class OrthotropicMaterial(Section):
 
 
 def _kind_of(value: Any) -> Any:
-    """Kind of a material; isotropic if `kind` is missing."""
+    """Content of a material section; a missing `kind` is set to isotropic."""
     if isinstance(value, dict) and "kind" not in value:
         return {"kind": "isotropic", **value}
     return value

@@ -11,7 +11,7 @@ from wroll_fem.case.base import Real, Section, Whole, validation_error
 
 
 class Mesh(Section):
-    """Structured mesh: quadrilaterals on cylinders, hexahedra in a solid coil, with the same divisions everywhere."""
+    """Structured mesh: quadrilaterals on cylinders, hexahedra in a solid coil, with matching nodes."""
 
     circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
     axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
@@ -36,11 +36,11 @@ class Mesh(Section):
     )
 
     OF_SOLID: ClassVar[tuple[str, ...]] = ("radial", "radial_grading")
-    """Keys that only a solid coil uses; other resolved cases contain them only if the file does."""
+    """Keys that only a solid coil uses; with another coil, the resolved case contains them only if they were given."""
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Serialise without a default discretisation, so that the hash of older cases does not change."""
+        """Serialise `discretisation` only if it was given, so that the hash of older cases does not change."""
         data = dict(plain(self))
         if "discretisation" not in self.model_fields_set:
             data.pop("discretisation", None)

@@ -15,7 +15,7 @@ from wroll_fem.case.descriptions import sections
 from wroll_fem.errors import InputError
 
 Refusal = Callable[[str], tuple[str, str] | None]
-"""Top-level key -> problem and remedy; None for a key that no analysis uses."""
+"""Function of a top-level key: returns problem and remedy, or None for a key that no analysis uses."""
 
 _TAGS = ("kind", "law")
 _BOUNDS = {
@@ -56,9 +56,10 @@ def input_error(
     overrides
         Dotted keys given with `--set`; an error in one of them names `--set key`.
     known
-        Keys at the top in the order to name them; those of the model when empty.
+        Top-level keys in the order in which a message lists them; if empty, the keys of the model.
     refusal
-        Function of a key at the top that the model does not have: problem and remedy, or None for an unknown key.
+        Function of a top-level key that the model does not have; returns problem and remedy, or None for an
+        unknown key.
     """
     details = [d for d in error.errors(include_url=False) if d["type"] != "default_factory_not_called"]
     refused = {d["loc"]: refusal(str(d["loc"][0])) if refusal and len(d["loc"]) == 1 else None for d in details}
@@ -130,7 +131,7 @@ def _example(field: FieldInfo | None, key: str) -> str:
 
 
 def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
-    """Dotted path of an error, without pydantic's union tags, and the model that holds its last key."""
+    """Keys on the path to an error, without pydantic's union tags, and the model that contains the last key."""
     keys: list[str] = []
     parent: type[BaseModel] | None = model
     here: Any = model
@@ -153,7 +154,7 @@ def _walk(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str]
 
 
 def _entries_of(annotation: Any) -> Any:
-    """Type of the entries of a case section whose keys are user-chosen names; None for other annotations."""
+    """Type of the entries of a case section whose keys are names chosen by the user; None for other annotations."""
     if get_origin(annotation) is dict:
         return get_args(annotation)[1]
     if isinstance(annotation, type):
@@ -162,7 +163,7 @@ def _entries_of(annotation: Any) -> Any:
 
 
 def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
-    """Field at a dotted path, or None; among several kinds of a case section, the first with this field."""
+    """Field at the end of a path of keys, or None; of several kinds of a case section, the first with this field."""
     models, field = [model], None
     for key in keys:
         field = next((m.model_fields[key] for m in models if key in m.model_fields), None)
@@ -173,7 +174,7 @@ def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    """Choices of the discriminating key of a case section with several kinds."""
+    """Values of the tag (`kind` or `law`) of a model; empty if it has no tag."""
     return next((get_args(model.model_fields[key].annotation) for key in _TAGS if key in model.model_fields), ())
 
 
@@ -192,7 +193,7 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
 def _unknown_key(
     keys: list[str], parent: type[BaseModel] | None, root: type[BaseModel], known: Sequence[str]
 ) -> tuple[str, str, str]:
-    """Problem, remedy and the full key that was probably meant."""
+    """Problem and remedy for an unknown key, and the dotted key that was probably meant."""
     siblings = list(parent.model_fields) if parent else []
     if len(keys) == 1 and known:
         siblings = list(known)
@@ -209,7 +210,7 @@ def _unknown_key(
 
 
 def _show(value: Any) -> str:
-    """Value as shortened YAML."""
+    """Value as text of at most 60 characters; null, true and false as in YAML."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     text = repr(value)

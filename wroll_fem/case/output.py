@@ -1,4 +1,4 @@
-"""Case section `output`: files of a run and the estimator of damping."""
+"""Case section `output`: files of a run, and damping estimator."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wroll_fem.case.base import Section, Switch, Whole
 
 
 class Output(Section):
-    """Fields and figures of a run folder, and estimator of damping."""
+    """Fields and figures that are written to the run folder, and damping estimator."""
 
     fields: Literal["none", "slip_map", "all"] = Field(
         default="slip_map",

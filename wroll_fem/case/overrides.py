@@ -39,7 +39,7 @@ def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
 def overridden(
     data: Mapping[str, Any], overrides: Sequence[str], file: str | None = None
 ) -> tuple[dict[str, Any], tuple[list[str], tuple[str, ...]]]:
-    """Apply "dotted.key=value" pairs to a copy.
+    """Copy of the content of a case, changed by "dotted.key=value" texts.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def overridden(
     Returns
     -------
     tuple
-        The changed copy; the dotted keys, and the former names among them.
+        The changed copy; a pair of the changed dotted keys (current names) and the former names that were used.
 
     Raises
     ------

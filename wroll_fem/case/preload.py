@@ -1,4 +1,4 @@
-"""Case section `preload`: kind of preload, and external pressure of each layer."""
+"""Case section `preload`: kind of preload, and external pressure on the layers."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pydantic import Field, field_validator, model_validator
 from wroll_fem.case.base import SparseSection, Switch, Whole, _number, validation_error
 
 DEFAULT_STEPS = 10
-"""Load steps of the static preload."""
+"""Default number of load steps of the static preload."""
 
 
 class Preload(SparseSection):
-    """Static preload before the vibration (nonlinear)."""
+    """Nonlinear static preload, computed before the vibration."""
 
     kind: Literal["external_pressure", "winding_tension"] = Field(
         default="external_pressure",

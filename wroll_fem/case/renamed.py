@@ -8,16 +8,16 @@ from typing import Any
 from wroll_fem.errors import InputError
 
 KEYS = {"design_map.loosest": "design_map.softest"}
-"""Former dotted key "section.key" -> present one, in the same section."""
+"""Former dotted key "section.key" -> current dotted key in the same section."""
 
 
 def current_key(key: str) -> str:
-    """Present name of a dotted key."""
+    """Current name of a dotted key."""
     return KEYS.get(key, key)
 
 
 def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[str, ...]]:
-    """Content of a case with present names, and list of the former names in it.
+    """Content of a case with its keys under their current names, and the former names that it contained.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[st
             continue
         if new in content:
             raise InputError(
-                f"is the former name of {present}, which is in the case as well", key=former, remedy="leave it out"
+                f"is the former name of {present}, which the case also contains", key=former, remedy="leave it out"
             )
         current[section] = {new if key == old else key: value for key, value in content.items()}
         found.append(former)
@@ -41,7 +41,7 @@ def with_current_keys(data: Mapping[Any, Any]) -> tuple[dict[Any, Any], tuple[st
 
 
 def with_former_keys(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Content with former names, from which the hash of a case is computed."""
+    """Content of a case with its keys under their former names; renaming a key then leaves the hash unchanged."""
     former_data = dict(data)
     for former, present in KEYS.items():
         section, _, old = former.partition(".")

@@ -11,13 +11,13 @@ from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 
 ROLL = ("geometry", "mandrel", "coil")
-"""Sections that describe a roll."""
+"""Required case sections of a roll."""
 
 
 class RollSections(Section):
     """Geometry, mandrel, coil and mesh of a roll.
 
-    Every case on a roll is one; it can also be made from the four sections alone.
+    Every case on a roll is an instance of this class. An instance can also be made from the four sections alone.
     """
 
     geometry: Geometry = Field(description="tube of the mandrel")

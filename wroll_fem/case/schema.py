@@ -13,8 +13,8 @@ from wroll_fem.case.case import case_kinds
 def schema_text() -> str:
     """JSON schema of the case file, generated from the models (docs/wroll-case.schema.json is a copy).
 
-    One schema per analysis, and where an analysis takes a roll or matrices from a file one for each; `analysis` and
-    `structure` decide which one holds.
+    There is one schema per analysis. An analysis that accepts a roll or matrices from a file has one schema for each.
+    The keys `analysis` and `structure` decide which schema applies.
     """
     kinds = case_kinds()
     _, schema = models_json_schema([(kind, "validation") for kind in kinds.values()])
@@ -37,7 +37,7 @@ def schema_text() -> str:
 
 
 def _of(analysis: str, kinds: dict[tuple[str, bool], Any]) -> dict[str, Any]:
-    """Schema of an analysis: on a roll, or on matrices from a file."""
+    """Schema of the cases of an analysis, for a roll and for matrices from a file."""
     on_roll, on_structure = kinds[analysis, False], kinds.get((analysis, True))
     roll = {"$ref": f"#/$defs/{on_roll.__name__}"}
     if on_structure is None:

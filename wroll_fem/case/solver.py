@@ -1,4 +1,4 @@
-"""Case section `solver`: solution of the equations of a step."""
+"""Case section `solver`: solution of the equations of a time step."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Solver(Section):
         default=2e-3,
         gt=0,
         le=0.1,
-        description="tolerance of method reduced: energy norm of the projection error over the largest of the "
-        "motion, dimensionless",
+        description="tolerance of method reduced: energy norm of the projection error divided by the largest "
+        "energy norm of the motion, dimensionless",
     )
     tolerance: Real = Field(
         default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"

@@ -1,4 +1,4 @@
-"""Strict YAML: duplicate keys are refused; errors are one line with their position."""
+"""Strict YAML: duplicate keys are refused; an error is reported in one line with its position."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class _StrictLoader(yaml.SafeLoader):
 
 
 def parse_yaml(text: str, where: str) -> Any:
-    """Parse a YAML text; errors name its origin, ``where``.
+    """Parse a YAML text; messages name its origin, ``where``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Base classes of the cases of structural analyses: on a roll, or on matrices from a file."""
+"""Base classes of the cases of structural analyses: for a roll, and for matrices from a file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from wroll_fem.case.structure import Structure
 from wroll_fem.case.winding import Winding
 from wroll_fem.errors import InputError
 
-CONTACT = "between matched interfaces"
+CONTACT = "friction and normal contact"
 PRELOAD = "pressure on the layers"
 WINDING = "winding of the roll: tension, wraps, mandrel, web"
 EXCITATION = "motion of the base"
@@ -43,13 +43,13 @@ BACKBONE = "range of the backbone"
 PROBES = "named points whose motion the results contain; the tip is always included"
 
 _OF_ROLL = (*ROLL, "mesh", "preload", "probes")
-"""Case sections that matrices from a file replace."""
+"""Case sections that are replaced by the matrices from a file."""
 
 
 class StructuralCase(Case):
-    """Case of a structural analysis: a roll, or matrices from a file.
+    """Case of a structural analysis, for a roll or for matrices from a file.
 
-    Sections that the analysis does not use may be written, so that one file serves several analyses.
+    Sections that the analysis does not use are allowed, so that one file can serve several analyses.
     """
 
     contact: Contact | None = Field(default=None, description=CONTACT)
@@ -84,13 +84,13 @@ class StructuralCase(Case):
 
     @property
     def time_step(self) -> float:
-        """Time step, s: `integrator.steps` per cycle of the highest excitation frequency, else of 1 Hz."""
+        """Time step, s: 1 / (f `integrator.steps`); f: highest excitation frequency, or 1 Hz without excitation."""
         highest = 1.0 if self.excitation is None else self.excitation.highest_frequency_hz
         return 1.0 / (highest * self.integrator.steps)
 
 
 class OnRoll(StructuralCase, RollSections):
-    """Case on a roll, described by geometry, mandrel and coil."""
+    """Structural case of a roll described by geometry, mandrel and coil."""
 
     preload: Preload | None = Field(default=None, description=PRELOAD)
     probes: Probes | None = Field(default=None, description=PROBES)
@@ -113,21 +113,21 @@ class OnRoll(StructuralCase, RollSections):
 
     @property
     def preload_steps(self) -> int:
-        """Load steps of the static preload."""
+        """Number of load steps of the static preload."""
         return DEFAULT_STEPS if self.preload is None else self.preload.steps
 
     @property
     def has_geometric_stiffness(self) -> bool:
-        """Whether the structure has the geometric stiffness of its preload."""
+        """Whether the geometric stiffness of the preload is added to the structure."""
         return self.preload is not None and self.preload.geometric_stiffness
 
     @property
     def wound(self) -> Winding | None:
-        """Case section `winding`; a missing mandrel is filled in from the case."""
+        """Case section `winding`, or None; a missing mandrel is taken from `geometry` and `mandrel`."""
         return None if self.winding is None else self.winding.on_mandrel(self.geometry, self.mandrel)
 
     def resolved(self) -> dict[str, Any]:
-        """As `Case.resolved`, without keys that the coil model does not use, unless they are in the file."""
+        """Like `Case.resolved`, but keys that the coil model ignores are kept only if they were given."""
         data = super().resolved()
         if self.coil.model != "solid":
             for key in set(Mesh.OF_SOLID) - self.mesh.model_fields_set:
@@ -139,7 +139,7 @@ class OnRoll(StructuralCase, RollSections):
 
 
 class OnStructure(StructuralCase):
-    """Case on matrices from a file, which also contains interfaces, preload and influence vector."""
+    """Structural case of matrices from a file; the file also contains interfaces, preload and influence vector."""
 
     structure: Structure = Field(
         description="matrices from a file, in place of geometry, mandrel, coil, mesh and preload"
@@ -154,7 +154,7 @@ class OnStructure(StructuralCase):
 
     @property
     def preload_steps(self) -> int:
-        """Load steps of the static preload."""
+        """Number of load steps of the static preload."""
         return self.structure.preload_steps
 
     @classmethod
@@ -167,7 +167,7 @@ class OnStructure(StructuralCase):
         return super()._refusal(key)
 
     def resolved(self) -> dict[str, Any]:
-        """As `Case.resolved`, without case sections that the matrix file replaces, unless they are in the case file."""
+        """Like `Case.resolved`, but keys that the matrix file replaces are kept only if they were given."""
         data = super().resolved()
         if "excitation" in data:
             del data["excitation"]["direction"]

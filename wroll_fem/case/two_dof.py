@@ -1,4 +1,4 @@
-"""Case section `two_dof`: two masses coupled by friction, under a sine of the base (thesis, chapter 5)."""
+"""Case section `two_dof`: two masses coupled by friction, under sine motion of the base (thesis, chapter 5)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Span(Section):
 
 
 class TwoDofDesignSpace(Section):
-    """Secondary masses and stiffnesses for the map of the largest damping (thesis, Fig. 5.7)."""
+    """Masses and stiffnesses of the secondary for the map of the largest damping (thesis, Fig. 5.7)."""
 
     m2: Span = Field(description="mass of the secondary, kg")
     k2: Span = Field(description="stiffness of the secondary, N/m")
@@ -69,7 +69,7 @@ class TwoDof(SparseSection):
         default="periodic", description="harmonic balance, or time integration from rest until the motion repeats"
     )
     design_space: TwoDofDesignSpace | None = Field(
-        default=None, description="map of the largest damping over secondary mass and stiffness"
+        default=None, description="map of the largest damping versus secondary mass and stiffness"
     )
 
     @field_validator("friction_capacity", mode="before")
@@ -88,6 +88,6 @@ class TwoDof(SparseSection):
     def _enough(self) -> Self:
         if self.omega.points < 5:
             raise validation_error(
-                "too few frequencies for a curve", key="omega.points", value=self.omega.points, remedy="use 5"
+                "too few frequencies for a curve", key="omega.points", value=self.omega.points, remedy="use 5 or more"
             )
         return self

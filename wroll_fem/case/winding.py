@@ -1,4 +1,4 @@
-"""Case section `winding`: winding of the roll and its mandrel, from the section or from the rest of the case."""
+"""Case section `winding`: web, tension and wraps of the wound roll, and its mandrel if no other section has it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.errors import InputError
 
 LARGEST_K2 = 1.0e4
-"""Largest accepted K2: a larger number is probably a modulus in Pa; measured stacks of web have 10 to some 1000."""
+"""Largest accepted K2, the slope of the radial modulus versus pressure. Measured values are 10 to a few thousand; a
+larger number is probably a modulus in Pa."""
 
 
 class ConstantModulus(Section):
@@ -32,11 +33,11 @@ class ConstantModulus(Section):
 
 
 class PfeifferModulus(Section):
-    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P), thesis, equation 2.9."""
+    """Radial modulus that grows with the pressure: E_r = K2 (K1 + P) (thesis, equation 2.9)."""
 
     law: Literal["pfeiffer"] = Field(description="pfeiffer: E_r = K2 (K1 + P), P the pressure between the wraps")
     K1: Real = Field(gt=0, description="pressure offset K1, Pa")
-    K2: Real = Field(gt=0, description="slope K2 of the radial modulus over pressure, dimensionless")
+    K2: Real = Field(gt=0, description="slope K2 of the radial modulus versus pressure, dimensionless")
 
     @field_validator("K2", mode="before")
     @classmethod
@@ -46,9 +47,9 @@ class PfeifferModulus(Section):
         except (TypeError, ValueError):
             number = math.nan
         if not number <= LARGEST_K2:
-            unit = "a number without a unit" if math.isnan(number) else "not a modulus in Pa: it has no unit"
+            unit = "a number without a unit" if math.isnan(number) else "dimensionless, not a modulus in Pa"
             raise validation_error(
-                f"K2 is {unit}", value=value,
+                f"K2 must be {unit}", value=value,
                 remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
                 "(Table 2.3 of the thesis prints 40 GPa where 40 is meant)",
             )  # fmt: skip
@@ -56,7 +57,7 @@ class PfeifferModulus(Section):
 
 
 class TableModulus(Section):
-    """Table of the measured radial modulus over pressure: linear between rows, constant beyond the ends."""
+    """Table of the measured radial modulus versus pressure: linear between rows, constant beyond the ends."""
 
     law: Literal["table"] = Field(description="table: measured values, linear between the rows")
     pressure: list[Real] = Field(min_length=1, description="pressure between the wraps, Pa, rising from 0 or more")
@@ -75,8 +76,9 @@ class TableModulus(Section):
 def _check_table(x: list[float], y: list[float], name_x: str, name_y: str, *, least: float) -> None:
     if len(x) != len(y):
         raise validation_error(
-            f"{len(y)} values for {len(x)} of {name_x}", key=name_y, value=y, remedy=f"give one value per {name_x}"
-        )
+            f"{len(y)} values for {len(x)} values of {name_x}", key=name_y, value=y,
+            remedy=f"give one value per {name_x}",
+        )  # fmt: skip
     if any(b <= a for a, b in pairwise(x)) or x[0] < least:
         raise validation_error(
             "must rise from row to row", key=name_x, value=x, remedy=f"sort the rows by {name_x}, from {least:g} up"
@@ -103,19 +105,19 @@ class ConstantTension(Section):
 
 
 class TaperTension(Section):
-    """Tension that decreases linearly with the radius."""
+    """Tension that changes linearly with the radius."""
 
     kind: Literal["taper"] = Field(description="taper: the tension changes linearly from mandrel to outer radius")
     taper: Real = Field(lt=1, ge=-10, description="relative loss of tension at the outer radius, dimensionless")
 
 
 class TableTension(Section):
-    """Table of tension over the radius: linear between rows, constant beyond the ends."""
+    """Table of tension versus radius: linear between rows, constant beyond the ends."""
 
-    kind: Literal["table"] = Field(description="table: relative tension over the radius, linear between the rows")
+    kind: Literal["table"] = Field(description="table: relative tension versus radius, linear between the rows")
     radius: list[Real] = Field(min_length=1, description="radius at which a wrap is laid, m, rising")
     factor: list[Real] = Field(
-        min_length=1, description="tension at that radius over tension_stress or tension_newton, dimensionless"
+        min_length=1, description="tension at that radius relative to tension_stress or tension_newton, dimensionless"
     )
 
     @model_validator(mode="after")
@@ -150,7 +152,7 @@ class WindingMandrel(Section):
     E: Real | None = Field(default=None, gt=0, description="Young's modulus of the mandrel, Pa")
     nu: Real = Field(default=0.33, gt=-1, lt=0.5, description="Poisson's ratio of the mandrel, dimensionless")
     stiffness: Real | None = Field(
-        default=None, gt=0, description="pressure over hoop strain at the surface, Pa, in place of wall and E"
+        default=None, gt=0, description="pressure divided by hoop strain at the surface, Pa, in place of wall and E"
     )
 
     @model_validator(mode="after")
@@ -189,13 +191,13 @@ class WindingMandrel(Section):
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Serialise the keys of the tube, or the stiffness."""
+        """Serialise either the keys of the tube or the stiffness."""
         used = ("outer_radius", "stiffness") if self.stiffness is not None else ("outer_radius", "wall", "E", "nu")
         return {key: value for key, value in dict(plain(self)).items() if key in used}
 
 
 class Web(Section):
-    """Material of the wound sheet."""
+    """Material of the web."""
 
     E_theta: Real = Field(gt=0, description="Young's modulus along the web, Pa")
     nu_theta: Real = Field(
@@ -211,14 +213,14 @@ class Winding(SparseSection):
     """A web wound under tension onto a mandrel."""
 
     tension_stress: Real | None = Field(
-        default=None, gt=0, description="tension of the web over its cross-sectional area, Pa"
+        default=None, gt=0, description="tension of the web divided by its cross-sectional area, Pa"
     )
     tension_newton: Real | None = Field(
         default=None, gt=0, description="tension of the web as a force, N, with web_width in place of tension_stress"
     )
     web_width: Real | None = Field(default=None, gt=0, description="width of the web along the axis, m")
     tension_profile: TensionProfile = Field(
-        default_factory=ConstantTension, description="profile of the tension over the radius"
+        default_factory=ConstantTension, description="profile of the tension versus radius"
     )
     wraps: Whole = Field(ge=1, le=20000, description="number of wraps (count)")
     wrap_thickness: Real = Field(gt=0, description="thickness of the web, m")
@@ -259,14 +261,14 @@ class Winding(SparseSection):
     def _thin_web(self) -> Self:
         if self.mandrel is not None and self.wrap_thickness >= self.mandrel.outer_radius:
             raise validation_error(
-                "the web is thicker than the roll it is wound on", key="wrap_thickness", value=self.wrap_thickness,
+                "must be less than the mandrel radius", key="wrap_thickness", value=self.wrap_thickness,
                 remedy=f"use less than mandrel.outer_radius = {self.mandrel.outer_radius:g} m",
             )  # fmt: skip
         return self
 
     @property
     def stress(self) -> float:
-        """Web tension over cross-sectional area, Pa, before the tension profile is applied.
+        """Web tension divided by the cross-sectional area of the web, Pa, before the tension profile is applied.
 
         Raises
         ------
@@ -313,7 +315,7 @@ class Winding(SparseSection):
         return self.wraps * self.wrap_thickness
 
     def on_mandrel(self, geometry: Geometry, mandrel: Mandrel) -> Winding:
-        """Return the case section with its mandrel, or with the mandrel of the case if it has none."""
+        """Return the case section with a mandrel: its own, or the given mandrel of the case if it has none."""
         if self.mandrel is not None:
             return self
         tube = WindingMandrel(

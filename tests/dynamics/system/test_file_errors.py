@@ -145,7 +145,7 @@ def test_a_file_that_is_no_structure_is_refused_in_one_line(tmp_path: Path, kind
         ({"mesh": {"axial": 12}}, "mesh: cannot be combined with structure, whose file replaces it"),
         ({"preload": {"pressure": 1e5}}, "preload: cannot be combined with structure, whose file replaces it"),
         ({"excitation": DWELL | {"direction": "x"}},
-         "excitation.direction: the influence vector of structure.file sets the direction, got 'x'; leave it out"),
+         "excitation.direction: the direction is set by the influence vector in structure.file, got 'x'; leave it out"),
         ({"structure": {"file": "nothing.npz"}}, "structure.file: structure file not found, got '"),
         ({"structure": {"file": "case.yaml"}}, "structure.file: must be a .npz or .mat file, got '"),
         ({"structure": {"file": 3}}, "structure.file: must be the path of a .npz or .mat file, got 3"),
