@@ -87,5 +87,5 @@ def test_half_a_roll_moves_as_the_whole_one() -> None:
 
 @pytest.mark.parametrize("z", [-0.01, 0.31])
 def test_a_point_off_the_shell_is_refused(z: float) -> None:
-    with pytest.raises(InputError, match=r"z: .* m is not on mandrel; give a height between 0 and 0.3 m"):
+    with pytest.raises(InputError, match=r"z: .* m is outside mandrel; give a height between 0 and 0.3 m"):
         probe_row(bodies()[0], Probe(0.0, z))

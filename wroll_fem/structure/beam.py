@@ -73,11 +73,11 @@ class Cantilever:
         return float(np.pi / 4.0 * (self.outer_radius**4 - self.inner_radius**4))
 
     def shear_force(self, z: FloatArray | float) -> FloatArray:
-        """Shear force V at height z (m), N, in the shape of z; the resultant of the loads above z."""
+        """Shear force V in N at heights z (m), an array of the shape of z: the resultant of the loads above z."""
         return self.distributed * (self.length - np.asarray(z, float)) + self.tip
 
     def moment(self, z: FloatArray | float) -> FloatArray:
-        """Bending moment M at height z (m), N m, in the shape of z."""
+        """Bending moment M in N m at heights z (m), an array of the shape of z."""
         above = self.length - np.asarray(z, float)
         return 0.5 * self.distributed * above**2 + self.tip * above
 
@@ -89,11 +89,11 @@ class Cantilever:
         return -self.moment(z) * self.outer_radius * np.cos(theta) / self.second_moment
 
     def first_moment(self, theta: FloatArray | float) -> FloatArray:
-        """First moment of area Q, m^3: integral of y dA over the cross-section within +-theta (rad) of the load."""
+        """First moment of area Q, m^3, of the part of the cross-section within +-theta (rad) of the load direction."""
         return 2.0 / 3.0 * (self.outer_radius**3 - self.inner_radius**3) * np.sin(theta)
 
     def shear_stress(self, theta: FloatArray | float, z: FloatArray | float) -> FloatArray:
-        """Transverse shear stress, mean through the wall, Pa: V Q / (I t) with t = 2 x wall (equation 2.20).
+        """Transverse shear stress averaged through the wall, Pa: V Q / (I t) with t = 2 x wall (equation 2.20).
 
         Zero at theta = 0 and pi and largest at the neutral axis: 2 V/A in a thin tube, 4 V/(3 A) in a solid bar.
         """

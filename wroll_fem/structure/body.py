@@ -63,7 +63,7 @@ class SolidPart:
 
 @dataclass(frozen=True)
 class Body:
-    """One meshed part with its constraints eliminated, ready for a `System`.
+    """One meshed part with its constraints eliminated; a `System` is assembled from such bodies.
 
     Attributes
     ----------

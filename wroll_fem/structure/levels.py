@@ -1,4 +1,4 @@
-"""Grouping of coordinates that are equal within rounding, such as those of one ring or row of points."""
+"""Grouping of coordinates that are equal within rounding, such as the heights of the points of one ring."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from wroll_fem.typing import FloatArray, IntArray
 
 SAME = 1e-6
-"""Largest difference, relative to the range, of coordinates that count as equal; far below the size of elements."""
+"""Largest difference of coordinates that count as equal, relative to the range of all; far below the element size."""
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:
-    """Group values so that consecutive values of a group differ by at most a tolerance.
+    """Group values; in ascending order, consecutive values of a group differ by at most a tolerance.
 
     Parameters
     ----------

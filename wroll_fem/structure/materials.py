@@ -37,7 +37,7 @@ _ROUNDING = 1e-12
 
 
 class Orthotropic(Protocol):
-    """Interface of an object with the nine elastic constants of an orthotropic material."""
+    """Protocol of an object that has the nine elastic constants of an orthotropic material."""
 
     @property
     def E_theta(self) -> float: ...  # noqa: D102
@@ -80,7 +80,7 @@ class Violation:
 
 
 def violation(m: Orthotropic) -> Violation | None:
-    """First violated admissibility condition of the module's docstring, or None for an admissible material."""
+    """First admissibility condition (see the module's docstring) that a material violates; None if it is admissible."""
     for key in MODULI:
         value = float(getattr(m, key))
         if not (math.isfinite(value) and value > 0.0):
@@ -189,7 +189,7 @@ class CylindricalOrthotropic:
 
 @dataclass(frozen=True)
 class Constituent:
-    """Constituent of a web with its in-plane constants in the axes of the web.
+    """Constituent of a web: volume fraction, density, and in-plane elastic constants in the axes of the web.
 
     Attributes
     ----------
@@ -285,8 +285,8 @@ def homogenise(
     for constant, name in limited.items():
         if constant not in IN_PLANE or name not in constituents:
             raise InputError(
-                f"{constant} cannot be taken from {name}", key="limited_by",
-                remedy=f"use the constants {', '.join(IN_PLANE)} and the constituents {', '.join(constituents)}",
+                f"the pair {constant}: {name} has an unknown constant or an unknown constituent", key="limited_by",
+                remedy=f"map constants ({', '.join(IN_PLANE)}) to constituents ({', '.join(constituents)})",
             )  # fmt: skip
     parts = list(constituents.values())
     mixed = {

@@ -2,8 +2,8 @@
 
 On each ring of nodes, the displacement in cylindrical components is expanded in a Fourier series over theta. The
 contribution of wave number n is the sum over rings and components of |c_n|^2, weighted by the tributary height of the
-ring and by the mass per height of the body. A solid coil is treated as a stack of cylinders of nodes. Wave number 1
-translates the axis (bending); for n >= 2 the axis stays in place (ovalling).
+ring and by the mass per height of the body. A solid coil is treated as a stack of cylinders of nodes. For wave
+number 1 the axis is displaced (bending); for n >= 2 it stays in place (ovalling).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0
 
 @dataclass(frozen=True)
 class ModeKind:
-    """Kind of a mode and its circumferential wave numbers.
+    """Kind of a mode, its dominant circumferential wave number, and the share of this wave number.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
 
 
 def _ring_content(nodes: FloatArray, u: FloatArray, highest: int) -> FloatArray:
-    """(highest + 1, 3) mean square displacement per wave number and component of nodes (n, 3) on one cylinder."""
+    """(highest + 1, 3) mean square displacement of nodes (n, 3) on one cylinder, by wave number and component."""
     x, y, z = nodes.T
     theta = np.arctan2(y, x)
     cos, sin = np.cos(theta), np.sin(theta)
@@ -129,12 +129,12 @@ def classify_mode(bodies: Sequence[Body], vector: FloatArray, highest: int = _HI
 
 
 def main_bending(kinds: Sequence[str], fractions: FloatArray) -> int | None:
-    """Index of the bending mode with the largest effective mass, or None without one.
+    """Index of the bending mode with the largest effective mass, or None if there is no bending mode.
 
     Parameters
     ----------
     kinds
-        (n_modes,) names of the modes.
+        (n_modes,) kinds of the modes, as in `ModeKind.kind`.
     fractions
         (n_modes,) or (n_modes, 3) effective mass fractions; with three components the largest one is used.
     """
@@ -161,13 +161,13 @@ def effective_mass_fractions(
 
     Returns
     -------
-    (n_modes, 3) effective mass over `mass_total`.
+    (n_modes, 3) effective mass divided by `mass_total`.
     """
     return (vectors.T @ (mass @ influence)) ** 2 / mass_total
 
 
 _DEGENERATE = 1e-5
-"""Relative difference of the frequencies of two modes below which they count as a degenerate pair."""
+"""Largest relative frequency difference of two modes that count as a degenerate pair."""
 
 
 def are_degenerate(frequencies_hz: FloatArray, k: int) -> bool:
@@ -179,11 +179,11 @@ def are_degenerate(frequencies_hz: FloatArray, k: int) -> bool:
 def align_pairs(
     frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray
 ) -> FloatArray:
-    """Rotate each degenerate pair so that only its first mode has a participation along x.
+    """Rotate the modes of each degenerate pair so that only the first one participates in a base motion along x.
 
     The bending modes of an axisymmetric roll form pairs whose directions are arbitrary; after the rotation the first
     bends along x and the second along y. Pairs without effective mass are not changed. A single mode of a pair at the
-    end of the list keeps its arbitrary direction, so solve for one mode more than is needed.
+    end of the list keeps its arbitrary direction, so compute one mode more than needed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Probes: displacement of one point of a shell in one direction, as a row over its degrees of freedom."""
+"""Probes: displacement of a point of a shell in one direction, as a row vector times the degrees of freedom."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Direction = Literal["x", "y", "z", "radial", "hoop"]
 DIRECTIONS: tuple[str, ...] = get_args(Direction)
 
 _ORDER = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2))
-"""One-dimensional shape functions (first end, second end, middle) of each node, along and across the cell."""
+"""Indices (along, across) of the 1D shape functions of each node; 0: first end, 1: second end, 2: middle."""
 
 _ITERATIONS = 20
 _ON_CELL = 1e-6
-"""Tolerated distance of a point from its cell, in reference coordinates."""
+"""Largest accepted distance of a point outside its cell, in reference coordinates."""
 
 
 @dataclass(frozen=True)
@@ -86,13 +86,13 @@ def _slopes(local: FloatArray) -> FloatArray:
 
 
 def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
-    """Number of the cell with the probe, and reference coordinates (2,) of the probe in it."""
+    """Index of the cell that contains the probe, and reference coordinates (2,) of the probe in this cell."""
     nodes = body.nodes
     low, high = float(nodes[:, 2].min()), float(nodes[:, 2].max())
     length = high - low
     if not low - _ON_CELL * length <= probe.z <= high + _ON_CELL * length:
         remedy = f"give a height between {low:g} and {high:g} m"
-        raise InputError(f"{probe.z:g} m is not on {body.name}", key="z", remedy=remedy)
+        raise InputError(f"height {probe.z:g} m is outside {body.name}", key="z", remedy=remedy)
     turned = np.angle(np.exp(1j * (np.arctan2(nodes[:, 1], nodes[:, 0]) - probe.theta)))  # 0 at the probe
     height = (nodes[:, 2] - probe.z) / length
     corners = body.cells[:, :4]
@@ -107,12 +107,12 @@ def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
         if best is None or outside < best[0]:
             best = (outside, int(cell), local)
     if best is None or best[0] > _ON_CELL:
-        raise InputError(f"no element of {body.name} holds the point", key="theta", remedy="give a point of the shell")
+        raise InputError(f"no element of {body.name} contains this point", key="theta", remedy="use a point on it")
     return best[1], np.clip(best[2], -1.0, 1.0)
 
 
 def _invert(places: FloatArray) -> FloatArray:
-    """Reference coordinates (2,) at which the interpolated nodal positions ``places`` (9, 2) are zero (Newton)."""
+    """Reference coordinates (2,) at which the position interpolated from nodal ``places`` (9, 2) is zero (Newton)."""
     local = np.zeros(2)
     for _ in range(_ITERATIONS):
         change = np.linalg.solve(places.T @ _slopes(local), -places.T @ shape_functions(local))
