@@ -33,7 +33,7 @@ TWO_PI = 2.0 * pi
 
 
 class BaseMotion(Protocol):
-    """Interface of a base motion for time integration and demodulation."""
+    """Properties and methods of every base motion, as used by time integration and demodulation."""
 
     @property
     def amplitude(self) -> float:
@@ -184,7 +184,7 @@ class Chirp:
         return self.amplitude * _ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Times 0, dt, ... (s), up to the first one at or after `duration`, and accelerations (m/s^2), (n,) each.
+        """Times 0, dt, ... (s) up to the first at or after `duration`, and the accelerations (m/s^2) then; (n,) each.
 
         Raises
         ------
@@ -231,7 +231,7 @@ class Dwell:
 
     @property
     def duration(self) -> float:
-        """Length of the motion, s."""
+        """Duration of the motion, s."""
         return self.cycles / self.frequency_hz
 
     def frequency(self, time: npt.ArrayLike) -> FloatArray:
@@ -248,7 +248,7 @@ class Dwell:
         return self.amplitude * _ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Times 0, dt, ... (s), up to the first one at or after `duration`, and accelerations (m/s^2), (n,) each.
+        """Times 0, dt, ... (s) up to the first at or after `duration`, and the accelerations (m/s^2) then; (n,) each.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class Dwell:
 
 
 def base_motion(excitation: Any) -> Chirp | Dwell:
-    """Base motion of a case section `excitation` (or any object with the same attributes).
+    """Base motion described by a case section `excitation`, or by any object with the same attributes.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def base_motion(excitation: Any) -> Chirp | Dwell:
 
 
 def sweep_rate_limit(f_n: float, zeta: float) -> float:
-    r"""Highest sweep rate allowed by ISO 7626-2 for a resonance, oct/min: 78 f_n / Q^2 with Q = 1 / (2 zeta).
+    r"""Highest sweep rate (oct/min) that ISO 7626-2 allows for a resonance: 78 f_n / Q^2 with Q = 1 / (2 zeta).
 
     Parameters
     ----------
@@ -305,8 +305,8 @@ def sweep_rate_limit(f_n: float, zeta: float) -> float:
 def chirp_law(dataset: xr.Dataset) -> tuple[float, float] | None:
     """Start frequency (Hz) and growth rate g (1/s) of a chirp, f(t) = f_start exp(g t); None for other motions.
 
-    Read from the attributes `f_start_hz` and `rate_oct_per_min` of results. Without the rate, `f_end_hz` is taken to be
-    reached at the last time.
+    The values are read from the attributes `f_start_hz` and `rate_oct_per_min` of results. Without the rate, `f_end_hz`
+    is taken to be reached at the last time.
     """
     attrs = dataset.attrs
     if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:

@@ -14,12 +14,14 @@ from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.typing import FloatArray
 
 LEAST_PROMINENCE = 0.01
-"""Height of the highest point above its higher foot, over its height, below which it is a ripple, unless a half-power
-point stands beside it (the band then ends close to the resonance)."""
+"""Prominence below which the highest point counts as a ripple. The prominence is the height above the higher foot,
+divided by the height of the point; a foot is the lowest point on one side. If a half-power point lies inside the band,
+the highest point is no ripple: the band then ends close to the resonance."""
 
 LARGEST_PARTICIPATION = 3.0
-"""Height of a peak times twice its damping ratio, at most: 1 for a single mass, 1.6 for the first mode of a cantilever,
-and up to 2 for resonances of random rolls with friction, whose width is not that of a linear one."""
+"""Largest product of the height of a peak and twice its damping ratio; a larger product indicates ringing. The product
+is 1 for a single mass and 1.6 for the first mode of a cantilever. It is up to 2 for random rolls with friction, whose
+peaks do not have the width of a linear resonance."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class HalfPower:
     Attributes
     ----------
     f_n, peak
-        Frequency (Hz) and height of the highest point, also if it is not `resonant`; `as_attrs` leaves them out then.
+        Frequency (Hz) and height of the highest point, even if it is not `resonant`; `as_attrs` then gives nan.
     f_low, f_high
         Half-power frequencies f1 < f_n < f2 at peak / sqrt 2, Hz; nan if outside the band.
     zeta
@@ -44,8 +46,8 @@ class HalfPower:
         Remark on a complete result: the curve rises above half power again elsewhere, so the result describes only the
         highest peak.
     resonant
-        Whether the highest point is a maximum inside the band. On an end of the band, or a ripple on a slope, it says
-        nothing about a resonance.
+        Whether the highest point counts as a resonance. It does not if it lies at an end of the band, is a ripple on a
+        slope, or has the phase of a response far from resonance (`without_resonance`).
     """
 
     f_n: float
@@ -60,13 +62,13 @@ class HalfPower:
     resonant: bool = True
 
     def without_resonance(self, reason: str) -> HalfPower:
-        """Copy whose highest point is no resonance, with the reason."""
+        """Copy in which the highest point does not count as a resonance, with the reason."""
         return replace(
             self, zeta=nan, skewness=nan, f_low=nan, f_high=nan, complete=False, resonant=False, reason=reason, note=""
         )
 
     def as_attrs(self) -> dict[str, float | str | bool]:
-        """Attributes with the names of summary.json."""
+        """Values as attributes of a Dataset, named as in summary.json."""
         return {
             "f_n_hz": self.f_n if self.resonant else nan,
             "peak_transmissibility": self.peak if self.resonant else nan,
@@ -81,7 +83,7 @@ class HalfPower:
 
 
 def _peak(frequency: FloatArray, magnitude: FloatArray) -> tuple[float, float, int]:
-    """Vertex of the parabola through the highest point and its neighbours, and the index of the highest point."""
+    """Vertex (frequency, height) of the parabola through the highest point and its neighbours; index of that point."""
     k = int(np.argmax(magnitude))
     if k == 0 or k == magnitude.size - 1:
         return float(frequency[k]), float(magnitude[k]), k
@@ -117,7 +119,7 @@ def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start:
 
 
 def _no_maximum(f: FloatArray, m: FloatArray, k: int, *, beside: bool) -> str:
-    """Why the highest point k of a curve is no maximum inside the band; empty if it is one.
+    """Reason why the highest point, of index k, is no maximum inside the band; empty if it is one.
 
     ``beside`` tells whether one of its half-power points is inside the band.
     """
@@ -127,8 +129,8 @@ def _no_maximum(f: FloatArray, m: FloatArray, k: int, *, beside: bool) -> str:
     foot = max(float(m[: k + 1].min()), float(m[k:].min()))
     if not beside and foot > (1.0 - LEAST_PROMINENCE) * m[k]:
         return (
-            f"the highest point, at {f[k]:.5g} Hz, rises {100.0 * (1.0 - foot / m[k]):.2g} % above the curve on one of "
-            "its sides: no resonance inside"
+            f"the highest point, at {f[k]:.5g} Hz, rises only {100.0 * (1.0 - foot / m[k]):.2g} % above the lowest "
+            "point on one of its sides: no resonance inside"
         )
     return ""
 
@@ -180,7 +182,7 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
     if not (np.isfinite(f).all() and np.isfinite(m).all()) or np.any(np.diff(f) <= 0.0) or np.any(m < 0.0):
         raise InputError(
             "the frequencies of a curve must increase and its magnitudes must be finite and not negative",
-            remedy="sort the points and remove gaps",
+            remedy="sort the points by frequency and remove invalid ones",
         )
     f_n, peak, k = _peak(f, m)
     if not peak > 0.0:
@@ -241,25 +243,27 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
 
 
 def likely_damping(read: HalfPower) -> tuple[float, str]:
-    """Damping ratio of a resonance for criteria that need one, and where it comes from (empty: the half-power width).
+    """Damping ratio of a resonance, for criteria that need one, and its origin as text (empty: the half-power width).
 
-    A single mode with the participation p has the height p / (2 zeta). A peak that is far higher than its width allows,
-    p above `LARGEST_PARTICIPATION`, rings: the width is not its own, and the height gives the damping.
+    A single mode with the participation p has a peak of height p / (2 zeta). If the half-power damping gives a p above
+    `LARGEST_PARTICIPATION`, the peak is too high for its width, because the response rings. The damping ratio is then
+    estimated from the height.
     """
     if not read.complete:
         return least_damping(read), " (from the height or one side of the peak, as a half-power point is missing)"
     from_height = 0.5 * LARGEST_PARTICIPATION / read.peak
     if from_height < read.zeta:
-        return from_height, " (from the height of the peak: it is too high for its half-power width, which is ringing)"
+        return from_height, " (from the height of the peak, which is too high for its width because of ringing)"
     return read.zeta, ""
 
 
 def least_damping(read: HalfPower) -> float:
-    """Smallest damping ratio that a peak without both half-power points suggests.
+    """Smallest of the damping ratios estimated from the height and from each half-power point of a peak.
 
-    The height gives 1 / (2 T), the value of a single mass on a shaken base; a mode with a participation of 1.6, as the
-    first of a uniform cantilever, has 1.6 times as much. A half-power point on one side gives the distance to the peak
-    over f_n. Lag and ringing change the height by 6 % at the ISO 7626-2 limit and 12 % at twice it, the width by more.
+    The height T gives 1 / (2 T), the value of a single mass on a shaken base; a mode with a participation of 1.6, such
+    as the first of a uniform cantilever, has 1.6 times this value. A half-power point gives its distance from the peak
+    divided by f_n. Lag and ringing change the height by 6 % at the ISO 7626-2 limit and by 12 % at twice this limit;
+    they change the width more.
     """
     sides = [abs(f - read.f_n) / read.f_n for f in (read.f_low, read.f_high) if np.isfinite(f)]
     return float(min([0.5 / read.peak, *sides]))

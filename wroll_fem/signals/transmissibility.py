@@ -1,4 +1,4 @@
-r"""Complex transmissibility T(f), absolute tip acceleration over base acceleration, from time histories.
+r"""Complex transmissibility T(f), absolute tip acceleration divided by base acceleration, from time histories.
 
 Sign convention: a base acceleration sin(2 pi f t) gives the tip acceleration |T| sin(2 pi f t + arg T); a lagging tip
 has a negative imaginary part (the e^{+i omega t} convention, as in the FFT of numpy). Real and imaginary part are
@@ -25,10 +25,11 @@ of the sweep).
 
 Notes
 -----
-Limits of a chirp. The limit is physical, not one of the kernel: a resonance needs time to build up. The envelope of a
-swept single-degree-of-freedom system (upward chirp, 150 Hz, zeta 1 %, rate R against the ISO 7626-2 limit
-312 zeta^2 f_n oct/min of `sweep_rate_limit`) against its steady state, and the resulting half-power damping
-(exact responses; `tests/signals/test_signals.py` reproduces rows of the table; steady state has skewness -0.01):
+Limits of a chirp. The limit is physical and not due to the kernel: a resonance needs time to build up. The table
+compares the envelope of a swept single degree of freedom (150 Hz, zeta 1 %, upward chirp) with its steady state, and
+gives the error of the half-power damping. R is the sweep rate; the limit is the ISO 7626-2 limit 312 zeta^2 f_n oct/min
+of `sweep_rate_limit`. The responses are exact; the skewness of the steady state is -0.01.
+`tests/signals/test_signals.py` reproduces rows of the table.
 
 =========  ==========  ====================  ==============  ========
 R / limit  peak lost   peak shift/(zeta f)   error of zeta   skewness
@@ -64,13 +65,13 @@ from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
 from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY = 0.02
-"""Drift and residual of a dwell, over its fundamental, above which its response is not taken as steady."""
+"""Drift or residual of a dwell, relative to its fundamental, above which the response does not count as steady."""
 
 SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
 
 def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:
-    """Check time (finite, ascending) and signals (of the same length); returns (n,) arrays."""
+    """Check a time history: finite values, ascending times, equal lengths; return the (n,) arrays."""
     arrays = [np.asarray(a, dtype=np.float64) for a in (time, *signals)]
     if any(a.ndim != 1 or a.shape != arrays[0].shape for a in arrays) or arrays[0].size < 8:
         shapes = ", ".join(str(a.shape) for a in arrays)
@@ -79,7 +80,7 @@ def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:
         )
     if not all(np.isfinite(a).all() for a in arrays) or np.any(np.diff(arrays[0]) <= 0.0):
         raise InputError(
-            "the values of a time history must be finite and its times must increase", remedy="remove other points"
+            "the values of a time history must be finite and its times must increase", remedy="remove invalid points"
         )
     return arrays
 
@@ -109,7 +110,7 @@ def spectrum_ratio(
     frequency: npt.ArrayLike | None = None,
     taper: float = 0.05,
 ) -> xr.Dataset:
-    """Ratio of the Fourier transforms of tip and base acceleration over the whole record.
+    """Fourier transform of the tip acceleration divided by that of the base acceleration, for the whole record.
 
     Parameters
     ----------
@@ -153,7 +154,7 @@ def spectrum_ratio(
         raise InputError("neither band nor frequency is given", remedy="give one of them")
     if grid.size < 2 or grid[0] < 0.0 or grid[-1] > 0.5 / dt or np.ptp(np.diff(grid)) > 1e-6 * (grid[1] - grid[0]):
         raise InputError(
-            f"the frequencies are not a uniform grid of at least 2 below half the sampling rate ({0.5 / dt:g} Hz)",
+            f"the frequencies must form a uniform grid of 2 or more below half the sampling rate ({0.5 / dt:g} Hz)",
             remedy=f"use a band wider than 2/T = {2.0 / length:.3g} Hz below half the sampling rate",
         )
     step = (grid[-1] - grid[0]) / (grid.size - 1)
@@ -170,7 +171,7 @@ def spectrum_ratio(
 
 
 def _kernel(window: int) -> FloatArray:
-    """Smoothing kernel 2 K - K*K of the module's docstring, (6 window + 1,); `window` (even): samples per average."""
+    """Smoothing kernel 2 K - K*K, (6 window + 1,); `window` is the number (even) of samples of each moving average."""
     box = np.full(window + 1, 1.0 / window)
     box[[0, -1]] *= 0.5
     single = np.convolve(np.convolve(box, box), box)
@@ -187,7 +188,7 @@ def demodulated(
     points: int = 1001,
     window_cycles: int = 3,
 ) -> xr.Dataset:
-    """Transmissibility of a swept response by demodulation, over instantaneous frequency.
+    """Transmissibility of a swept response by demodulation, versus instantaneous frequency.
 
     Parameters
     ----------
@@ -241,7 +242,7 @@ def demodulated(
     if grid.size < kernel.size + 4:
         need = kernel.size / SAMPLES_PER_CYCLE
         raise InputError(
-            f"{grid.size / SAMPLES_PER_CYCLE:.4g} cycles of sweep are too few for a kernel of {need:.3g}",
+            f"{grid.size / SAMPLES_PER_CYCLE:.4g} cycles of sweep are too few for a kernel of {need:.3g} cycles",
             remedy="use a longer or slower sweep, or fewer window_cycles",
         )
     resampled_time = motion.time_of_phase(grid)
@@ -257,7 +258,7 @@ def demodulated(
 
 
 def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) -> xr.Dataset:
-    """Both transmissibility estimates of a simulated sweep on one frequency grid.
+    """Transmissibility of a simulated sweep by demodulation and by the ratio of spectra, on one frequency grid.
 
     Parameters
     ----------
@@ -286,7 +287,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """Magnitude of a complex curve over frequency; ``stem`` is the prefix of its real and imaginary variables."""
+    """Magnitude of a complex curve versus frequency; ``stem`` is the prefix of its real and imaginary part."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]
@@ -295,7 +296,7 @@ def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArr
 def dwell_response(
     time: npt.ArrayLike, absolute_tip: npt.ArrayLike, motion: Dwell, *, cycles: int = 5
 ) -> dict[str, float]:
-    """Steady-state transmissibility of a dwell, by a least-squares fit of the fundamental over the last cycles.
+    """Steady-state transmissibility of a dwell, from a least-squares fit of the fundamental to the last cycles.
 
     Parameters
     ----------
@@ -310,8 +311,8 @@ def dwell_response(
     -------
     dict
         `magnitude` and `phase_rad` of T; `amplitude_m_s2`: amplitude of the fundamental of the tip (0-peak);
-        `residual`: rms of the residual (harmonics and transients) over that of the fundamental; `drift`: relative
-        change of the fundamental between the first and second half of the window (0 in the steady state).
+        `residual`: rms of the residual (harmonics and transients) divided by the rms of the fundamental; `drift`:
+        relative change of the fundamental between the first and second half of the window (0 in the steady state).
 
     Raises
     ------
@@ -323,8 +324,8 @@ def dwell_response(
     start = t[-1] - window
     if cycles < 2 or start < motion.ramp_cycles / motion.frequency_hz - 1e-9 / motion.frequency_hz:
         raise InputError(
-            f"a record of {t[-1] * motion.frequency_hz:.4g} cycles with a ramp of {motion.ramp_cycles:g} has fewer "
-            f"than {cycles} steady cycles",
+            f"a record of {t[-1] * motion.frequency_hz:.4g} cycles with a start ramp of {motion.ramp_cycles:g} has "
+            f"fewer than {cycles} steady cycles",
             remedy="use more cycles in the record, or fewer in the fit (at least 2)",
         )
     keep = t > start + 1e-9 * window
@@ -350,7 +351,7 @@ def dwell_response(
 
 
 def unsteadiness(response: Mapping[str, float]) -> str:
-    """Why the response of a dwell is not its steady response; empty where drift and residual are below `STEADY`.
+    """Reason why the response of a dwell is not steady; empty if neither drift nor residual exceeds `STEADY`.
 
     Parameters
     ----------
@@ -361,7 +362,9 @@ def unsteadiness(response: Mapping[str, float]) -> str:
     if response["drift"] > STEADY:
         reasons.append(f"the fundamental still changes by {100 * response['drift']:.2g} % (steady_drift)")
     if response["residual"] > STEADY:
-        reasons.append(f"harmonics and transients have {100 * response['residual']:.2g} % of it (steady_residual)")
+        reasons.append(
+            f"harmonics and transients are {100 * response['residual']:.2g} % of the fundamental (steady_residual)"
+        )
     return " and ".join(reasons)
 
 

@@ -16,7 +16,7 @@ from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
 
 PROMINENCE, SYMMETRY, MISFIT = 0.5, 0.5, 0.1
-"""Default thresholds of `choose`, which the thesis does not specify."""
+"""Thresholds of `choose`; the thesis does not specify them."""
 
 Alternative = Literal["gaussian", "rational_fraction"]
 
@@ -77,7 +77,7 @@ def choose(
     prominence: float = PROMINENCE,
     symmetry: float = SYMMETRY,
 ) -> DampingEstimate:
-    """Damping by half power if the peak is prominent and symmetric, otherwise by a fit (thesis, algorithm 1).
+    """Damping from half power if the peak is prominent and symmetric, otherwise from a fit (thesis, algorithm 1).
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def choose(
         (n,) complex T, or |T|.
     otherwise
         Method of the fit. "gaussian" is the algorithm of the thesis as printed. "rational_fraction" (default) is exact
-        for a linear structure; if its largest misfit exceeds a tenth of the peak (and five times the noise), as on a
-        curve that leans over, it is replaced by a Gaussian fit with free centre and narrowest window.
+        for a linear structure. If its largest misfit exceeds a tenth of the peak plus five times the noise, as on a
+        strongly skewed curve, it is replaced by a Gaussian fit with free centre and narrowest window.
     prominence, symmetry
         Thresholds, 0 to 1; the thesis does not specify them. With 0.5, the peak is at least twice as high as its feet
         and neither side is more than twice as wide as the other (skewness -0.5 to 1).

@@ -1,4 +1,4 @@
-"""Damping of a transmissibility curve by the estimator chosen in a case (`output.damping`), with half-power points."""
+"""Damping and half-power points of a transmissibility curve, by the estimator that a case names (`output.damping`)."""
 
 from __future__ import annotations
 
@@ -29,18 +29,20 @@ ESTIMATORS: dict[str, Estimator] = {
     "rational_fraction": rational_fraction,
     "choose": choose,
 }
-"""Estimator for each value of `output.damping`; the Gaussian fit is the variant that does not depend on the band."""
+"""Estimator for each value of `output.damping`. The Gaussian fit has the narrowest window, so that the result does not
+depend on the band."""
 
 FEWEST_POINTS = 8
-"""Number of points needed by an estimator with error bars; half power without error bars needs five."""
+"""Smallest number of points for an estimator with error bars; half power without error bars needs five."""
 
 LEAST_QUADRATURE = 0.2
-"""Least |Im T| / |T| at a resonance: 0.25 for one degree of freedom with a damping ratio of 1, 0.9 with 0.2. Away from
-resonances the response is in phase or in antiphase with the base, and its maxima are ripples."""
+"""Smallest |Im T| / |T| at which the highest point counts as a resonance. For one degree of freedom it is 0.25 at a
+damping ratio of 1, and 0.9 at 0.2. Away from resonances the response is in phase or in antiphase with the base, and
+maxima are ripples."""
 
 LARGEST_RIPPLE = 10.0
-"""|T| above which a resonance is near whatever the phase: without damping it is within 5 % of f_n, |T| = 1/|1 - r^2|.
-The ringing of a sweep through a sharp resonance has any phase."""
+"""|T| above which the highest point counts as a resonance whatever its phase. Without damping |T| = 1/|1 - r^2| is that
+high only within 5 % of f_n, and the ringing after a sweep through a sharp resonance can have any phase."""
 
 LOOSE_FIT = 0.05
 """Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
@@ -53,7 +55,7 @@ class CurveDamping:
     Attributes
     ----------
     shape
-        Peak, half-power points and skewness, whatever the method.
+        Peak, half-power points and skewness; the same for every method.
     damping
         Frequency and damping ratio by the chosen method, with error bars.
     """
@@ -62,7 +64,7 @@ class CurveDamping:
     damping: DampingEstimate
 
     def as_attrs(self, curve: str) -> dict[str, Any]:
-        """Attributes with the names of summary.json; error bars are omitted if there are none.
+        """Values as attributes of a Dataset, named as in summary.json; uncertainties only where they were estimated.
 
         Parameters
         ----------
@@ -94,7 +96,8 @@ class CurveDamping:
         if found.misfit > LOOSE_FIT:
             return [
                 f"the misfit of the {found.method} is {100 * found.misfit:.0f} % of the peak (zeta_misfit): this is "
-                "not the curve of one linear mode, and zeta depends on the method; compare output.damping: half_power"
+                "not the curve of one linear mode, and zeta depends on the method; compare with output.damping: "
+                "half_power"
             ]
         return []
 
@@ -146,11 +149,11 @@ def estimate_damping(
 
 
 def _in_quadrature(shape: HalfPower, f: npt.NDArray[np.float64], values: npt.NDArray[Any]) -> HalfPower:
-    """Shape, without a resonance if the response at its highest point is in phase or in antiphase with the base."""
+    """Shape of a curve; no resonance if the response at the highest point is in phase or in antiphase with the base."""
     at = values[int(np.argmin(np.abs(f - shape.f_n)))]
     if abs(at.imag) >= LEAST_QUADRATURE * abs(at) or abs(at) > LARGEST_RIPPLE:
         return shape
     return shape.without_resonance(
-        f"the highest point, at {shape.f_n:.5g} Hz, has a phase of {np.degrees(np.angle(at)):.0f} degrees, a resonance "
+        f"the highest point, at {shape.f_n:.5g} Hz, has a phase of {np.degrees(np.angle(at)):.0f} degrees instead of "
         "about -90: no resonance inside"
     )

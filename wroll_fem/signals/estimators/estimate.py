@@ -1,4 +1,4 @@
-"""Result of a damping estimator, input checks, noise level of a curve and scatter under repeated noise."""
+"""Result of a damping estimator, check of its input, noise level of a curve, and scatter of estimates due to noise."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class DampingEstimate:
     reason
         Why this method was chosen, or why there is no estimate.
     misfit
-        Root mean square difference of fit and curve in the window, relative to the peak; nan without a fit.
+        Root mean square difference between fit and curve in the window, relative to the peak; nan without a fit.
     window
         Lower and upper end of the frequency window used, Hz.
     details
@@ -60,7 +60,7 @@ class DampingEstimate:
 
 
 def no_estimate(method: str, reason: str, f_n: float = nan) -> DampingEstimate:
-    """Result of a method that fails.
+    """Result of a method that finds no damping ratio.
 
     Parameters
     ----------
@@ -105,20 +105,20 @@ def checked_curve(
         )
     if not np.isfinite(f).all() or not np.isfinite(values).all() or np.any(np.diff(f) <= 0.0) or f[0] < 0.0:
         raise InputError(
-            "the frequencies of a curve must increase from 0 Hz or more and its values must be finite",
-            remedy="sort the points and remove gaps",
+            "the frequencies of a curve must be 0 Hz or more and must increase, and its values must be finite",
+            remedy="sort the points by frequency and remove invalid ones",
         )
     if np.iscomplexobj(values):
         complex_values = values.astype(np.complex128)
         return f, complex_values, np.abs(complex_values)
     magnitude = values.astype(np.float64)
     if np.any(magnitude < 0.0):
-        raise InputError("magnitudes must not be negative", remedy="give |T|, not a level in dB, or the complex T")
+        raise InputError("magnitudes must not be negative", remedy="give the complex T, or |T| that is not in dB")
     return f, None, magnitude
 
 
 def noise_level(magnitude: FloatArray) -> float:
-    """Standard deviation of the noise on a curve |T| (n,), from the median of its fourth differences.
+    """Standard deviation of the noise on a curve |T| (n,), estimated from the median of its fourth differences.
 
     The estimate is unbiased for white noise on a smooth curve whose grid has a slowly varying step. Noise that is
     smooth from point to point (on a demodulated or filtered curve) is not detected.
@@ -130,7 +130,7 @@ def noise_level(magnitude: FloatArray) -> float:
 def scatter(
     magnitude: FloatArray, read: Callable[[FloatArray], tuple[float, float] | None], draws: int, seed: int
 ) -> tuple[float, float]:
-    """Standard deviations of an estimate (f_n, zeta) when white noise of the curve's own level is added.
+    """Standard deviations of f_n and zeta, estimated on copies of a curve with added white noise of its own level.
 
     Parameters
     ----------

@@ -12,12 +12,12 @@ The text leaves some points open. They are resolved as follows:
 - The maximum of d / RMSE does not depend on the units, but the objective increases towards both ends of the range of d.
   A bell fits any smooth peak better in a narrower window (RMSE decreases as d^3 or faster), so d / RMSE grows without
   bound towards d = 0 and only the constraint limits it. It grows again towards wide windows, where RMSE stays bounded.
-  With a wide band around a narrow peak the second end wins, and the damping is much too high.
+  With a wide band around a narrow peak the maximum lies at the wide end, and the damping is much too high.
   `window="objective"` is the text as printed; `window="narrowest"` uses the narrowest window that the constraint
   allows, which does not depend on the band.
-- "In the neighborhood of the peak" gives no size. `reach` limits d to a part of f_pk; a bell that would violate the
-  constraint then is fitted with it, a exp(-(d / c)^2) = T_pk / sqrt 2 at the ends, so that there is a fit for any d.
-- The integral is taken over a monotone cubic interpolation on a uniform grid, so the spacing of the data has no weight.
+- "In the neighborhood of the peak" gives no size. `reach` limits d to a fraction of f_pk. A bell that would violate the
+  constraint is then fitted with a exp(-(d / c)^2) = T_pk / sqrt 2 at both ends, so that there is a fit for any d.
+- The integral is taken over a monotone cubic interpolation on a uniform grid, so the spacing of the data is no weight.
 - "Best fit" means least squares in the same norm. Only windows inside the band are tried.
 """
 
@@ -49,14 +49,14 @@ _FEWEST_POINTS = 5  # smallest number of data points in the window
 
 @dataclass(frozen=True)
 class Bell:
-    """Gaussian bell a exp(-((f - b) / c)^2), fitted on f_pk +- d.
+    """Gaussian bell a exp(-((f - b) / c)^2), fitted between f_pk - d and f_pk + d.
 
     Attributes
     ----------
     a
         Height.
     b, c, d
-        Centre, width and half the window, Hz.
+        Centre, width and half the width of the window, Hz.
     rmse
         Root mean square error as defined in the thesis (integral over the window divided by d, not by 2 d).
     """
@@ -103,7 +103,7 @@ def _fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float, centre: C
 
 
 def _held_fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float) -> Bell:
-    """Best bell around f_pk whose value at both ends of the window is T_pk / sqrt 2."""
+    """Best fit of a bell with centre f_pk and the value T_pk / sqrt 2 at both ends of the window."""
     values = curve(f_pk + d * _GRID) / peak
 
     def square(q: float) -> float:  # q = (d / c)^2
@@ -136,8 +136,8 @@ def gaussian_fit(
     window
         "objective": d as printed; "narrowest": the smallest d that the constraint allows.
     reach
-        Largest d over f_pk, with bells held to the constraint; None searches the whole band. For `centre="peak"` and
-        `window="objective"`.
+        Largest d divided by f_pk; bells that would violate the constraint are then fitted with it. None searches the
+        whole band. Allowed only for `centre="peak"` and `window="objective"`.
     draws, seed
         Number of noisy repetitions for the standard errors; seed of the noise.
 
@@ -149,20 +149,21 @@ def gaussian_fit(
     Raises
     ------
     InputError
-        If the arrays do not form a curve, centre or window is unknown, or `reach` does not fit them.
+        If the arrays do not form a curve, centre or window is unknown, or `reach` is not positive or not allowed.
 
     Notes
     -----
     `f_n` is b; the standard errors are those of `scatter`. For exact curves of a single degree of freedom the narrowest
-    window gives 0.978, 1.019, 1.08 and 1.24 times zeta at 0.1, 0.2, 0.3 and 0.5 (docs/damping-estimators.md).
+    window gives 0.978, 1.019, 1.08 and 1.24 times zeta for zeta = 0.1, 0.2, 0.3, 0.5 (docs/damping-estimators.md).
     """
     if centre not in ("peak", "free") or window not in ("objective", "narrowest"):
         raise InputError(
-            f"unknown centre {centre!r} or window {window!r}", remedy="use peak or free, and objective or narrowest"
+            f"unknown centre {centre!r} or window {window!r}",
+            remedy="use the centre peak or free, and the window objective or narrowest",
         )
     if reach is not None and not (reach > 0.0 and centre == "peak" and window == "objective"):
         raise InputError(
-            f"reach {reach!r} needs a positive number, centre='peak' and window='objective'", remedy="leave it out"
+            f"reach = {reach!r} must be positive and needs centre='peak' and window='objective'", remedy="leave it out"
         )
     f, _, magnitude = checked_curve(frequency, transmissibility)
     found = _search(f, magnitude, centre, window, reach)
@@ -204,7 +205,7 @@ def _search(
                 bells[d] = _held_fit(curve, f_pk, peak, float(d))
         return bells[d]
 
-    def excess(d: float) -> float:  # of the bell over half power at the ends of the window
+    def excess(d: float) -> float:  # height of the bell above half power at the ends of the window
         return float(bell_at(d)(np.array([f_pk - d, f_pk + d])).max()) - level
 
     def cost(d: float) -> float:

@@ -1,4 +1,4 @@
-"""Half-power damping with error bars, from repetitions with the noise level of the curve."""
+"""Half-power damping with error bars, which are estimated on noisy copies of the curve."""
 
 from __future__ import annotations
 

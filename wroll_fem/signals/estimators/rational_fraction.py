@@ -32,7 +32,7 @@ from wroll_fem.typing import ComplexArray, FloatArray
 
 METHOD = "rational fraction"
 LEVEL = 0.3
-"""Default level of the window, relative to the peak."""
+"""Default |T|, relative to the peak, down to which the window of the fit extends."""
 MOST_MODES = 2
 """Largest number of modes tried automatically."""
 _EXACT = 1e-9  # misfit at rounding level
@@ -46,25 +46,26 @@ def rational_fraction(
     modes: int | None = None,
     level: float = LEVEL,
 ) -> DampingEstimate:
-    """Natural frequency and damping ratio of the mode under the highest peak of a linear structure.
+    """Natural frequency and damping ratio of the mode that dominates the highest peak of a linear structure.
 
     Parameters
     ----------
     frequency
         (n,) frequencies, Hz, ascending.
     transmissibility
-        (n,) complex T, or |T| (one mode, without phase).
+        (n,) complex T, or |T|, which allows a single mode only.
     modes
-        Number of modes in the window. None tries one and two; two are accepted if the misfit falls below 0.6 times that
-        of one mode and both natural frequencies lie inside the window.
+        Number of modes in the window. None tries one and two. Two are accepted if their misfit is below 0.6 times the
+        misfit with one mode and both natural frequencies lie inside the window.
     level
         The window extends on both sides to the last point at which |T| exceeds `level` times the peak.
 
     Returns
     -------
     DampingEstimate
-        `details`: `modes`, `f_n_all`, `zeta_all` (rising frequency), `fit` (values at the window's frequencies),
-        `frequency` (those), `largest_misfit` (largest distance of fit and curve over the peak).
+        `details`: `modes`; `f_n_all`, `zeta_all` (all modes, by ascending frequency); `frequency` (frequencies in the
+        window); `fit` (fitted values there); `largest_misfit` (largest distance between fit and curve, divided by the
+        peak).
 
     Raises
     ------
@@ -73,8 +74,8 @@ def rational_fraction(
 
     Notes
     -----
-    The standard errors follow from the residual of the fit, assumed to be white. There is no estimate with fewer than
-    three values per unknown, or for a mode outside the band. For a nonlinear structure the poles are those of the
+    The standard errors follow from the residual of the fit, assumed to be white. There is no estimate from fewer than
+    three values per unknown, nor of a mode outside the band. For a nonlinear structure the poles are those of the
     nearest linear curve; check `misfit`.
     """
     if not 0.0 < level < 1.0:
@@ -84,7 +85,7 @@ def rational_fraction(
     f, values, magnitude = checked_curve(frequency, transmissibility)
     band = float(f[0]), float(f[-1])
     if values is None and modes is not None and modes > 1:
-        raise InputError("|T| alone does not separate several modes", remedy="give the complex transmissibility")
+        raise InputError("|T| is not enough to fit several modes", remedy="give the complex transmissibility")
     read = half_power(f, magnitude)
     window = np.flatnonzero(magnitude > level * magnitude.max())
     window = np.arange(window[0], window[-1] + 1)
@@ -105,7 +106,7 @@ def rational_fraction(
 
 
 def _within(band: tuple[float, float], estimate: DampingEstimate) -> DampingEstimate:
-    """Reject the estimate of a mode outside the band, whose peak is not on the curve."""
+    """The estimate if its mode lies inside the band; otherwise none, because the peak is not on the curve."""
     if not estimate.found or band[0] <= estimate.f_n <= band[1]:
         return estimate
     return no_estimate(METHOD, f"the fitted mode, {estimate.f_n:.5g} Hz, lies outside the band")
@@ -123,14 +124,14 @@ def _basis(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
 
 
 def _solve(columns: ComplexArray, right: ComplexArray) -> FloatArray:
-    """Real least-squares solution of complex equations with scaled columns."""
+    """Real least-squares solution of complex linear equations; the columns are scaled."""
     A, b = np.vstack([columns.real, columns.imag]), np.concatenate([right.real, right.imag])
     scale = np.linalg.norm(A, axis=0)
     return np.linalg.lstsq(A / scale, b, rcond=None)[0] / scale
 
 
 def _vector_fit(s: ComplexArray, T: ComplexArray, poles: ComplexArray, iterations: int = 20) -> ComplexArray:
-    """Poles (k,) in the upper half plane, made stable, by vector fitting."""
+    """Poles (k,) from vector fitting: in the upper half plane, and made stable."""
     background = np.stack([np.ones_like(s), s**2], axis=1)
     for _ in range(iterations):
         basis = _basis(s, poles)
@@ -199,7 +200,7 @@ def _split(values: ComplexArray) -> FloatArray:
 
 
 def _model(q: FloatArray, s: ComplexArray, count: int) -> ComplexArray:
-    """T from q = (Re p, Im p, [Re R, Im R] per mode, d, e)."""
+    """T for the parameters q = (Re p, Im p, [Re R, Im R] per mode, d, e)."""
     poles = q[:count] + 1j * q[count : 2 * count]
     return np.asarray(_basis(s, poles) @ q[2 * count : 4 * count] + q[-2] + q[-1] * s**2)
 
@@ -215,7 +216,7 @@ def _jacobian(q: FloatArray, s: ComplexArray, count: int) -> FloatArray:
 
 
 def _magnitude_fit(f: FloatArray, magnitude: FloatArray, f_pk: float, zeta: float) -> DampingEstimate:
-    """Fit of one mode to |T|; the residual (|T|^2 - model) / (2 |T|) equals that of |T| to first order."""
+    """Fit of one mode to |T|; the residual (|T|^2 - model) / (2 |T|) equals the residual of |T| to first order."""
     if f.size < 3 * 5:
         return no_estimate(METHOD, f"{f.size} points around the peak are too few", f_pk)
     x, peak = (f / f_pk) ** 2, float(magnitude.max())

@@ -20,7 +20,7 @@ from wroll_fem.signals.estimators.half_power import METHOD as HALF_POWER
 from wroll_fem.typing import ComplexArray
 
 HALF_POWER_LIMIT = 0.5411961001461969
-"""Damping ratio above which the lower half-power point does not exist, because the peak is below sqrt 2 (T(0) = 1)."""
+"""Damping ratio above which there is no lower half-power point, because T(0) = 1 and the peak is below sqrt 2."""
 
 
 def single_dof_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float) -> ComplexArray:
@@ -45,10 +45,10 @@ def single_dof_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: floa
 
 
 def cubic_spring_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: float, lean: float) -> ComplexArray:
-    """Absolute transmissibility with a cubic spring, a skewed curve (one-term harmonic balance, upper branch).
+    """Absolute transmissibility with a cubic spring: a skewed curve from one-term harmonic balance (upper branch).
 
-    The relative stiffness is 1 + k |z|^2 with k = 4 zeta^2 lean, where z is the relative displacement over that of the
-    base; |z|^2 is the largest root u of u ((1 - r^2 + k u)^2 + 4 zeta^2 r^2) = r^4.
+    The relative stiffness is 1 + k |z|^2 with k = 4 zeta^2 lean, where z is the relative displacement divided by the
+    base displacement; |z|^2 is the largest root u of u ((1 - r^2 + k u)^2 + 4 zeta^2 r^2) = r^4.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def cubic_spring_transmissibility(frequency: npt.ArrayLike, f_n: float, zeta: fl
 
 
 def peak_transmissibility(zeta: float) -> tuple[float, float]:
-    """Frequency ratio r_pk and height T_pk of the peak, r_pk^2 = (sqrt(1 + 8 zeta^2) - 1) / (4 zeta^2).
+    """Frequency ratio r_pk and height T_pk of the peak, with r_pk^2 = (sqrt(1 + 8 zeta^2) - 1) / (4 zeta^2).
 
     Raises
     ------
@@ -90,7 +90,7 @@ def peak_transmissibility(zeta: float) -> tuple[float, float]:
 def single_dof_half_power(zeta: float) -> float:
     """Half-power damping of the exact curve with damping ratio zeta; nan at and above `HALF_POWER_LIMIT`.
 
-    With h = T_pk^2 / 2 and x = r^2, |T|^2 = h is h x^2 + (4 zeta^2 h - 2 h - 4 zeta^2) x + h - 1 = 0.
+    With h = T_pk^2 / 2 and x = r^2, the equation |T|^2 = h is h x^2 + (4 zeta^2 h - 2 h - 4 zeta^2) x + h - 1 = 0.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def single_dof_half_power(zeta: float) -> float:
 
 @lru_cache(maxsize=2)
 def _gaussian_bias(centre: Centre) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Damping ratios of exact curves and the Gaussian estimates from them."""
+    """Damping ratios of exact curves, and the damping ratios that the Gaussian fit gives for these curves."""
     given: list[float] = []
     read: list[float] = []
     for zeta in (0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5):
