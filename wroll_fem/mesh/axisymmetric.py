@@ -1,4 +1,4 @@
-"""Axisymmetric mesh: rectangles in the r-z half plane of a roll, the wall of the mandrel inside, the coil outside."""
+"""Axisymmetric mesh of a roll: rectangular cells in the r-z half plane, for the mandrel wall and the coil around it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 WALL_CELLS = 1
-"""Cells through the wall of the mandrel; one cubic cell suffices (docs/design-map.md)."""
+"""Number of cells through the wall of the mandrel; one cell of degree 3 suffices (docs/design-map.md)."""
 
 END_CELLS = 3
-"""Cells added at each end of the roll by splitting the last one, where clamp and tip cause stress concentrations."""
+"""Number of cells added at each end of the roll by splitting the last cell; stress is concentrated there."""
 
 BOND_CELLS = 2
-"""Cells added at the inner surface of the coil by splitting the innermost one; the clamp ends at its lower edge."""
+"""Number of cells added at the inner surface of the coil by splitting the innermost cell; the clamp ends there."""
 
 BOND_RATIO = 0.3
 """Ratio of the radial sizes of adjacent cells in the refinement at the inner surface of the coil."""
@@ -31,7 +31,7 @@ MESHED_COILS = ("solid", "bonded")
 
 @dataclass(frozen=True)
 class AxisymmetricMesh:
-    """Rectangular cells between given radii and heights.
+    """Axisymmetric mesh of rectangular cells between given radii and heights.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class AxisymmetricMesh:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of cells along r and z."""
+        """Number of cells along r, and along z."""
         return len(self.radii) - 1, len(self.heights) - 1
 
     @property
@@ -64,13 +64,13 @@ class AxisymmetricMesh:
 
     @property
     def nodes(self) -> FloatArray:
-        """((n_r + 1) (n_z + 1), 2) coordinates [r, z] of the cell corners, m, z running fastest."""
+        """((n_r + 1) (n_z + 1), 2) coordinates [r, z] of the cell corners, m; z varies fastest."""
         r, z = np.meshgrid(self.radii, self.heights, indexing="ij")
         return np.column_stack([r.ravel(), z.ravel()])
 
     @property
     def cells(self) -> IntArray:
-        """(n_r n_z, 4) corner numbers of each cell in dolfinx's order, inner lower corner first, z running fastest."""
+        """(n_r n_z, 4) corner numbers of each cell in dolfinx's order, inner lower corner first; z varies fastest."""
         n_r, n_z = self.shape
         i, j = np.meshgrid(np.arange(n_r), np.arange(n_z), indexing="ij")
         first = (i * (n_z + 1) + j).ravel()
@@ -78,7 +78,7 @@ class AxisymmetricMesh:
 
     @property
     def outline(self) -> FloatArray:
-        """(2 e, 2) ends and midpoints [r, z] of the boundary edges, m, once around from the inner lower corner."""
+        """(2 e, 2) coordinates [r, z] of ends and midpoints of the e boundary edges, m, from the inner lower corner."""
         r, z = (_with_middles(borders) for borders in (self.radii, self.heights))
         lower = np.column_stack([r, np.full_like(r, z[0])])
         outer = np.column_stack([np.full_like(z, r[-1]), z])
@@ -99,7 +99,7 @@ def _with_middles(borders: FloatArray) -> FloatArray:
 
 
 def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> FloatArray:
-    """Split the first and the last cell in geometric progression.
+    """Split the first and the last cell so that the distances of the borders from the ends grow geometrically.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def refined_mesh(roll: RollSections) -> AxisymmetricMesh:
 
 
 def unrefined_mesh(roll: RollSections) -> AxisymmetricMesh:
-    """Mesh with the numbers of cells of the case: `mesh.axial` along the axis, `mesh.radial` through a solid coil.
+    """Mesh with the numbers of cells given in the case: `mesh.axial` along the axis, `mesh.radial` in a solid coil.
 
     A bonded coil has one cell per layer.
     """

@@ -1,28 +1,29 @@
-r"""Contact points of a shell and the shape functions of the tractions that act there.
+r"""Contact points of a shell, and the shape functions of the contact tractions.
 
-On rows of cells (the generated meshes), every vertex of a row carries two contact points, at the heights of the two
-Gauss points of the row. The shape function psi_k of the traction at point k is linear along the axis between the two
-heights, discontinuous from row to row, and around the circumference the cubic interpolation of the values at the
+If the cells form rows (as in generated meshes), every vertex of a row has two contact points, at the heights of the two
+Gauss points of the row. Along the axis the shape function psi_k of the traction at point k is linear between the two
+heights and discontinuous from row to row. Around the circumference it is the cubic interpolation of the values at the
 vertices:
 
     psi_k = 1 at vertex k, 9/16 halfway to its neighbours, -1/16 halfway between its first and its second neighbours
 
-Averages weighted with psi_k are, for quadratic displacements, values at the height of the Gauss point, and values at
-the angle of the vertex up to errors of fourth order in the width of the cells. The psi_k sum to 1, so that a uniform
-traction is exact; those of a row reproduce tractions linear in z. Hat functions of the vertices would leave half a cell
-at a free edge to slide (1.7 % in the first bending frequency of a bonded layer, tests/fem/test_trace.py).
+For quadratic displacements, the average weighted with psi_k is the value at the height of the Gauss point, and at the
+angle of the vertex up to errors of fourth order in the width of the cells. The psi_k sum to 1, so that a uniform
+traction is exact; those of a row reproduce tractions linear in z. With hat functions at the vertices, half a cell at a
+free edge could slide (1.7 % in the first bending frequency of a bonded layer, tests/fem/test_trace.py).
 
-These psi_k are those of the traction along the surface. The pressure is linear between the vertices along the axis (hat
-functions), and the two points next to a vertex, one in each row, share its pressure in proportion to their areas. A
-pressure linear in each row but discontinuous has too many values for the quadratic displacements of two stiff surfaces,
-and alternates from point to point (by 30 % on uniform cells longer than the boundary layers of the ends). Only in the
-first and the last row, where free edges peel, it is that of the tangential traction.
+These psi_k apply to the tangential traction. The pressure is linear between the vertices along the axis (hat
+functions). The two points next to a vertex, one in each row, share its pressure in proportion to their areas. If the
+pressure were linear in each row but discontinuous between rows, it would have too many degrees of freedom for the
+quadratic displacements of two stiff surfaces, and would alternate from point to point (by 30 % on uniform cells longer
+than the boundary layers at the ends). Only in the first and the last row, where free edges peel, the pressure has the
+shape functions of the tangential traction.
 
 On other meshes the shape functions are these hat functions, and the points are the vertices.
 
 Notes
 -----
-The points stand where reduced integration of quadratic elements samples its strains (J. Barlow, 1976,
+The points are those at which reduced integration of quadratic elements evaluates strains (J. Barlow, 1976,
 doi:10.1002/nme.1620100202).
 """
 
@@ -46,17 +47,18 @@ _HAT = np.vstack(
 
 @dataclass(frozen=True)
 class ContactPoints:
-    """Contact points of a shell.
+    """Contact points of a shell and their shape functions.
 
     Attributes
     ----------
     points
         (n, 3) coordinates theta in (-pi, pi] (rad), z (m), r (m), sorted by z, then theta.
     shapes
-        (9 n_cells, n) value of the shape function of the traction along the surface at each point, at the nodes of each
-        cell; row 9 c + a is node `cells[c, a]` seen from cell c.
+        (9 n_cells, n) shape functions of the tangential traction, one column for each contact point. Row 9 c + a is the
+        value at node `cells[c, a]` in cell c.
     normal_shapes
-        (9 n_cells, n) the same for the normal traction. Both have the same integral over the surface.
+        (9 n_cells, n) shape functions of the normal traction. Both shape functions of a point have the same integral
+        over the surface.
     """
 
     points: FloatArray
@@ -65,18 +67,18 @@ class ContactPoints:
 
 
 def contact_points(part: CylinderMesh) -> ContactPoints:
-    """Contact points of one shell: Gauss heights above the vertices of rows of cells, else the vertices."""
+    """Contact points of one shell: at the Gauss heights of each row if the cells form rows, else at the vertices."""
     columns = _columns(part)
     return _vertex_points(part) if columns is None else _gauss_points(part, columns)
 
 
 def has_rows(part: CylinderMesh) -> bool:
-    """Whether the cells of a shell form rows with equal angles, so that its contact points are Gauss points."""
+    """Whether the cells of a shell form rows of equal angular width; the contact points are then Gauss points."""
     return _columns(part) is not None
 
 
 def _columns(part: CylinderMesh) -> FloatArray | None:
-    """(C,) angles of the vertices, ascending in (-pi, pi], if the cells form rows of C equal cells; else None."""
+    """(C,) angles of the vertices, rad, ascending in (-pi, pi], if the cells form rows of C equal cells; else None."""
     vertices, points = canonical_vertices(part)
     heights, row = levels(points[:, 1])
     count = len(vertices) // len(heights)
@@ -97,7 +99,7 @@ def _columns(part: CylinderMesh) -> FloatArray | None:
 
 
 def _turn(part: CylinderMesh, theta: FloatArray) -> FloatArray:
-    """(n_cells, 9) angles of the nodes of each cell from the first column on, without jumps within a cell."""
+    """(n_cells, 9) angles of the nodes of each cell, rad, from the first column of vertices; no jumps within a cell."""
     x, y = part.nodes[part.cells, 0], part.nodes[part.cells, 1]
     middle = np.arctan2(y[:, 8], x[:, 8])[:, None]
     offset = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))
@@ -138,9 +140,9 @@ def _gauss_points(part: CylinderMesh, theta: FloatArray) -> ContactPoints:
 
 
 def _share(size: FloatArray, step: int) -> FloatArray:
-    """(n_rows,) part of each row in the hat that it shares with the row below (step -1) or above (1).
+    """(n_rows,) share of each row in the hat function on its border with the row below (step -1) or above (1).
 
-    The first and the last row share none: the hats next to them belong to their neighbours alone.
+    The first and the last row have no share: the hat functions on their inner borders belong to the adjacent rows.
     """
     other = np.zeros_like(size)
     if step < 0:
@@ -152,7 +154,7 @@ def _share(size: FloatArray, step: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Around:
-    """Place of the nodes of each cell around the circumference.
+    """Circumferential position of the nodes of each cell, counted in columns of vertices.
 
     Attributes
     ----------
@@ -169,9 +171,9 @@ class _Around:
     count: int
 
     def shapes(self, row: IntArray, along: dict[tuple[int, int], FloatArray], n_points: int) -> sp.csr_matrix:
-        """(9 n_cells, n_points) shape functions: cubic around the circumference, `along` (n_cells, 9) the axis.
+        """(9 n_cells, n_points) shape functions: cubic around the circumference, times `along` (n_cells, 9) in z.
 
-        The keys of `along` are the row of cells of the point, counted from that of the cell, and its Gauss point.
+        The keys of `along` are the row of the contact point relative to the row of the cell, and the Gauss point.
         """
         entries: list[tuple[IntArray, IntArray, FloatArray]] = []
         nodes = np.arange(self.local.size).reshape(self.local.shape)

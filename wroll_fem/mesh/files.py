@@ -20,7 +20,7 @@ from wroll_fem.typing import FloatArray, IntArray
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
 
 Hexes = tuple[FloatArray, IntArray]
-"""Nodes (n, 3) in m and cells (m, 27) in VTK_TRIQUADRATIC_HEXAHEDRON order of a solid coil."""
+"""Nodes (n, 3), m, and cells (n_cells, 27), in VTK_TRIQUADRATIC_HEXAHEDRON order, of a solid coil."""
 
 
 def start_gmsh() -> None:
@@ -65,7 +65,7 @@ def gmsh_model(name: str) -> Iterator[None]:
 
 
 def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> CylinderMesh:
-    """Read a .msh file whose physical groups have the names of `CylinderMesh`.
+    """Read a .msh file whose physical groups are named as in `CylinderMesh`.
 
     Parameters
     ----------
@@ -171,7 +171,12 @@ def _group_elements(dim: int, group: int, name: str, source: str) -> IntArray:
                 )
             blocks.append(np.asarray(own, np.int64).reshape(-1, per_element))
     if not blocks:
-        raise InputError(f"group {name} contains no elements", key="mesh.file", file=source, remedy="mesh and save it")
+        raise InputError(
+            f"group {name} contains no elements",
+            key="mesh.file",
+            file=source,
+            remedy="mesh the group and save the file",
+        )
     return np.concatenate(blocks)
 
 
@@ -224,7 +229,7 @@ def _write_msh(mesh: CylinderMesh, path: Path, coil: Hexes | None) -> None:
 
 
 def _add_hexes(nodes: FloatArray, cells: IntArray, first: int) -> None:
-    """Add the volume "coil" to the current gmsh model, its nodes numbered from `first`."""
+    """Add the volume "coil" to the current gmsh model, with its nodes numbered from `first`."""
     local = gmsh.model.mesh.getElementProperties(_HEX27)[4]
     grid = (np.asarray(local).reshape(-1, 3) + 1).round().astype(int).tolist()
     gmsh.model.addDiscreteEntity(3, 1)

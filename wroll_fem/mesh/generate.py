@@ -40,7 +40,7 @@ def shell_layout(roll: RollSections) -> list[tuple[str, float, float]]:
 
 
 def axial_stations(length: float, divisions: int, grading: float = 1.0) -> FloatArray:
-    """Heights of the element borders along the roll, in geometric progression.
+    """Heights of the element borders along the roll; the element sizes form a geometric progression.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def check_geometry(mesh: CylinderMesh, layout: Sequence[tuple[str, float, float]
                 f"the vertices of {name} do not match those of {layout[0][0]}",
                 key="mesh.file",
                 file=source,
-                remedy="use the same numbers of elements around and along on every shell",
+                remedy="use the same number of elements around the circumference and along the axis on every shell",
             )
 
 
@@ -170,7 +170,7 @@ def make_cylinders(
     """
     if circumferential < 4 or circumferential % 2:
         raise InputError(
-            f"{circumferential} elements around the circumference are odd or too few",
+            f"the number of elements around the circumference, {circumferential}, is odd or below 4",
             key="mesh.circumferential",
             remedy="use an even number of at least 4, so that the nodes are mirrored about the x-z plane",
         )
@@ -193,7 +193,7 @@ def make_cylinders(
 
 
 def _snap(mesh: CylinderMesh, radii: dict[str, float], stations: FloatArray, circumferential: int) -> CylinderMesh:
-    """Move nodes within rounding errors so that tubes are exact scalings of each other and exactly mirrored."""
+    """Correct rounding errors of the nodes, so that tubes are exact scalings of each other and exactly symmetric."""
     nodes = mesh.nodes.copy()
     levels = np.sort(np.concatenate([stations, 0.5 * (stations[1:] + stations[:-1])]))
     for name, radius in radii.items():

@@ -1,4 +1,4 @@
-"""Quadrature points of a coil arranged as a grid of angles, heights and radii, with one hexahedron around each."""
+"""Quadrature points of a coil arranged as a grid of angles, heights and radii; one hexahedron around each point."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _TOLERANCES = (1e-7, 1e-5, 1e-4, 1e-3)
 
 
 class CoilGrid(NamedTuple):
-    """Points at all combinations of given angles, heights and radii.
+    """Grid of points at all combinations of given angles, heights and radii.
 
     Attributes
     ----------
     theta, z, r
         (n_theta,) angles in rad, (n_z,) heights and (n_r,) radii in m, ascending.
     numbers
-        (n_r, n_z, n_theta) number of the point at each combination.
+        (n_r, n_z, n_theta) index of the point at each combination.
     """
 
     theta: FloatArray
@@ -32,7 +32,7 @@ class CoilGrid(NamedTuple):
 
 
 def coil_grid(points: FloatArray) -> CoilGrid | None:
-    """Grid formed by points (n_points, 3) with coordinates theta (rad), z and r (m); None if they form no grid."""
+    """Grid formed by points (n_points, 3) with coordinates theta (rad), z, r (m); None if they do not form a grid."""
     for tolerance in _TOLERANCES:
         found = [levels(column, tolerance * max(float(np.ptp(column)), 1e-12)) for column in points.T]
         (theta, column), (z, row), (r, layer) = found
@@ -46,9 +46,9 @@ def coil_grid(points: FloatArray) -> CoilGrid | None:
 
 
 def largest_along(positions: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Largest value in each row of points along one coordinate.
+    """Largest value among the points at each position along one coordinate.
 
-    Rows closer than a thousandth of the span are merged.
+    Positions closer than a thousandth of the span count as one.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def largest_along(positions: FloatArray, values: FloatArray) -> tuple[FloatArray
 
     Returns
     -------
-    positions : (m,) mean coordinate of each row, ascending.
-    largest : (m,) largest value in each row.
+    positions : (m,) distinct positions (means of the merged coordinates), ascending.
+    largest : (m,) largest value at each position.
     """
     place, which = levels(positions, 1e-3 * max(float(np.ptp(positions)), 1e-12))
     largest = np.full(place.size, -np.inf)

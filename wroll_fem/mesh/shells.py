@@ -1,4 +1,4 @@
-"""Mesh of a roll: concentric shells of order-2 quads, mesh of one shell, contact point numbers, mirrored nodes."""
+"""Mesh of a roll: concentric shells of order-2 quads, with their vertices, mirrored nodes and ring edges."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def canonical_vertices(part: CylinderMesh) -> tuple[IntArray, FloatArray]:
 
 
 def mirror_nodes(nodes: FloatArray) -> IntArray | None:
-    """Number of each node's mirror image about the x-z plane, or None if the mesh is not symmetric."""
+    """Index of the mirror image of each node in the x-z plane, or None if the mesh is not symmetric."""
     distance, partner = cKDTree(nodes).query(nodes * np.array([1.0, -1.0, 1.0]))
     if distance.max() > 1e-7 * np.abs(nodes).max():
         return None
@@ -79,6 +79,6 @@ def mirror_nodes(nodes: FloatArray) -> IntArray | None:
 
 
 def ring_edges(cells: IntArray, ring: IntArray) -> IntArray:
-    """(n, 3) edges [end, end, midpoint] of the quads whose three nodes lie on a ring."""
+    """(n, 3) node numbers [end, end, midpoint] of the quad edges that lie on a ring."""
     edges = np.concatenate([cells[:, [i, (i + 1) % 4, 4 + i]] for i in range(4)])
     return edges[np.isin(edges, ring).all(axis=1)]
