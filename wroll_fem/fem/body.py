@@ -187,7 +187,7 @@ def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
 
 
 def ring_spring(part: CylinderMesh, ring: IntArray, stiffness: float) -> sp.csr_matrix:
-    """(6 n_nodes, 6 n_nodes) matrix of an axial spring (N/m per m of the ring) between a ring and the base.
+    """(6 n_nodes, 6 n_nodes) stiffness of axial springs (N/m per m of circumference) between a ring and the base.
 
     Integrated over the quadratic edges with Simpson's rule, whose points are the nodes.
     """
@@ -214,7 +214,7 @@ def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
 
 
 def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
-    """(6 n_nodes, 6 n_nodes) mass matrix of a mass (kg) distributed over the tip ring, lumped at its nodes."""
+    """(6 n_nodes, 6 n_nodes) lumped mass matrix of a mass (kg) that is distributed over the tip ring."""
     weights = ring_weights(part, part.groups["tip"])
     return sp.diags(np.outer(mass * weights, [1, 1, 1, 0, 0, 0]).ravel()).tocsr()
 

@@ -42,7 +42,7 @@ _MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
 
 @dataclass(frozen=True)
 class CoilMatrices:
-    """Contribution of the coil to the matrices, over the unknowns [shell, coil].
+    """Contribution of the coil to the stiffness and mass matrices, for the unknowns [shell, coil].
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def mesh_coil(roll: RollSections, part: CylinderMesh) -> tuple[FloatArray, IntAr
 
 
 def coil_hexes(roll: RollSections, mesh: CylinderMesh) -> tuple[FloatArray, IntArray] | None:
-    """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of a solid coil for mesh files, None for other coils."""
+    """Nodes and cells (VTK_TRIQUADRATIC_HEXAHEDRON order) of a solid coil for mesh files; None for other coils."""
     if roll.coil.model != "solid":
         return None
     nodes, cells = mesh_coil(roll, mesh.part("mandrel"))
@@ -127,7 +127,7 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
 
 
 def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
-    """Reorder cells (n_cells, 27) from basix's local order to the right-handed VTK_TRIQUADRATIC_HEXAHEDRON order."""
+    """Reorder cell nodes (n_cells, 27) from basix's order to the right-handed VTK_TRIQUADRATIC_HEXAHEDRON order."""
     grid = [tuple(point) for point in np.rint(2 * compat.hexahedron_points()).astype(int).tolist()]
     corner, *ends = (nodes[cells[0, grid.index(point)]] for point in ((0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)))
     right_handed = np.linalg.det(np.array(ends) - corner) > 0
@@ -136,7 +136,7 @@ def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
 
 
 def wall_offset(nodes: FloatArray, height: float) -> sp.csr_matrix:
-    """(3 n, 6 n) operator u + height theta x d for points at a height (m) above the nodes (n, 3) of a shell."""
+    """(3 n, 6 n) operator for the displacement u + height theta x d at a height (m) above the shell nodes (n, 3)."""
     d, n = radial_director(nodes), len(nodes)
     cross = np.zeros((n, 3, 6))
     cross[:, :, :3] = np.eye(3)
@@ -238,7 +238,7 @@ def pad(matrix: sp.spmatrix, columns: int, *, rows: bool = False) -> sp.csr_matr
 
 
 def tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
-    """Symmetrised CSR matrix with sorted indices and without entries at rounding level."""
+    """Symmetric part of a matrix, in CSR format with sorted indices and without entries at rounding level."""
     result = drop_small(((matrix + matrix.T) * 0.5).tocsr())
     result.sort_indices()
     return result

@@ -62,7 +62,7 @@ def quiet_compiler() -> Iterator[None]:
 
 
 JIT_SECONDS = 120
-"""Time to wait for a form that another process is compiling, s; the default of ffcx, 10 s, is too short under load."""
+"""Largest time, s, to wait for a form that another process compiles; ffcx's default, 10 s, is too short under load."""
 
 
 def compile_form(form: Any) -> Any:
@@ -97,7 +97,7 @@ def lagrange(cell: str, degree: int, components: int = 1, dimension: int = 3) ->
 
 
 def discontinuous(cell: str, degree: int, components: int = 1) -> Any:
-    """`lagrange` element whose functions are discontinuous from cell to cell, on a surface in space."""
+    """Discontinuous Lagrange element, scalar or vector-valued, on a surface in space."""
     if _BASIX_UFL:
         import basix.ufl as basix_ufl
 
@@ -157,7 +157,7 @@ def create_mesh(
 
 
 def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
-    """(n_cells, nodes per cell) numbers of the local geometry nodes of each cell."""
+    """(n_cells, nodes per cell) local indices of the geometry nodes of each cell."""
     table = domain.geometry.dofmaps[0] if VERSION >= (0, 11) else domain.geometry.dofmap
     if hasattr(table, "array"):
         n_cells = domain.topology.index_map(domain.topology.dim).size_local
@@ -166,7 +166,7 @@ def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
 
 
 def cell_dofs(space: fem.FunctionSpace) -> npt.NDArray[np.int64]:
-    """(n_cells, nodes per cell) numbers of the blocks of degrees of freedom of each cell."""
+    """(n_cells, nodes per cell) indices of the blocks of degrees of freedom of each cell."""
     table = space.dofmap.list
     if hasattr(table, "array"):
         n_cells = space.mesh.topology.index_map(space.mesh.topology.dim).size_local

@@ -1,4 +1,4 @@
-"""Constraints of a shell by elimination (clamped or guided nodes, rigid tip, symmetry plane), its rigid-body motions.
+"""Constraints of a shell by elimination (clamped or guided nodes, rigid tip, symmetry plane); rigid-body motions.
 
 One sparse map from the remaining unknowns y to the nodal values contains all constraints,
 
@@ -25,15 +25,15 @@ _MIRROR_SIGN = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class Constraints:
-    """Map from the remaining unknowns to the nodal values.
+    """Constraints of a shell, as a map from the remaining unknowns to the nodal values.
 
     Attributes
     ----------
     expand
         (6 n_nodes, n) sparse map E.
     master
-        (6,) unknowns [Ux, Uy, Uz, Omega_x, Omega_y, Omega_z] of the rigid tip, -1 if eliminated; None without a rigid
-        tip.
+        (6,) indices of the unknowns [Ux, Uy, Uz, Omega_x, Omega_y, Omega_z] of the rigid tip, -1 if eliminated; None
+        without a rigid tip.
     component
         (n,) component of each unknown, 0 to 5.
     node
@@ -124,7 +124,7 @@ def mirrored_values(
     Returns
     -------
     source : (n,) node whose values determine those of each node.
-    sign : (n, k) factor between both values.
+    sign : (n, k) factor by which these values are multiplied.
     free : (n, k) False for components that vanish on the symmetry plane.
 
     Raises

@@ -1,4 +1,4 @@
-"""Free vibration K x = (2 pi f)^2 M x by shift-invert Krylov-Schur (SLEPc), with an inertia count for missed modes."""
+"""Free vibration K x = (2 pi f)^2 M x by shift-invert Krylov-Schur (SLEPc), with a check that no mode is missed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class EigenPairs:
     values
         (n_modes,) eigenvalues (2 pi f)^2, (rad/s)^2, ascending.
     vectors
-        (n_dofs, n_modes) eigenvectors, M-normalised (x^T M x = 1), with a positive entry of largest magnitude.
+        (n_dofs, n_modes) eigenvectors, M-normalised (x^T M x = 1); the entry of largest magnitude is positive.
     residuals
         (n_modes,) relative residuals |K x - lambda M x| / (|K x| + |sigma| |M x|).
     """

@@ -1,4 +1,4 @@
-r"""Semi-analytical (Fourier) axisymmetric finite elements: closed form in theta, fields and derivatives at any point.
+r"""Semi-analytical axisymmetric finite elements: Fourier terms in theta, Lagrange elements in the r-z half plane.
 
 With displacements of circumferential wave number m
 
@@ -19,9 +19,9 @@ For m >= 1 every mode belongs to a degenerate pair: the other one is the same mo
 
 Notes
 -----
-Linear kinematics, r > 0. Degree-3 Lagrange cells by default, fully integrated: thin walls do not lock
-(tests/fem/test_fourier.py). The wave number and the materials are constants of the forms, and another geometry moves
-the mesh, so the forms are compiled only once. One process.
+Linear kinematics, r > 0. The Lagrange cells have degree 3 by default and are fully integrated; thin walls do not lock
+(tests/fem/test_fourier.py). The forms are compiled only once: the wave number and the materials are constants of the
+forms, and for another geometry the mesh is moved. One process.
 
 References
 ----------
@@ -44,11 +44,11 @@ from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
 from wroll_fem.typing import FloatArray, IntArray
 
 COSINE, SINE = [0, 1, 2, 4], [3, 5]
-"""Strains (rr, tt, zz, rz) and (tz, rt) in the Voigt order (rr, tt, zz, tz, rz, rt)."""
+"""Indices of the strains (rr, tt, zz, rz) and (tz, rt) in the Voigt order (rr, tt, zz, tz, rz, rt)."""
 WALL, COIL = 1, 2
-"""Cell tags of the mandrel's wall and of the coil."""
+"""Cell tags of the mandrel wall and of the coil."""
 DEGREE = 3
-"""Default degree of the Lagrange cells."""
+"""Default polynomial degree of the Lagrange cells."""
 _CELL = "quadrilateral"
 
 
@@ -58,12 +58,12 @@ def angular_weight(wave_number: int) -> float:
 
 
 def strains(u: Any, r: Any, m: Any) -> tuple[Any, Any]:
-    """UFL strain amplitudes of a displacement with circumferential wave number m.
+    """Strain amplitudes (UFL expressions) of a displacement with circumferential wave number m.
 
     Parameters
     ----------
     u
-        Displacement amplitudes (U, V, W) over (r, z), m.
+        Displacement amplitudes (U, V, W) as functions of (r, z), m.
     r
         Radial coordinate, m.
     m
@@ -139,12 +139,12 @@ class FourierModel:
         self._inertia = compat.compile_form(sum(inertia[1:], inertia[0]))
 
     def move(self, half_plane: AxisymmetricMesh) -> None:
-        """Move the mesh to another geometry with the same numbers of cells.
+        """Move the mesh to another geometry with the same number of cells along r and along z.
 
         Raises
         ------
         ValueError
-            If the numbers of cells differ.
+            If a number of cells differs.
         """
         if half_plane.shape != self.half_plane.shape or half_plane.wall_cells != self.half_plane.wall_cells:
             raise ValueError(
@@ -154,7 +154,7 @@ class FourierModel:
         self.mesh.geometry.x[:, :2] = half_plane.nodes[self._node]
 
     def set_material(self, region: int, stiffness: FloatArray, density: float) -> None:
-        """Set the material of the wall or of the coil.
+        """Set the material of the mandrel wall or of the coil.
 
         Parameters
         ----------
@@ -189,12 +189,12 @@ class FourierModel:
         return compat.cell_dofs(self.space)[self._cell_order].reshape(*self.half_plane.shape, -1)
 
     def stiffness(self, wave_number: int) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) stiffness for a circumferential wave number, N/m, whole circumference."""
+        """(3 n_nodes, 3 n_nodes) stiffness, N/m, of the whole circumference for a circumferential wave number."""
         self._wave_number.value = float(wave_number)
         return angular_weight(wave_number) * compat.assemble_csr(self._energy)
 
     def mass(self, wave_number: int) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) consistent mass for a circumferential wave number, kg, whole circumference."""
+        """(3 n_nodes, 3 n_nodes) consistent mass, kg, of the whole circumference for a circumferential wave number."""
         if self._mass is None:
             self._mass = compat.assemble_csr(self._inertia)
         return angular_weight(wave_number) * self._mass
@@ -223,7 +223,7 @@ class FourierModel:
         Returns
         -------
         values : (p, k)
-        gradients : (p, k, 2) derivatives by r and z, per m.
+        gradients : (p, k, 2) derivatives with respect to r and z, per m.
         """
         cell, size, local = [], [], []
         for borders, x in zip((self.half_plane.radii, self.half_plane.heights), np.asarray(points).T, strict=True):

@@ -1,4 +1,4 @@
-"""Modes of a roll over all circumferential wave numbers: sorted, classified, with their participation."""
+"""Lowest modes of a roll among all circumferential wave numbers, with their kinds and participation."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from wroll_fem.fem.fourier_roll import (
 from wroll_fem.typing import FloatArray
 
 SHIFT = -((2 * np.pi * 100.0) ** 2)
-"""Spectral shift in (rad/s)^2: below the spectrum, and large enough to keep rounding errors of 0.5 mm cells small."""
+"""Spectral shift, (rad/s)^2, below all eigenvalues. Its magnitude limits the rounding errors with 0.5 mm cells."""
 
 HIGHEST_WAVE_NUMBER = 80
-"""Largest circumferential wave number; a search for modes that reaches it stops with an error."""
+"""Largest circumferential wave number of a search for modes; if the search is not complete by then, it fails."""
 _BEYOND = 4
-"""Number of consecutive wave numbers with all frequencies above the wanted ones, after which the search ends."""
+"""Number of consecutive wave numbers without a wanted mode, after which the search ends."""
 _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
 
 
 @dataclass(frozen=True)
 class FourierMode:
-    """Mode of unit modal mass; for m >= 1 the second mode of the degenerate pair is this one rotated by pi / (2 m).
+    """Mode of unit modal mass. For m >= 1 it stands for a degenerate pair; the other mode is rotated by pi / (2 m).
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
 
 
 def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float) -> list[FourierMode]:
-    """Modes of a symmetry class up to `limit` (Hz); at least one, at most those among the lowest `count`."""
+    """Lowest modes of a symmetry class, including all up to `limit` (Hz) among the lowest `count` of the roll."""
     most = count if symmetry.wave_number == 0 else (count + 1) // 2
     some = min(3, most)
     while True:
@@ -155,6 +155,6 @@ def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float)
 
 
 def _frequency_of(modes: list[FourierMode], count: int) -> float:
-    """Frequency of mode number `count`, both modes of a pair counted; infinite if there are fewer modes."""
+    """Frequency (Hz) of mode number `count`, counting both modes of each pair; infinite if there are fewer modes."""
     counted = sorted(f for mode in modes for f in [mode.frequency_hz] * (2 if mode.symmetry.wave_number else 1))
     return counted[count - 1] if len(counted) >= count else np.inf

@@ -1,4 +1,4 @@
-"""Displacement of Fourier modes at probes: one point of a wall or layer in one direction."""
+"""Displacement of Fourier modes at probes. A probe is a point of a wall or layer, with a direction."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wroll_fem.structure.probe import Probe, unit_vector
 
 
 def mode_at_probe(roll: FourierRoll, mode: FourierMode, probe: Probe, radius: float, *, turned: bool = False) -> float:
-    """Displacement of a mode at a probe, 1/sqrt(kg).
+    """Displacement of a mode at a probe, in the direction of the probe, per modal coordinate, 1/sqrt(kg).
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def mode_at_probe(roll: FourierRoll, mode: FourierMode, probe: Probe, radius: fl
     probe
         Point and direction.
     radius
-        Radius of the mid-surface that holds the point, m.
+        Radius of the mid-surface that contains the point, m.
     turned
         Take the other mode of the degenerate pair, rotated about the axis by pi / (2 m).
     """

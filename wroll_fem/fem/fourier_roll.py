@@ -1,4 +1,4 @@
-"""Fourier finite elements of a roll: materials, base, rigid tip and coil of a case on a `FourierModel`."""
+"""Fourier finite elements of a roll: a `FourierModel` with the materials, base, tip and coil of a case."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ _NEAR = 1e-9  # tolerance, relative to the length, for nodes on an edge of the h
 
 @dataclass(frozen=True)
 class SymmetryClass:
-    """Motions uncoupled from all others: one wave number m; for m = 0 either torsion, or axial and breathing motions.
+    """Motions that do not couple with any other motion: those of one wave number m, in two classes for m = 0.
+
+    For m = 0, torsion is one class; axial and breathing motions form the other.
 
     Attributes
     ----------
@@ -63,7 +65,8 @@ class SymmetryClassMatrices:
     expand
         (3 n_nodes, n) map T from the unknowns y to the nodal amplitudes q = [U, V, W].
     influence
-        (n,) unknowns under a unit translation of the base along the direction of the class; zeros without a direction.
+        (n,) values of the unknowns under a unit translation of the base along the direction of the class; zeros if the
+        class has no direction.
     tip
         (n,) displacement of the centre of the tip along that direction per unknown.
     """
@@ -83,8 +86,8 @@ class FourierRoll:
     sections
         Geometry, mandrel, coil and mesh; a case on a roll has them.
     model
-        Existing model with the same numbers of cells, which is moved to this geometry so that its forms are not
-        compiled again; None builds a new one.
+        Existing model with the same numbers of cells. It is moved to this geometry, so its forms are not compiled
+        again. None builds a new model.
 
     Raises
     ------
@@ -104,7 +107,8 @@ class FourierRoll:
     def __init__(self, sections: RollSections, model: FourierModel | None = None):
         if sections.coil.model not in (*MESHED_COILS, "nonstructural_mass", "none"):
             raise InputError(
-                "friction between layers couples the circumferential harmonics", key="coil.model",
+                "Fourier elements exclude friction between layers: it couples the circumferential harmonics",
+                key="coil.model",
                 remedy="use solid, bonded, nonstructural_mass or none, or mesh.discretisation: three_dimensional",
             )  # fmt: skip
         if sections.coil.model in MESHED_COILS and sections.mandrel.base == "free" and sections.coil.base != "free":
@@ -177,7 +181,7 @@ class FourierRoll:
         return mass
 
     def _clamped(self) -> BoolArray:
-        """(n_nodes,) mask of the nodes that move with the base."""
+        """(n_nodes,) mask of the clamped nodes, which move with the base."""
         half_plane, coil = self.model.half_plane, self.sections.coil
         near = _NEAR * half_plane.length
         r, z = self._nodes.T
@@ -195,7 +199,7 @@ class FourierRoll:
         return clamped
 
     def _tip_nodes(self) -> BoolArray:
-        """(n_nodes,) mask of the nodes of the wall's end face."""
+        """(n_nodes,) mask of the nodes on the end face of the wall at the tip."""
         half_plane = self.model.half_plane
         near = _NEAR * half_plane.length
         r, z = self._nodes.T
@@ -208,7 +212,7 @@ def _translation(symmetry: SymmetryClass) -> FloatArray:
 
 
 def _rigid_tip(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> FloatArray:
-    """(3 n_nodes, k) rigid motions of the end face in a symmetry class: k = 2 for m = 1, 1 for m = 0, else 0.
+    """(3 n_nodes, k) rigid-body motions of the end face in a symmetry class: k = 2 for m = 1, 1 for m = 0, else 0.
 
     Translation along x is (U, V) = (1, -1); tilt about y, u = Omega x (x - c), is W = -r; torsion is V = r.
     """
@@ -227,7 +231,7 @@ def _rigid_tip(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> Floa
 
 
 def _nonstructural_mass(sections: RollSections) -> float:
-    """Mass of a coil without stiffness that is carried by the wall, kg."""
+    """Mass, kg, of a coil without stiffness, which is added to the wall; 0 for other coil models."""
     if sections.coil.model != "nonstructural_mass":
         return 0.0
     outer, t = 0.5 * sections.geometry.mandrel_outer_diameter, sections.coil.total_thickness

@@ -1,4 +1,4 @@
-r"""Second-order energy of a prestressed shell: geometric stiffness, follower pressure, tractions on its surfaces.
+r"""Geometric stiffness of a prestressed shell: stresses, follower pressure, tractions on its surfaces.
 
 A point at height xi moves by u + xi (R d - d) with the finite rotation R d = d + a_1 + a_2 + ..., a_1 = theta x d and
 a_2 = theta x (theta x d) / 2. The Green-Lagrange strains of the mid-surface have the second-order parts
@@ -10,8 +10,8 @@ a_2 = theta x (theta x d) / 2. The Green-Lagrange strains of the mid-surface hav
 
 and the geometric stiffness is the second derivative of int N : eps_2 + M : kappa_2 + Q . gamma_2 dA. N, M and Q are the
 resultants of the static state, taken at the integration points of the linear stiffness. A rigid rotation w then has
-exactly the energy -f . q_2, with the nodal forces f of the state and q_2 = w x (w x x) / 2: what the loads lose as they
-turn with the body. The drilling term has no such part, because the gradient of w x (w x x) is symmetric.
+exactly the energy -f . q_2, with the nodal forces f of the state and q_2 = w x (w x x) / 2. The drilling term has no
+second-order part, because the gradient of w x (w x x) is symmetric.
 
 A surface at height h has the position y = x + h d and moves by v = u + h (a_1 + a_2). An inward pressure of 1 Pa has
 the second-order potential (subscripts 1 and 2: derivatives along e_1 and e_2)
@@ -39,7 +39,7 @@ from wroll_fem.typing import FloatArray
 
 
 class PrestressedShell:
-    """Forms of the second-order energy of one shell; matrices are node-major, (6 n_nodes, 6 n_nodes).
+    """Loads and geometric stiffness of one prestressed shell; matrices are node-major, (6 n_nodes, 6 n_nodes).
 
     Parameters
     ----------
@@ -62,14 +62,14 @@ class PrestressedShell:
     # ---- stress resultants -----------------------------------------------------------------------------------------
 
     def _hoop_tension(self) -> Any:
-        """Initial membrane force (2 x 2) in the tangent basis."""
+        """Membrane force (2 x 2) of the initial hoop tension, in the tangent basis."""
         P, _ = self.model.tangents()
         hoop = P.T * cylinder_frame(ufl.SpatialCoordinate(self.model.mesh))[1]
         return self._tension * ufl.outer(hoop, hoop)
 
     @cached_property
     def _stress_form(self) -> Any:
-        """Second derivative of the work of the resultants in the second-order strains."""
+        """Compiled second derivative of the work of the stress resultants on the second-order strains."""
         model = self.model
         u, first, second = finite_rotation(self._motion, model.director)
         P, _ = model.tangents()
@@ -88,12 +88,12 @@ class PrestressedShell:
         return compat.compile_form(self.model.integral(-ufl.inner(self._hoop_tension(), eps)))
 
     def geometric_stiffness(self, state: FloatArray, hoop_tension: float = 0.0) -> sp.csr_matrix:
-        """Geometric stiffness, N/m, of the stresses of a static state.
+        """Geometric stiffness, N/m, due to the stresses in a static state.
 
         Parameters
         ----------
         state
-            (6 n_nodes,) nodal displacements (m) and rotations (rad); resultants follow from them linearly.
+            (6 n_nodes,) nodal displacements (m) and rotations (rad), from which the resultants follow linearly.
         hoop_tension
             Initial hoop tension, N/m, in addition to these resultants.
         """
@@ -103,7 +103,7 @@ class PrestressedShell:
         return self.model.reorder(compat.assemble_csr(self._stress_form))
 
     def tension_load(self) -> FloatArray:
-        """(6 n_nodes,) nodal forces, N, by which an initial hoop tension of 1 N/m presses inwards."""
+        """(6 n_nodes,) inward nodal forces, N, equivalent to an initial hoop tension of 1 N/m."""
         self.model.use(self.section)
         self._tension.value = 1.0
         return compat.assemble_array(self._tension_form)[self.model.dof_order]
@@ -112,7 +112,7 @@ class PrestressedShell:
 
     @cached_property
     def _pressure_forms(self) -> tuple[Any, Any]:
-        """Forces and follower stiffness of an inward pressure of 1 Pa on a surface, from its potential."""
+        """Forces and follower stiffness of an inward pressure of 1 Pa on a surface, from the pressure potential."""
         model, h = self.model, self._height
         u, first, second = finite_rotation(self._motion, model.director)
         P, normal = model.tangents()
@@ -131,7 +131,7 @@ class PrestressedShell:
         return compat.assemble_array(self._pressure_forms[0])[self.model.dof_order]
 
     def pressure_stiffness(self, height: float) -> sp.csr_matrix:
-        """Follower stiffness, N/m (symmetric part), of an inward pressure of 1 Pa at `height` (m)."""
+        """Symmetric part of the follower stiffness, N/m, of an inward pressure of 1 Pa at `height` (m)."""
         self._height.value = height
         return self.model.reorder(compat.assemble_csr(self._pressure_forms[1]))
 
@@ -139,7 +139,7 @@ class PrestressedShell:
 
     @cached_property
     def _traction_forms(self) -> tuple[Any, Any]:
-        """Forces and stiffness of a traction of fixed direction on a surface, from minus its work."""
+        """Nodal forces and geometric stiffness of a traction of fixed direction on a surface, from its work."""
         model, h = self.model, self._height
         u, first, second = finite_rotation(self._motion, model.director)
         frame = cylinder_frame(ufl.SpatialCoordinate(model.mesh))
@@ -149,20 +149,20 @@ class PrestressedShell:
         return compat.compile_form(load), self._hessian(model.area_integral(-h * ufl.dot(traction, second)))
 
     def surface_traction(self, values: FloatArray, height: float) -> tuple[FloatArray, sp.csr_matrix]:
-        """Forces and stiffness of tractions of fixed direction at the contact points of a surface.
+        """Nodal forces and geometric stiffness of tractions of fixed direction at the contact points of a surface.
 
         Parameters
         ----------
         values
-            (9 n_cells, 3) normal, hoop and axial traction on this shell, Pa of the mid-surface, at the nodes of
-            each cell: the shape functions of `mesh.contact_points` times the tractions at the points.
+            (9 n_cells, 3) normal, hoop and axial traction on this shell, Pa relative to the mid-surface, at the nodes
+            of each cell: the shape functions of `mesh.contact_points` times the tractions at the points.
         height
             Height of the surface above the mid-surface, m.
 
         Returns
         -------
         forces : (6 n_nodes,) N.
-        stiffness : (6 n_nodes, 6 n_nodes) N/m; the director turns away from the traction to second order.
+        stiffness : (6 n_nodes, 6 n_nodes) N/m, from the second-order change of the director.
         """
         self._height.value = height
         self._traction.x.array.reshape(-1, 3)[:] = values[self._traction_rows]
@@ -176,22 +176,23 @@ class PrestressedShell:
 
 
 def finite_rotation(q: Any, director: Any) -> tuple[Any, Any, Any]:
-    """Displacement u of a field q = [u, theta], and the first- and second-order change of the director."""
+    """Displacement u of a field q = [u, theta], and the first-order and second-order changes of the director."""
     u, theta = split(q)
     first = ufl.cross(theta, director)
     return u, first, 0.5 * ufl.cross(theta, first)
 
 
 def rigid_tip_stiffness(forces: FloatArray, arms: FloatArray) -> FloatArray:
-    """(3, 3) stiffness, N m, of the rotation of a rigid ring that is held in equilibrium.
+    """(3, 3) geometric stiffness, N m, of a rigid ring in rotation, due to the forces at its nodes.
 
-    A node at the arm r moves by Omega x r + Omega x (Omega x r) / 2, so the force g has the energy
-    [(g . Omega)(r . Omega) - (g . r) |Omega|^2] / 2.
+    A node at the position r moves by Omega x r + Omega x (Omega x r) / 2. The second-order energy of the force g at
+    this node is therefore [(g . Omega)(r . Omega) - (g . r) |Omega|^2] / 2.
 
     Parameters
     ----------
     forces
-        (n, 3) derivative of the energy with respect to the displacement of each node, N: minus the force of the ring.
+        (n, 3) derivative of the energy with respect to the displacement of each node, N: minus the force that the ring
+        exerts on the node.
     arms
         (n, 3) positions relative to the centre of the ring, m.
     """

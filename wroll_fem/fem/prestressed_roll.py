@@ -1,12 +1,12 @@
-"""Geometric stiffness of a roll: stresses, follower pressure, contact pressure and rigid tip of its static state.
+"""Geometric stiffness of a roll in a static state: stresses, follower pressure, contact pressure and rigid tip.
 
-The rules are those of docs/geometric-stiffness.md:
+It has the following parts (docs/geometric-stiffness.md):
 
 - stress resultants of the linear static solution, and the tension of the web if that is the load (eq-second-strains);
-- an external pressure follows its surface (eq-volume);
-- the two sides of an interface press on each other along the mean of their directors, so sliding surfaces stay in
-  contact along their curvature; friction tractions keep their directions (eq-contact-second);
-- the second-order motion of a rigid tip works against the forces that hold the ring (eq-rigid-tip).
+- external pressure, which follows its surface (eq-volume);
+- contact tractions: the pressure acts along the mean director of the two surfaces, so sliding surfaces stay in contact
+  along their curvature; friction tractions keep their directions (eq-contact-second);
+- the work of the forces on the ring of a rigid tip during the second-order motion of the tip (eq-rigid-tip).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class PrestressedRoll:
-    """Bodies of a roll with the loads and the second-order energy of a preload.
+    """Bodies of a roll, with the loads and the geometric stiffness of a preload.
 
     Parameters
     ----------
@@ -46,14 +46,14 @@ class PrestressedRoll:
     bodies
         Bodies of `assemble_bodies`, innermost first, without a solid coil.
     web_tension
-        The load of a layer is an initial hoop tension of its web, which presses inwards and turns with it. Otherwise it
-        is an external pressure.
+        True: the load of a layer is an initial hoop tension of its web, which acts inwards and turns with the web.
+        False: it is an external pressure.
 
     Attributes
     ----------
     bodies
-        The bodies; the force of 1 Pa is the one whose second-order part the geometric stiffness holds. It differs from
-        that of `assemble_bodies` by the error of the mesh (1e-4 on 12 cells around).
+        The bodies, with nodal forces of 1 Pa (`pressure_force`) that are consistent with the geometric stiffness. They
+        differ from those of `assemble_bodies` by the discretisation error (1e-4 with 12 cells around).
     """
 
     def __init__(self, roll: RollSections, bodies: Sequence[Body], *, web_tension: bool):
@@ -69,16 +69,16 @@ class PrestressedRoll:
         ]
 
     def geometric_stiffness(self, system: System, state: ContactState, pressures: Sequence[float]) -> sp.csr_matrix:
-        """(n_dofs, n_dofs) symmetric stiffness of the preload, N/m; zero without preload.
+        """(n_dofs, n_dofs) symmetric geometric stiffness due to the preload, N/m; zero without preload.
 
         Parameters
         ----------
         system
             System of `bodies`.
         state
-            Its static state under the pressures.
+            Static state of the system under the pressures.
         pressures
-            (n_bodies,) external pressure on the outside of each body, Pa, or the one that its web tension replaces.
+            (n_bodies,) pressure on the outside of each body, Pa, or the pressure equivalent to its web tension.
         """
         ends = np.cumsum([body.n_dofs for body in self.bodies])
         parts = np.split(state.displacement, ends[:-1])
@@ -91,7 +91,7 @@ class PrestressedRoll:
         return sp.csr_matrix(total + _sliding_contact(system, state, self.bodies, [w.thickness for w in self._walls]))
 
     def _tractions(self, system: System, state: ContactState) -> list[dict[str, FloatArray]]:
-        """Of each body: surface -> (n_points, 3) normal, hoop and axial traction on it, Pa of the mid-surface."""
+        """For each body and surface, (n_points, 3) normal, hoop and axial traction, Pa relative to the mid-surface."""
         found: list[dict[str, FloatArray]] = [{} for _ in self.bodies]
         along, across = tangentials(state.traction).reshape(-1, 2), normals(state.traction)
         start = 0
@@ -105,7 +105,7 @@ class PrestressedRoll:
 
 
 class _Wall:
-    """One shell of the roll and its body."""
+    """One prestressed shell of the roll, with its body."""
 
     def __init__(self, body: Body, section: ShellSection, radius: float):
         self.body, self.section, self.radius = body, section, radius
@@ -120,11 +120,11 @@ class _Wall:
         return 0.5 * self.thickness if side == "outer" else -0.5 * self.thickness
 
     def areas(self, side: str) -> FloatArray:
-        """(n_points,) area of the mid-surface at the contact points, m^2."""
+        """(n_points,) tributary area of each contact point on the mid-surface, m^2."""
         return self.body.traces[side].areas * self.radius / (self.radius + self.height(side))
 
     def unit_load(self, web_tension: bool) -> FloatArray:
-        """(6 n_nodes,) forces, N, of 1 Pa from outside."""
+        """(6 n_nodes,) nodal forces, N, of an external pressure of 1 Pa or of the equivalent web tension."""
         if web_tension:
             return (self.radius + self.height("outer")) * self.shell.tension_load()
         return self.shell.pressure_load(self.height("outer"))
@@ -138,7 +138,7 @@ class _Wall:
         *,
         web_tension: bool,
     ) -> sp.csr_matrix:
-        """(n_dofs, n_dofs) second-order stiffness of stresses, pressure, tractions and rigid tip."""
+        """(n_dofs, n_dofs) geometric stiffness of this shell: stresses, follower pressure, tractions, rigid tip."""
         nodal = self.body.expand @ displacement
         outer = self.height("outer")
         tension = pressure * (self.radius + outer) if web_tension else 0.0
@@ -158,7 +158,10 @@ class _Wall:
         return sp.csr_matrix(expand.T @ total @ expand + self._tip(unbalanced.reshape(-1, 6)[:, :3], centre))
 
     def _on_cells(self, values: FloatArray, trace: Trace) -> FloatArray:
-        """(9 n_cells, 3) field at the nodes of each cell that belongs to values (n_points, 3) at the contact points."""
+        """(9 n_cells, 3) nodal values, cell by cell: shape functions of the contact points times ``values``.
+
+        The ``values`` (n_points, 3) are those at the contact points of ``trace``.
+        """
         at = contact_points(CylinderMesh(self.body.nodes, self.body.cells, {}))
         theta = np.abs(at.points[:, 0]) if self.body.symmetric else at.points[:, 0]
         wanted, held = (
@@ -171,7 +174,7 @@ class _Wall:
         return np.column_stack([at.normal_shapes @ found[:, 0], at.shapes @ found[:, 1:]])
 
     def _tip(self, forces: FloatArray, centre: FloatArray) -> sp.csr_matrix:
-        """Second-order energy of the rotation of a rigid tip; empty without one."""
+        """(n_dofs, n_dofs) geometric stiffness of a rigid tip in rotation; zero without a rigid tip."""
         body = self.body
         n = body.n_dofs
         if body.unknown_node is None or body.unknown_component is None or not (body.unknown_node < 0).any():
@@ -187,7 +190,10 @@ class _Wall:
 def _sliding_contact(
     system: System, state: ContactState, bodies: Sequence[Body], thicknesses: Sequence[float]
 ) -> sp.csr_matrix:
-    """Second-order work of the contact pressure: relative tangential displacement times turn of the mean director."""
+    """(n, n) geometric stiffness of the contact pressure, from the rotation of the mean director of sliding surfaces.
+
+    The energy is pressure times area times relative tangential displacement times change of the mean director.
+    """
     n = system.n_dofs
     if not system.interfaces:
         return sp.csr_matrix((n, n))
@@ -210,5 +216,5 @@ def _sliding_contact(
 
 
 def _director_turn(body: Body, thickness: float) -> sp.csr_matrix:
-    """(3 n_points, n) mean first-order change of the director at the contact points."""
+    """(3 n_points, n) operator for the first-order change of the director, averaged at each contact point."""
     return sp.csr_matrix((body.traces["outer"].operator - body.traces["inner"].operator) / thickness)

@@ -71,7 +71,7 @@ class ShellSection:
     E, nu, rho
         Young's modulus (Pa), Poisson's ratio, density (kg/m^3).
     thickness
-        m.
+        Thickness, m.
     bending
         Factor on the bending stiffness; with 0 the shell is a membrane whose rotations are determined by the transverse
         shear and drilling terms.
@@ -154,7 +154,7 @@ class ShellModel:
         self.dof_order = (6 * block_of_node[:, None] + np.arange(6)).ravel()
 
     def _numbering(self, dofs: IntArray, nodes_of_cell: IntArray) -> IntArray:
-        """Number of the block of degrees of freedom at each input node (quadratic space on a quadratic mesh)."""
+        """Index of the block of degrees of freedom at each input node (quadratic space on a quadratic mesh)."""
         block = np.full(len(self.nodes), -1, np.int64)
         block[nodes_of_cell.ravel()] = dofs.ravel()
         if (block < 0).any():
@@ -179,7 +179,7 @@ class ShellModel:
         return ufl.transpose(ufl.as_matrix([[e1[i] for i in range(3)], [e2[i] for i in range(3)]])), n
 
     def strains(self, q: Any) -> tuple[Any, Any, Any, Any]:
-        """Strains eps, kappa, gamma and omega of the module's docstring for q = [u, theta]."""
+        """Strains eps, kappa, gamma and omega of a field q = [u, theta], as defined in the module docstring."""
         u, theta = split(q)
         d = self.director
         P, n = self.tangents()
@@ -193,7 +193,7 @@ class ShellModel:
         return eps, kappa, gamma, omega
 
     def resultants(self, q: Any) -> tuple[Any, Any, Any]:
-        """Membrane forces N (N/m), moments M (N) and shear forces Q (N/m) of a motion q, for the section in `use`."""
+        """Membrane forces N (N/m), moments M (N), shear forces Q (N/m) of a field q, with the section set by `use`."""
         c = self._constants
         eps, kappa, gamma, _ = self.strains(q)
         return (
@@ -209,7 +209,7 @@ class ShellModel:
         return total if full is None else total + full * dx
 
     def area_integral(self, density: Any) -> Any:
-        """Integral over the mid-surface with 3 x 3 points."""
+        """Integral over the mid-surface with 3 x 3 Gauss points per cell."""
         return density * self._dx(_FULL)
 
     # ---- forms, compiled once --------------------------------------------------------------------------------------
@@ -247,7 +247,7 @@ class ShellModel:
     # ---- assembly --------------------------------------------------------------------------------------------------
 
     def use(self, section: ShellSection) -> None:
-        """Make material and thickness those of `section`."""
+        """Set the material and the thickness to those of `section`."""
         t, G = section.thickness, section.E / (2 * (1 + section.nu))
         plane = section.E / (1 - section.nu**2)
         values = {
@@ -283,24 +283,24 @@ class ShellModel:
         return float(self._area_of_cell.sum())
 
     def reorder(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
-        """Symmetric matrix over node-major degrees of freedom, from one in dolfinx's order."""
+        """Symmetric part of a matrix, reordered from dolfinx's degrees of freedom to the node-major ones."""
         ordered = matrix[self.dof_order][:, self.dof_order]
         ordered = (ordered + ordered.T) * 0.5
         return drop_small(ordered.tocsr())
 
 
 def split(q: Any) -> tuple[Any, Any]:
-    """Displacement u and rotation theta of the six components of a field q."""
+    """Displacement u and rotation theta, from the six components of a field q."""
     return ufl.as_vector([q[0], q[1], q[2]]), ufl.as_vector([q[3], q[4], q[5]])
 
 
 def plane_stress(strain: Any, nu: Any) -> Any:
-    """(1 - nu) strain + nu tr(strain) I, to be multiplied by E t / (1 - nu^2) or E t^3 / 12 (1 - nu^2)."""
+    """Plane-stress law (1 - nu) strain + nu tr(strain) I, without its factor E t / (1 - nu^2) or plate stiffness."""
     return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
 
 
 def drop_small(matrix: sp.csr_matrix, tolerance: float = 1e-15) -> sp.csr_matrix:
-    """Remove entries at rounding level: below `tolerance` times the geometric mean of their two diagonal entries."""
+    """Remove entries below `tolerance` times the geometric mean of the diagonal entries of their row and column."""
     entries = matrix.tocoo()
     scale = np.sqrt(np.abs(matrix.diagonal()))
     keep = np.abs(entries.data) > tolerance * scale[entries.row] * scale[entries.col]

@@ -1,4 +1,4 @@
-r"""27-node hexahedra for the homogenised coil, and for a check of the shells on the extruded quads of the mandrel.
+r"""27-node hexahedra for the homogenised coil. A mandrel of such hexahedra also serves as a check of the shells.
 
 The material axes r, theta, z follow from the axis of the roll at every quadrature point. Strains are in Voigt order
 (rr, tt, zz, tz, rz, rt) with engineering shear strains; e_a are the unit vectors of these axes:
@@ -111,7 +111,7 @@ class SolidModel:
         self._set_weights(cell_nodes, np.ptp(np.hypot(*self.nodes[:, :2].T)) if thickness is None else thickness)
 
     def _set_weights(self, cell_nodes: IntArray, wall: float) -> None:
-        """Compute the weight alpha of the full rule in each cell, for cells (n_cells, 27) in the order of dolfinx."""
+        """Compute the weight alpha of the full integration rule in each cell, for cells (n_cells, 27) as in dolfinx."""
         scalars = compat.function_space(self.mesh, compat.piecewise_constant(_CELL))
         volumes = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * self._dx(_FULL)))
         self.volume = float(volumes.sum())
@@ -127,7 +127,7 @@ class SolidModel:
     # ---- cylindrical orthotropy ------------------------------------------------------------------------------------
 
     def _strain(self, u: Any) -> list[Any]:
-        """Strains of the module's docstring."""
+        """Strains in the Voigt order and the material axes defined in the module docstring."""
         x = ufl.SpatialCoordinate(self.mesh)
         r = ufl.sqrt(x[0] ** 2 + x[1] ** 2)
         axes = ufl.as_matrix([[x[0] / r, x[1] / r, 0], [-x[1] / r, x[0] / r, 0], [0, 0, 1]])

@@ -5,9 +5,9 @@ above the mid-surface and the cylindrical unit vectors e_c of the roll,
 
     motion[k, c] = 1 / A_k  int psi_k (u + xi theta x d) . e_c dA,     A_k = int psi_k dA,
 
-so tractions t_k at the points do the work of the traction sum_k t_k psi_k on the surface. The normal component has its
-own shape functions. The psi_k sum to 1: uniform tractions in the cylindrical frame are exact. The two surfaces of an
-interface have the same points, in the same order, and the same areas.
+so tractions t_k at the points do the same work as the traction sum_k t_k psi_k on the surface. The normal component has
+its own shape functions. The psi_k sum to 1, so uniform tractions in the cylindrical frame are exact. The two surfaces
+of an interface have the same points, in the same order, and the same areas.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _DEGREE = 4
 
 
 def cylinder_frame(x: Any) -> list[Any]:
-    """Cylindrical unit vectors (normal, hoop, axial) at a UFL position, about the z axis.
+    """Cylindrical unit vectors (normal, hoop, axial) about the z axis, at a position given in UFL.
 
-    The vectors are defined by the axis. A frame derived from the components of the normal would change sign around the
-    roll.
+    The vectors are derived from the axis. A frame derived from the components of the normal would change its sign
+    around the roll.
     """
     radius = ufl.sqrt(x[0] ** 2 + x[1] ** 2)
     normal = ufl.as_vector([x[0] / radius, x[1] / radius, 0.0 * x[2]])
@@ -41,7 +41,7 @@ def cylinder_frame(x: Any) -> list[Any]:
 
 
 def cell_node_rows(model: ShellModel, space: fem.FunctionSpace) -> IntArray:
-    """Rows (9 n_cells,) of values at the nodes of each cell, in the order of the dofs (blocks) of a space.
+    """Row numbers (9 n_cells,) that put values at the nodes of each cell into the order of the dof blocks of a space.
 
     The space is discontinuous and quadratic. Row 9 c + a is the value at node ``model.cells[c, a]`` seen from cell c.
     """
@@ -57,7 +57,7 @@ def cell_node_rows(model: ShellModel, space: fem.FunctionSpace) -> IntArray:
 
 
 class SurfaceTrace:
-    """Averages of the displacement of a shell, weighted with the shape functions of its contact points.
+    """Weighted mean displacement of a shell at each contact point; the weight is the shape function of the point.
 
     Parameters
     ----------
@@ -89,11 +89,14 @@ class SurfaceTrace:
         self._form = compat.compile_form(sum(weight[c] * ufl.dot(motion, frame[c]) for c in range(3)) * dx)
 
     def areas(self, scale: float) -> FloatArray:
-        """(n_points,) tributary area of each point, m^2; `scale` is r_surface / r_mid-surface."""
+        """(n_points,) tributary area of each point, m^2; `scale` is surface radius divided by mid-surface radius."""
         return self._mid_areas * scale
 
     def operator(self, height: float) -> sp.csr_matrix:
-        """(3 n_points, 6 n_nodes) mean (normal, hoop, axial) displacement at a height (m) above the mid-surface."""
+        """(3 n_points, 6 n_nodes) operator: weighted mean displacement at a height (m) above the mid-surface.
+
+        Its rows are the normal, hoop and axial components at each point.
+        """
         self._height.value = height
         moments = self._weights.T @ compat.assemble_csr(self._form)[:, self.model.dof_order]
         averages = (sp.diags(np.repeat(1.0 / self._mid_areas, 3)) @ moments).tocsr()
