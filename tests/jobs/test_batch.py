@@ -248,7 +248,7 @@ def test_a_second_call_reports_what_failed_and_names_the_way_on(finished: tuple[
     assert again.exit_code == first.exit_code == 3
     told = again.stderr.splitlines()
     assert told[:2] == first.stderr.splitlines()[:2]  # the same failures in the same words
-    assert told[2:] == ["2 failed in an earlier call; --retry runs them again", "2 of 4 cases failed"]
+    assert told[2:] == ["2 of these failed in an earlier call; run them again with --retry", "2 of 4 cases failed"]
 
 
 def test_a_folder_of_another_case_is_left_alone_and_reported(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 
-# One thread per process: the solvers work on small matrices, where threads only get in each other's way.
+# One thread per process: the matrices of the solvers are small, and more threads only slow the computation down.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -25,6 +25,6 @@ def main() -> None:
     """Entry point of the command `wroll`."""
     try:
         app()
-    except BrokenPipeError:  # the reader (head, less) has gone: nothing left to print
+    except BrokenPipeError:  # the reader (head, less) has ended: nothing more can be printed
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)

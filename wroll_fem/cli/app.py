@@ -1,4 +1,4 @@
-"""Typer application and shared parts of its commands: options, error messages, SIGTERM as an interrupt."""
+"""Typer application and shared parts of its commands: options, error messages, handling of SIGTERM."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Overrides = Annotated[
 
 @contextmanager
 def reporting() -> Iterator[None]:
-    """Context manager: report an error in one line on standard error, with the documented exit code."""
+    """Context manager: report an error in one line on standard error, and exit with the exit code of the error."""
     try:
         yield
     except WrollError as error:

@@ -61,14 +61,14 @@ def mesh(
     out: Annotated[Path, typer.Option("--out", help="Folder for mesh.msh and mesh.vtu.", show_default=False)],
     overrides: Overrides = None,
 ) -> None:
-    """Mesh a case and write it as .msh (named groups) and .vtu."""
+    """Mesh the roll of a case; write the mesh as .msh (with named groups) and as .vtu."""
     with reporting():
         case = _structural(case_file, overrides)
         from wroll_fem.mesh.files import write_mesh
         from wroll_fem.mesh.generate import build_mesh
 
         if not isinstance(case, OnRoll):
-            remedy = "its file has only matrices: mesh the case from which it was exported"
+            remedy = "its file contains only matrices; mesh the case from which it was exported"
             raise InputError("cannot be meshed", key="structure", file=str(case_file), remedy=remedy)
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
@@ -118,7 +118,7 @@ def _structural(file: Path, overrides: list[str] | None) -> StructuralCase:
     """
     case = load_case(file, overrides or ())
     if not isinstance(case, StructuralCase):
-        remedy = "use a case with geometry, mandrel and coil"
+        remedy = "use an analysis of a roll, for example analysis: modal"
         raise InputError(
             f"analysis {case.analysis} has no mesh and no matrices", key="analysis", file=str(file), remedy=remedy
         )

@@ -24,19 +24,19 @@ def reproduce(
             metavar="[CHAPTER]...", help="ch2 ch3 ch4 ch5 ch6 appendices; all by default.", show_default=False
         ),
     ] = None,
-    fast: Annotated[bool, typer.Option("--fast", help="Coarse meshes, fewer values: a quarter of an hour.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Use coarse meshes and fewer values: about 15 minutes.")] = False,
     out: Annotated[
         Path | None,
         typer.Option(
             "--out", help="Folder for runs, table and page; delete it to repeat all runs. Default runs/reproduce."
         ),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 2,
+    workers: Annotated[int, typer.Option("--workers", help="Number of cases to run at a time.")] = 2,
     page: Annotated[
         Path | None, typer.Option("--page", help="Where to write the page (Markdown); default OUT/claims.md.")
     ] = None,
 ) -> None:
-    """Check the claims of the thesis, one line each, from stored or new runs."""
+    """Check the claims of the thesis with stored or new runs; print one line per claim."""
     with reporting():
         judge_all = _reproduction().reproduce
 
@@ -72,7 +72,7 @@ def _reproduction() -> Any:
 
 @app.command()
 def info() -> None:
-    """Print versions of the libraries, and whether each works."""
+    """Print the version of each library and whether the library works."""
     from wroll_fem.jobs.environment import OPTIONAL, check_environment
 
     typer.echo(f"{'wroll_fem':<10} {program_version()}")

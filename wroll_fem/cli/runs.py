@@ -1,4 +1,4 @@
-"""Commands that compute, `wroll run` and `wroll batch`, and how to continue them after an interrupt."""
+"""Commands that compute, `wroll run` and `wroll batch`, and messages on how to continue after an interrupt."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ def batch(
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for the cases; default runs/<name of the grid file>.")
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", help="Cases to run at a time.")] = 1,
+    workers: Annotated[int, typer.Option("--workers", help="Number of cases to run at a time.")] = 1,
     scheduler: Annotated[
         str | None,
-        typer.Option("--scheduler", help="tcp://HOST:PORT of a Dask cluster whose workers run the cases instead."),
+        typer.Option("--scheduler", help="Run the cases on the Dask cluster at tcp://HOST:PORT instead."),
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Run failed cases of earlier calls again.")] = False,
 ) -> None:
@@ -85,7 +85,7 @@ def batch(
             typer.echo(f"{outcome.member.name}: {outcome.error}", err=True)
         before = sum(not outcome.tried for outcome in failed)
         if before:
-            typer.echo(f"{before} failed in an earlier call; --retry runs them again", err=True)
+            typer.echo(f"{before} of these failed in an earlier call; run them again with --retry", err=True)
         if failed:
             typer.echo(f"{len(failed)} of {len(outcomes)} cases failed", err=True)
         try:

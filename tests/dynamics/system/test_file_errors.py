@@ -175,7 +175,7 @@ def test_doubtful_files_are_warned_about(tmp_path: Path) -> None:
 def test_matrices_cannot_be_meshed(tmp_path: Path) -> None:
     done = wroll("mesh", write_case(tmp_path, oscillator()), "--out", tmp_path / "mesh")
     assert done.exit_code == 2
-    assert "structure: cannot be meshed; its file has only matrices" in done.output
+    assert "structure: cannot be meshed; its file contains only matrices" in done.output
 
 
 @pytest.mark.parametrize("name", ["roll.txt", "no/such/folder/roll.npz"])
