@@ -214,7 +214,7 @@ def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
 
 
 def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
-    """(6 n_nodes, 6 n_nodes) lumped mass matrix of a mass (kg) that is distributed over the tip ring."""
+    """(6 n_nodes, 6 n_nodes) lumped mass matrix of a tip mass (kg) that is distributed over the tip ring."""
     weights = ring_weights(part, part.groups["tip"])
     return sp.diags(np.outer(mass * weights, [1, 1, 1, 0, 0, 0]).ravel()).tocsr()
 

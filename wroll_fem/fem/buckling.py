@@ -15,7 +15,7 @@ _RESIDUAL_LIMIT = 1e-6
 
 
 def load_factors(stiffness: sp.spmatrix, geometric: sp.spmatrix, count: int) -> tuple[FloatArray, FloatArray]:
-    """Lowest positive load factors, buckling load divided by preload, and the buckling modes.
+    """Lowest positive load factors (buckling load divided by preload) and the buckling modes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""Homogenised coil: a solid bonded to the outer surface of the mandrel's shell by elimination, without a penalty.
+r"""Homogenised coil: a solid bonded to the outer surface of the mandrel by elimination of unknowns, not by a penalty.
 
 The hexahedra are the quads of the mandrel extruded outwards, so node k of their inner surface matches node k of the
 shell. The inner surface has no unknowns of its own. It moves with the outer surface of the wall, at half the wall

@@ -62,7 +62,7 @@ def quiet_compiler() -> Iterator[None]:
 
 
 JIT_SECONDS = 120
-"""Largest time, s, to wait for a form that another process compiles; ffcx's default, 10 s, is too short under load."""
+"""Longest time, s, to wait for a form that another process compiles; ffcx's default, 10 s, is too short under load."""
 
 
 def compile_form(form: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Constraints of a shell by elimination (clamped or guided nodes, rigid tip, symmetry plane); rigid-body motions.
+"""Constraints of a shell by elimination of unknowns: clamped or guided nodes, rigid tip, symmetry plane.
 
 One sparse map from the remaining unknowns y to the nodal values contains all constraints,
 

@@ -196,7 +196,7 @@ def _has_mumps() -> bool:
 def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: float) -> int:
     """Number of eigenvalues that are missing among the lowest ones, by Sylvester's law of inertia.
 
-    The number of negative pivots of K - s M is the number of eigenvalues below s, which is placed in the widest
+    The number of negative pivots of K - s M is the number of eigenvalues below s. The value s is placed in the widest
     relative gap above mode `count`. The check needs a shift below the spectrum and MUMPS; otherwise the result is 0.
     """
     if sigma >= 0.0 or not _has_mumps() or len(values) <= count:

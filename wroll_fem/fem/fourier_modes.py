@@ -19,10 +19,10 @@ from wroll_fem.fem.fourier_roll import (
 from wroll_fem.typing import FloatArray
 
 SHIFT = -((2 * np.pi * 100.0) ** 2)
-"""Spectral shift, (rad/s)^2, below all eigenvalues. Its magnitude limits the rounding errors with 0.5 mm cells."""
+"""Spectral shift, (rad/s)^2. It is below all eigenvalues, and far enough to limit rounding errors with 0.5 mm cells."""
 
 HIGHEST_WAVE_NUMBER = 80
-"""Largest circumferential wave number of a search for modes; if the search is not complete by then, it fails."""
+"""Largest circumferential wave number in a search for modes; a search not complete by then stops with an error."""
 _BEYOND = 4
 """Number of consecutive wave numbers without a wanted mode, after which the search ends."""
 _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
@@ -144,7 +144,10 @@ def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
 
 
 def _up_to(roll: FourierRoll, symmetry: SymmetryClass, count: int, limit: float) -> list[FourierMode]:
-    """Lowest modes of a symmetry class, including all up to `limit` (Hz) among the lowest `count` of the roll."""
+    """Lowest modes of a symmetry class, at least up to the frequency `limit` (Hz).
+
+    Modes that cannot be among the lowest `count` of the roll are not computed.
+    """
     most = count if symmetry.wave_number == 0 else (count + 1) // 2
     some = min(3, most)
     while True:

@@ -23,7 +23,7 @@ _NEAR = 1e-9  # tolerance, relative to the length, for nodes on an edge of the h
 
 @dataclass(frozen=True)
 class SymmetryClass:
-    """Motions that do not couple with any other motion: those of one wave number m, in two classes for m = 0.
+    """Class of motions of one wave number m that do not couple with other motions; for m = 0 there are two classes.
 
     For m = 0, torsion is one class; axial and breathing motions form the other.
 
@@ -207,7 +207,7 @@ class FourierRoll:
 
 
 def _translation(symmetry: SymmetryClass) -> FloatArray:
-    """(U, V, W) of a unit translation along the direction of a symmetry class."""
+    """Displacement amplitudes (U, V, W) of a unit translation along the direction of a symmetry class."""
     return np.array([1.0, -1.0, 0.0]) if symmetry.direction == "x" else np.array([0.0, 0.0, 1.0])
 
 

@@ -139,7 +139,7 @@ class PrestressedShell:
 
     @cached_property
     def _traction_forms(self) -> tuple[Any, Any]:
-        """Nodal forces and geometric stiffness of a traction of fixed direction on a surface, from its work."""
+        """Nodal forces and geometric stiffness due to a surface traction of fixed direction, derived from its work."""
         model, h = self.model, self._height
         u, first, second = finite_rotation(self._motion, model.director)
         frame = cylinder_frame(ufl.SpatialCoordinate(model.mesh))
@@ -183,7 +183,7 @@ def finite_rotation(q: Any, director: Any) -> tuple[Any, Any, Any]:
 
 
 def rigid_tip_stiffness(forces: FloatArray, arms: FloatArray) -> FloatArray:
-    """(3, 3) geometric stiffness, N m, of a rigid ring in rotation, due to the forces at its nodes.
+    """(3, 3) geometric stiffness, N m, for the rotation of a rigid ring, due to the forces at its nodes.
 
     A node at the position r moves by Omega x r + Omega x (Omega x r) / 2. The second-order energy of the force g at
     this node is therefore [(g . Omega)(r . Omega) - (g . r) |Omega|^2] / 2.

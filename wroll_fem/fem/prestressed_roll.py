@@ -91,7 +91,10 @@ class PrestressedRoll:
         return sp.csr_matrix(total + _sliding_contact(system, state, self.bodies, [w.thickness for w in self._walls]))
 
     def _tractions(self, system: System, state: ContactState) -> list[dict[str, FloatArray]]:
-        """For each body and surface, (n_points, 3) normal, hoop and axial traction, Pa relative to the mid-surface."""
+        """For each body, a dictionary from surface to (n_points, 3) tractions (normal, hoop, axial), Pa.
+
+        The tractions are forces per area of the mid-surface.
+        """
         found: list[dict[str, FloatArray]] = [{} for _ in self.bodies]
         along, across = tangentials(state.traction).reshape(-1, 2), normals(state.traction)
         start = 0
@@ -174,7 +177,7 @@ class _Wall:
         return np.column_stack([at.normal_shapes @ found[:, 0], at.shapes @ found[:, 1:]])
 
     def _tip(self, forces: FloatArray, centre: FloatArray) -> sp.csr_matrix:
-        """(n_dofs, n_dofs) geometric stiffness of a rigid tip in rotation; zero without a rigid tip."""
+        """(n_dofs, n_dofs) geometric stiffness for the rotation of a rigid tip; zero without a rigid tip."""
         body = self.body
         n = body.n_dofs
         if body.unknown_node is None or body.unknown_component is None or not (body.unknown_node < 0).any():

@@ -203,7 +203,7 @@ class ShellModel:
         )
 
     def integral(self, mixed: Any, full: Any = None) -> Any:
-        """Integral over the mid-surface of membrane and shear terms (`mixed`) and of bending terms (`full`)."""
+        """Mid-surface integral of membrane and shear terms (`mixed` integration) and bending terms (`full`)."""
         dx, dx_reduced, alpha = self._dx(_FULL), self._dx(_REDUCED), self._alpha
         total = alpha * mixed * dx + (1 - alpha) * mixed * dx_reduced
         return total if full is None else total + full * dx
@@ -295,7 +295,7 @@ def split(q: Any) -> tuple[Any, Any]:
 
 
 def plane_stress(strain: Any, nu: Any) -> Any:
-    """Plane-stress law (1 - nu) strain + nu tr(strain) I, without its factor E t / (1 - nu^2) or plate stiffness."""
+    """Plane-stress law (1 - nu) strain + nu tr(strain) I, without E t / (1 - nu^2) or E t^3 / (12 (1 - nu^2))."""
     return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
 
 

@@ -111,7 +111,7 @@ class SolidModel:
         self._set_weights(cell_nodes, np.ptp(np.hypot(*self.nodes[:, :2].T)) if thickness is None else thickness)
 
     def _set_weights(self, cell_nodes: IntArray, wall: float) -> None:
-        """Compute the weight alpha of the full integration rule in each cell, for cells (n_cells, 27) as in dolfinx."""
+        """Compute the weight alpha of the full integration rule in each cell; `cell_nodes` are in dolfinx's order."""
         scalars = compat.function_space(self.mesh, compat.piecewise_constant(_CELL))
         volumes = compat.assemble_array(compat.compile_form(ufl.TestFunction(scalars) * self._dx(_FULL)))
         self.volume = float(volumes.sum())
@@ -127,7 +127,7 @@ class SolidModel:
     # ---- cylindrical orthotropy ------------------------------------------------------------------------------------
 
     def _strain(self, u: Any) -> list[Any]:
-        """Strains in the Voigt order and the material axes defined in the module docstring."""
+        """Strains as defined in the module docstring (Voigt order, axes r, theta, z)."""
         x = ufl.SpatialCoordinate(self.mesh)
         r = ufl.sqrt(x[0] ** 2 + x[1] ** 2)
         axes = ufl.as_matrix([[x[0] / r, x[1] / r, 0], [-x[1] / r, x[0] / r, 0], [0, 0, 1]])
