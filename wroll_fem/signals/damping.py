@@ -177,7 +177,7 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
     if f.ndim != 1 or f.shape != m.shape or f.size < 5:
         raise InputError(
             f"frequency and magnitude have the shapes {f.shape} and {m.shape}",
-            remedy="give two series of the same length, 5 or more",
+            remedy="give two series of the same length, 5 points or more",
         )
     if not (np.isfinite(f).all() and np.isfinite(m).all()) or np.any(np.diff(f) <= 0.0) or np.any(m < 0.0):
         raise InputError(

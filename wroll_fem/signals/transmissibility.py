@@ -76,7 +76,7 @@ def _checked(time: npt.ArrayLike, *signals: npt.ArrayLike) -> list[FloatArray]:
     if any(a.ndim != 1 or a.shape != arrays[0].shape for a in arrays) or arrays[0].size < 8:
         shapes = ", ".join(str(a.shape) for a in arrays)
         raise InputError(
-            f"time and signals have the shapes {shapes}", remedy="give series of the same length, 8 or more"
+            f"time and signals have the shapes {shapes}", remedy="give series of the same length, 8 points or more"
         )
     if not all(np.isfinite(a).all() for a in arrays) or np.any(np.diff(arrays[0]) <= 0.0):
         raise InputError(

@@ -20,13 +20,13 @@ from wroll_fem.two_dof.periodic import PeriodicSolver
 from wroll_fem.typing import FloatArray
 
 FREE = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
-"""Parameters that can be fitted, besides the friction capacities."""
+"""Names of the parameters that can be fitted, besides the friction capacities."""
 ACCURACY = 1e-6
 """Relative accuracy of the computed curves; it must be well below the finite-difference step."""
 STEP = 1e-4
 """Relative finite-difference step of the Jacobian."""
 LOST = 10.0
-"""Residual assigned to a curve that cannot be computed; much larger than the residual of any fit."""
+"""Residual assigned to each point of a curve that cannot be computed; much larger than the residuals of any fit."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Measured:
     Attributes
     ----------
     omega : (n,) frequencies, rad/s, ascending (for a scaled model, relative to the natural frequency of the primary)
-    transmissibility : (n,) largest abs(x_1) over Y_0, above 0
+    transmissibility : (n,) largest abs(x_1) divided by Y_0, above 0
     capacity : friction capacity, N; the initial value if capacities are fitted
 
     Raises
@@ -54,13 +54,13 @@ class Measured:
         if omega.ndim != 1 or omega.shape != values.shape or omega.size < 3:
             raise InputError(
                 f"frequency and transmissibility have the shapes {omega.shape} and {values.shape}",
-                remedy="give two series of the same length, 3 or more",
+                remedy="give two series of the same length, 3 points or more",
             )
         good = np.all(np.isfinite(values)) and np.all(values > 0.0) and omega[0] > 0.0 and np.all(np.diff(omega) > 0.0)
         if not good or not self.capacity > 0.0:
             raise InputError(
-                "the values of a curve must be positive and finite and its frequencies must increase",
-                remedy="sort the points and remove gaps",
+                "the values and the capacity of a curve must be positive and finite and its frequencies must increase",
+                remedy="sort the points by frequency and remove invalid ones",
             )
 
 
@@ -73,7 +73,7 @@ class Fit:
     model : fitted parameters
     capacities : (c,) friction capacities, N, fitted or given
     error : root mean square of ln(model / measured)
-    errors : (s,) the same for every start, smallest first; equal values indicate a unique minimum
+    errors : (s,) this error for every start, smallest first; equal values indicate a unique minimum
     at_bound : names of parameters that ended on a bound and are doubtful (`capacity k` for the k-th curve)
     """
 
@@ -93,7 +93,7 @@ class _Problem:
     high: FloatArray
 
     def unpack(self, x: FloatArray) -> tuple[TwoMasses, FloatArray]:
-        """Model and friction capacities (N) for the logarithms of the free parameters."""
+        """Model and friction capacities (N) that belong to the logarithms of the free parameters."""
         values = np.exp(x)
         count = len(self.names)
         changes: dict[str, Any] = dict(zip(self.names, map(float, values[:count]), strict=True))
@@ -134,8 +134,8 @@ def fit_curves(
 ) -> Fit:
     """Fit the model to transmissibility curves measured at several preloads.
 
-    The least-squares problem is posed in ln(T), which weights flanks and peaks equally, over the logarithms of the
-    parameters. The first start is ``model``; the others are a Latin hypercube within the bounds.
+    The residuals are differences of ln(T), so that flanks and peaks have the same weight. The unknowns are the
+    logarithms of the parameters. The first start is ``model``; the others are a Latin hypercube within the bounds.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def fit_curves(
     model
         Fixed values and initial values; Table 5.2 of the thesis if None.
     capacity_bounds
-        Lowest and highest friction capacity, N, to fit the capacities as well; None uses those of ``measured``.
+        Lowest and highest friction capacity, N, if the capacities are fitted too; None keeps those of ``measured``.
     starts, seed
         Number of starts; seed of the hypercube.
     workers

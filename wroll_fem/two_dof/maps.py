@@ -1,4 +1,4 @@
-"""Maps of the two masses: response over frequency, refined at its peaks; damping over secondary mass and stiffness.
+"""Maps of the two masses: response versus frequency, with refined peaks; damping versus secondary mass and stiffness.
 
 Curves are distributed over processes; each process follows one curve along the frequency.
 """
@@ -45,7 +45,7 @@ class Response:
 
     Attributes
     ----------
-    transmissibility : (n,) largest abs(x_1) over Y_0 at the given frequencies
+    transmissibility : (n,) largest abs(x_1) divided by Y_0, at the given frequencies
     half_power : half-power damping of the highest peak on a refined grid; its frequencies are in rad/s
     refined : frequencies (m,) in rad/s and transmissibilities (m,) of the refined grid
     input, primary, secondary, friction : (n,) work per cycle, J; nan for motions found by time integration
@@ -63,14 +63,14 @@ class Response:
 
 
 class _Curve:
-    """Periodic motions at one capacity, computed on demand, each from the nearest known one."""
+    """Periodic motions at one friction capacity, computed on demand; the initial guess is the nearest known motion."""
 
     def __init__(self, solver: PeriodicSolver):
         self.solver = solver
         self.motions: dict[float, PeriodicMotion] = {}
 
     def add(self, omegas: FloatArray) -> None:
-        """Compute the motions at frequencies (rad/s), each from the nearest known motion."""
+        """Compute the motions at the frequencies (rad/s); the initial guess of each is the nearest known motion."""
         known = np.array(sorted(self.motions))
         last: PeriodicMotion | None = None
         for omega in np.sort(omegas):
@@ -117,10 +117,10 @@ def peak_half_power(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[
 def refined_curve(
     solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()
 ) -> tuple[FloatArray, FloatArray]:
-    """Transmissibility curve with a grid refined at its peaks.
+    """Transmissibility curve on a frequency grid that is refined at the peaks.
 
-    A lightly damped peak is much narrower than the initial grid, but its flanks are visible on it. Every local maximum
-    is therefore bracketed and refined, and the highest one is then resolved across its half-power width.
+    A lightly damped peak is much narrower than the steps of the initial grid, but its flanks are resolved. Every local
+    maximum is therefore bracketed and refined. The highest one is then resolved across its half-power width.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def response_map(
     workers: int | None = None,
     on_done: Report | None = None,
 ) -> list[Response]:
-    """Responses at several friction capacities, in the same order.
+    """Responses at several friction capacities, in the order of the capacities.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def response_map(
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """Damping as a function of mass and stiffness of the secondary and of the friction capacity.
+    """Damping as a function of secondary mass, secondary stiffness and friction capacity.
 
     Attributes
     ----------
@@ -307,7 +307,7 @@ def design_space(
     workers: int | None = None,
     on_done: Report | None = None,
 ) -> DesignSpace:
-    """Damping of the highest peak over secondary mass, stiffness and friction capacity (thesis, Fig. 5.7).
+    """Damping of the highest peak for all secondary masses, secondary stiffnesses and capacities (thesis, Fig. 5.7).
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ For the displacement relative to the base, u = x - (1, 1) y, the same equation i
           = -M (1,1)\, \ddot y + (a + b - 1)\, (k_2 y + c_2 \dot y)\, r_2,
           \qquad K = \sum_i k_i r_i r_i^T, \quad C = \sum_i c_i r_i r_i^T
 
-so the base acts by its acceleration alone, except in arrangement (b).
+so only the acceleration of the base acts on the masses, except in arrangement (b).
 
 Friction and damping forces are monotonic in the velocities, so the energy of the difference of two motions never
 increases. There is therefore one periodic motion, all other motions converge to it, and its second half period is the
@@ -42,7 +42,7 @@ Arrangement = Literal["both_on_base", "secondary_isolated", "secondary_on_primar
 ARRANGEMENTS: tuple[str, ...] = get_args(Arrangement)
 
 SUPPORT_COUPLING = {"both_on_base": (0.0, 1.0), "secondary_isolated": (0.0, 0.0), "secondary_on_primary": (1.0, 0.0)}
-"""Support coupling (a, b) of the secondary for each arrangement."""
+"""Coefficients (a, b) of the support of the secondary, for each arrangement."""
 
 RELATIVE_VELOCITY = np.array([1.0, -1.0])
 """Vector d: the relative velocity at the interface is d . (v_1, v_2)."""
@@ -99,7 +99,7 @@ class PreloadedTwoMasses:
 
     @property
     def ground_coupling(self) -> FloatArray:
-        """(2,) vector (a + b - 1) r_2: force on the masses per k_2 y + c_2 y' in the equations of relative motion."""
+        """(2,) vector (a + b - 1) r_2, which multiplies k_2 y + c_2 y' in the equations of relative motion."""
         return (sum(self.support_coupling) - 1.0) * np.array([-self.support_coupling[0], 1.0])
 
     @property
@@ -175,7 +175,7 @@ class TwoMasses:
             raise InputError(
                 f"must be positive and finite, got {capacity}",
                 key="two_dof.friction_capacity",
-                remedy="give forces in N",
+                remedy="give a positive force in N",
             )
         share = float(contact_sign(capacity)) if self.preload_dependent else 1.0
         return PreloadedTwoMasses(

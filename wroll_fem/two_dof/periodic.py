@@ -3,7 +3,7 @@ r"""Periodic motions of the two masses by harmonic balance.
 The model is a `System` with the displacements of both masses relative to the base and a third degree of freedom, normal
 to the interface, for the constant normal force. The interface is one contact point of unit area with regularised
 Coulomb friction, a friction coefficient of 1 and the normal force F_c. `HarmonicBalance` solves it with odd harmonics
-alone (see `model`).
+only (see `model`).
 
 The number of harmonics is increased, H = 7, 15, 31, ..., until the last ones are negligible or the amplitude has
 converged.
@@ -37,20 +37,22 @@ from wroll_fem.typing import FloatArray
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
 """Numbers of harmonics tried in turn."""
 ACCURACY = 1e-5
-"""The amplitude has converged if doubling the number of harmonics changes it by less than this (relative)."""
+"""Relative change of the amplitude below which it has converged, when the number of harmonics is doubled."""
 NEGLIGIBLE = 1e-2
-"""The motion has converged if the share of its last two harmonics in the relative velocity is below this times
-`accuracy`."""
+"""Size of the last two harmonics of the relative velocity, divided by the largest harmonic and by `accuracy`, below
+which the motion has converged."""
 MORE_THAN_ENOUGH = 1e-13
-"""Half the number of harmonics suffices if the share of the last two is below this (rounding level)."""
+"""Size of the last two harmonics, relative to the largest, below which half the number of harmonics suffices (rounding
+level)."""
 CONTROL = StepControl(tolerance=1e-9)
 """Settings of Newton's method."""
 LEAST_SLOPE = 1e-6
-"""Smallest slope F_c s of the friction law at zero velocity in the search for a starting motion, N s/m."""
+"""Smallest slope F_c s of the friction law at zero velocity in the search for a starting motion, N s/m; at smaller
+slopes the search stops with an error."""
 
 
 def two_mass_system(preloaded: PreloadedTwoMasses) -> System:
-    """The model as a `System`: two displacements relative to the base, and one normal to the contact."""
+    """The model as a `System` of three displacements: two relative to the base, and one normal to the contact."""
     point = Interface(
         "primary/secondary",
         sp.csr_matrix(np.array([[0.0, 0.0, 1.0], [*RELATIVE_VELOCITY, 0.0], [0.0, 0.0, 0.0]])),  # normal, hoop, axial
@@ -77,8 +79,8 @@ def two_mass_system(preloaded: PreloadedTwoMasses) -> System:
 class _LineContact(HarmonicContact):
     """Contact of one point that slides along a line under a constant normal force.
 
-    Its Jacobian is one matrix product, about ten times faster than the general one for points that slide in a plane
-    under varying pressure.
+    Its Jacobian needs one matrix product. It is about ten times faster than the general Jacobian, which holds for
+    points that slide in a plane under varying pressure.
     """
 
     def jacobian(self, contact: PeriodicContact, *, threshold: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -94,7 +96,7 @@ class _LineContact(HarmonicContact):
 
 
 class _BaseDisplacementBalance(HarmonicBalance):
-    """Harmonic balance under a base displacement, for a secondary that may be supported by fixed ground (Fig. 5.1b)."""
+    """Harmonic balance under a base displacement; fixed ground may support the secondary (thesis, Fig. 5.1b)."""
 
     def __init__(self, contact: HarmonicContact, preloaded: PreloadedTwoMasses, omega: float, shapes: FloatArray):
         super().__init__(contact, preloaded.base_amplitude * omega**2)
@@ -102,7 +104,7 @@ class _BaseDisplacementBalance(HarmonicBalance):
         self._wall = -preloaded.k2 * wall, preloaded.c2 * omega * wall
 
     def load(self) -> FloatArray:
-        """(R, m) force coefficients, N, for y = -Y_0 cos(wt) with the acceleration A cos(wt)."""
+        """(R, m) force coefficients, N, for the base displacement y = -Y_0 cos(wt), whose acceleration is A cos(wt)."""
         out = super().load()
         out[1] += self._wall[0]
         out[2] += self._wall[1]
@@ -116,7 +118,7 @@ def _sampling(harmonics: int) -> Sampling:
 
 @cache
 def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
-    """(count, size) values of the constant and the odd harmonics over half a period, and their derivatives by phase."""
+    """(count, size) samples of the constant and odd harmonics in half a period; derivatives with respect to phase."""
     phase = np.pi * np.arange(count) / count
     values, slopes = np.zeros((count, size)), np.zeros((count, size))
     for column in range(1, size, 2):
@@ -127,7 +129,7 @@ def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class CycleEnergy:
-    """Work over one period, J.
+    """Work during one period, J.
 
     Attributes
     ----------
@@ -166,7 +168,7 @@ class PeriodicMotion:
 
     @property
     def harmonics(self) -> int:
-        """Highest harmonic."""
+        """Order of the highest harmonic."""
         return len(self.relative) - 2
 
     @cached_property
@@ -178,7 +180,7 @@ class PeriodicMotion:
 
     @cached_property
     def transmissibility(self) -> float:
-        """Largest abs(x_1) over Y_0 of the motion with all its harmonics, as in the thesis."""
+        """Largest abs(x_1) divided by Y_0, from all harmonics of the motion, as in the thesis."""
         count = max(128, 4 * self.harmonics)
         path = np.abs(_half_period(len(self.relative), count)[0] @ self.absolute[:, 0])
         k = int(path.argmax())
@@ -188,7 +190,7 @@ class PeriodicMotion:
         return float((here + rise) / self.preloaded.base_amplitude)
 
     def energy(self, *, finer: int = 4) -> CycleEnergy:
-        """Work over one period, from the equations in absolute displacements.
+        """Work during one period, from the equations in absolute displacements.
 
         Parameters
         ----------
@@ -270,7 +272,7 @@ class PeriodicSolver:
         )  # fmt: skip
 
     def curve(self, omegas: FloatArray) -> list[PeriodicMotion]:
-        """Periodic motions at frequencies (n,), rad/s; each starts from the previous one.
+        """Periodic motions at frequencies (n,), rad/s; each motion is the initial guess of the next.
 
         Raises
         ------
@@ -290,7 +292,7 @@ class PeriodicSolver:
         return _BaseDisplacementBalance(self._contacts[harmonics], self.preloaded, omega, self.shapes)
 
     def _problem(self, omega: float, harmonics: int, guess: FloatArray) -> tuple[FrequencyCurve, FloatArray]:
-        """Equations at ``omega`` (rad/s) and the scaled unknowns of an initial guess (any R, 2)."""
+        """Equations at ``omega`` (rad/s), and an initial guess (R, 2) as scaled unknowns; R is arbitrary."""
         balance = self._balance(omega, harmonics)
         first = np.zeros((len(balance.orders), self.reduced.size))
         kept = min(len(first), len(guess))
@@ -300,7 +302,7 @@ class PeriodicSolver:
         return problem, problem.scaled(first, omega)
 
     def _solve(self, omega: float, harmonics: int, guess: FloatArray) -> PeriodicMotion:
-        """Motion with a given number of harmonics, from an initial guess of any number of coefficients."""
+        """Motion with a given number of harmonics; the initial guess may have any number of coefficients."""
         problem, z = self._problem(omega, harmonics, guess)
         try:
             solution = problem.motion(solve_at(problem, z, CONTROL))[0]
@@ -314,7 +316,7 @@ class PeriodicSolver:
         return level if MORE_THAN_ENOUGH < tail < NEGLIGIBLE * self.accuracy else max(0, level - 1)
 
     def _from_smoother(self, omega: float, harmonics: int) -> FloatArray:
-        """Coefficients (R, 2), starting from the motion with half the slope of the friction law (recursively)."""
+        """Coefficients (R, 2); the initial guess is the motion for half the slope of the friction law (recursively)."""
         if self.preloaded.smoothing * self.preloaded.capacity < LEAST_SLOPE:
             raise ConvergenceError(
                 f"no periodic motion found at omega = {omega:.6g} rad/s, capacity {self.preloaded.capacity:g} N",
@@ -334,7 +336,7 @@ class PeriodicSolver:
 
 
 def _tail(motion: PeriodicMotion) -> float:
-    """Share of the last two harmonics in the relative velocity."""
+    """Larger of the last two harmonics of the relative velocity, relative to its largest harmonic."""
     order = np.arange(1.0, len(motion.relative), 2)
     parts = (motion.relative @ RELATIVE_VELOCITY)[1:].reshape(-1, 2)
     size = order * np.hypot(parts[:, 0], parts[:, 1])

@@ -1,6 +1,6 @@
 """Periodic motions of the two masses by shooting: Newton's method with time-integrated variational equations.
 
-Shooting is an independent check of the harmonic balance in `periodic`: both share only the equations of motion. The
+Shooting is an independent check of the harmonic balance in `periodic`: the two share only the equations of motion. The
 base displacement is y = Y_0 sin(omega t). The second half of a period is the first one with the opposite sign
 (see `model`), so Newton's method solves x(T/2) + x(0) = 0. One orbit takes some milliseconds.
 """
@@ -23,12 +23,13 @@ from wroll_fem.typing import FloatArray
 drop_stale_cache(__file__, in_time.__file__)
 
 LEAST_SMOOTHING = 1e-6
-"""Smallest scale of the regularised sign function in the search for a starting orbit, s/m."""
+"""Smallest scale of the regularised sign function in the search for a starting orbit, s/m; at smaller scales the search
+stops with an error."""
 
 
 @numba.njit(cache=True)
 def _with_derivative(t: float, y: FloatArray, omega: float, p: FloatArray) -> FloatArray:
-    """Time derivatives of the state (4,) and of its sensitivity (4, 4) to the initial state, stacked in ``y`` (20,)."""
+    """(20,) time derivative of ``y``, which contains the state (4,) and its sensitivity (4, 4) to the initial state."""
     out = np.empty(20)
     rates_into(y, t, omega, p, out)
     out[4:] = (_slopes(t, y[:4], omega, p) @ np.ascontiguousarray(y[4:]).reshape(4, 4)).ravel()
@@ -74,7 +75,7 @@ def periodic_orbit(
 
 
 def _newton(preloaded: PreloadedTwoMasses, omega: float, x: FloatArray, tolerance: float) -> FloatArray | None:
-    """Initial state of the periodic orbit by damped Newton iterations, or None if they do not converge."""
+    """Initial state of the periodic orbit, from damped Newton iterations; None if they do not converge."""
     half, size, step, p = (0.0, np.pi / omega), np.inf, np.zeros(4), parameters(preloaded)
     for _ in range(40):
         start = np.concatenate([x, np.eye(4).ravel()])
@@ -99,7 +100,7 @@ def _newton(preloaded: PreloadedTwoMasses, omega: float, x: FloatArray, toleranc
 def orbit_transmissibility(
     preloaded: PreloadedTwoMasses, omega: float, state: FloatArray, *, points: int = 1001, tolerance: float = 1e-11
 ) -> float:
-    """Transmissibility of a periodic orbit: largest abs(x1) over Y_0.
+    """Transmissibility of a periodic orbit: largest abs(x1) divided by Y_0.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def orbit_transmissibility(
     state
         (4,) state at t = 0, as returned by `periodic_orbit`.
     points
-        Samples per half period; the maximum is refined with the parabola of x, v and a.
+        Number of samples per half period; the maximum is refined by the parabola that x, v and a define.
     tolerance
         Relative tolerance of LSODA.
     """
@@ -120,7 +121,7 @@ def orbit_transmissibility(
 
 
 def orbit_curve(preloaded: PreloadedTwoMasses, omegas: FloatArray) -> FloatArray:
-    """(n,) transmissibility at increasing frequencies (n,), rad/s; each orbit starts from the previous one."""
+    """(n,) transmissibility at increasing frequencies (n,), rad/s; each orbit is the initial guess of the next."""
     state, found = None, []
     for omega in omegas:
         state = periodic_orbit(preloaded, float(omega), state)

@@ -20,7 +20,7 @@ drop_stale_cache(__file__)
 BLOCK = 8
 """Number of periods between two checks of the periodicity."""
 MOST_PERIODS = 200_000
-"""Number of periods after which the integration stops with an error."""
+"""Largest number of periods; after these the integration stops with an error."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class SteadyState:
 
     Attributes
     ----------
-    transmissibility : largest abs(x_1) over Y_0 in the last period
+    transmissibility : largest abs(x_1) in the last period, divided by Y_0
     periods : number of periods integrated
     periodicity_error : estimated relative distance from the periodic motion (energy norm)
     """
@@ -144,7 +144,7 @@ def integrate_to_steady_state(
     """Integrate from rest under y = Y_0 sin(omega t) until the motion is periodic.
 
     The change of the state over a block of periods eventually decreases by a constant ratio q from block to block, so
-    the remaining change is q / (1 - q) times the last one.
+    the remaining change is q / (1 - q) times the last change.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def dwell(preloaded: PreloadedTwoMasses, omega: float, duration: float, *, toler
 
     Returns
     -------
-    Largest abs(x_1) over Y_0
+    Largest abs(x_1) divided by Y_0
 
     Raises
     ------
@@ -215,13 +215,13 @@ def dwell(preloaded: PreloadedTwoMasses, omega: float, duration: float, *, toler
 def _largest(
     preloaded: PreloadedTwoMasses, omega: float, state: FloatArray, tolerance: float, *, begin: float = 0.0
 ) -> float:
-    """Largest abs(x_1) over Y_0 in the period from ``begin`` (s)."""
+    """Largest abs(x_1) divided by Y_0 in the period that starts at ``begin`` (s)."""
     times = begin + 2.0 * np.pi / omega * np.linspace(0.0, 1.0, 1001)
     return peak_of_path(preloaded, omega, times, integrate(preloaded, omega, state, times, tolerance))
 
 
 def peak_of_path(preloaded: PreloadedTwoMasses, omega: float, times: FloatArray, path: FloatArray) -> float:
-    """Largest abs(x_1) over Y_0 of a motion, from a parabola through x, v and a at the largest sample.
+    """Largest abs(x_1) of a motion divided by Y_0, from the parabola that x, v and a of the largest sample define.
 
     Parameters
     ----------

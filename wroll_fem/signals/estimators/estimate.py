@@ -101,7 +101,7 @@ def checked_curve(
     if f.ndim != 1 or f.shape != values.shape or f.size < 8:
         raise InputError(
             f"frequency and transmissibility have the shapes {f.shape} and {values.shape}",
-            remedy="give two series of the same length, 8 or more",
+            remedy="give two series of the same length, 8 points or more",
         )
     if not np.isfinite(f).all() or not np.isfinite(values).all() or np.any(np.diff(f) <= 0.0) or f[0] < 0.0:
         raise InputError(
