@@ -1,1 +1,1 @@
-"""Exact condensation on the contact points, and reduced-order models."""
+"""Exact condensation on the contact degrees of freedom, and reduced-order models."""

@@ -1,6 +1,7 @@
-"""Modes of a structure with its interfaces held by springs, block by circumferential block.
+"""Modes of a structure whose interfaces are held by springs, computed separately for each circumferential block.
 
-They carry the interior exactly (no truncation) and give the compliance of the interfaces, for statics and for steps.
+Without truncation the modes represent the interior exactly. They give the compliance of the interfaces, for static
+solutions and for time steps.
 """
 
 from __future__ import annotations
@@ -19,36 +20,38 @@ from wroll_fem.numerics.linear import factorise
 from wroll_fem.typing import FloatArray
 
 DENSE_LIMIT = 2500
-"""Without rotational symmetry all modes are kept up to this many DOFs."""
+"""Largest number of DOFs of a structure without rotational symmetry for which all modes are kept."""
 
 LOW_MODES = 120
-"""Low modes kept by the projection of a larger structure without rotational symmetry."""
+"""Number of lowest modes in the projection basis of a larger structure without rotational symmetry."""
 
 NO_MOTION = 1e-10
-"""A load whose response is below this part of the largest (energy norm) does not reach its block."""
+"""Energy norm of the response to a load, relative to the largest such norm in the block, below which the response is
+dropped."""
 
 DEPENDENT = 1e-12
-"""A vector of a series whose part outside the others is below this is dropped."""
+"""Part of a series vector outside the span of the others, relative to the largest such part, below which the vector is
+dropped."""
 
 
 @dataclass(frozen=True)
 class Condensation:
-    """Modes of the structure with its sticking interface, block by block; modal mass is one.
+    """Modes of the structure with its interfaces stuck, block after block; modal masses are 1.
 
     Attributes
     ----------
     eigenvalues : (r,) rad^2/s^2, block after block
-    blocks : (n_blocks + 1,) first mode of each block
-    vectors : one (n_dofs, r_b) per block, sparse basis times dense Ritz vectors kept as a pair
-    jump : one (3 n_rows, r_b) per block: amplitude of the hoop, axial, normal jump in each row of points
+    blocks : (n_blocks + 1,) index of the first mode of each block, then r
+    vectors : mode shapes (n_dofs, r_b) of each block, as a pair of sparse basis and dense Ritz vectors to be multiplied
+    jump : one (3 n_rows, r_b) per block: amplitudes of the hoop, axial and normal jump in each row of contact points
     profiles : (n_blocks, 3, n_theta) shape of these components around a row
-    base : (r,) inertia force per unit base acceleration, kg^(1/2)
+    base : (r,) modal participation factors; the modal load is -base per unit base acceleration, kg^(1/2)
     tip : (r,) tip displacement
     probes : (p, r) displacement at the other probes
-    springs : (3 n_points,) D_0, Pa/m
-    exact : False when a large structure without symmetry was projected, good to about 1e-4
-    damping : (r, r) viscous damping between modes, 1/s; None without
-    moments : 0 when every mode of every block is kept; otherwise see `condense`
+    springs : (3 n_points,) reference contact stiffness D_0, Pa/m
+    exact : False for the projection of a large structure without symmetry, whose error is about 1e-4
+    damping : (r, r) viscous damping between modes, 1/s; None without damping
+    moments : 0 if every mode of every block is kept; otherwise see `condense`
     """
 
     eigenvalues: FloatArray
@@ -66,43 +69,43 @@ class Condensation:
 
     @property
     def n_theta(self) -> int:
-        """Points per row."""
+        """Number of contact points per row."""
         return int(self.profiles.shape[2])
 
     def displacement(self, q: FloatArray) -> FloatArray:
-        """(n_dofs,) displacement of modal coordinates (r,)."""
+        """(n_dofs,) displacement from modal coordinates (r,)."""
         parts = np.split(q, self.blocks[1:-1])
         return np.sum([basis @ (ritz @ part) for (basis, ritz), part in zip(self.vectors, parts, strict=True)], axis=0)
 
     def compliance(self, inverse: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Jump per traction, G V diag(inverse) V^T G^T W, block by block and as a whole.
+        """Interface compliance G V diag(inverse) V^T G^T W, for each block and assembled for all points.
 
         Parameters
         ----------
         inverse : (r,) factor of each mode, s^2 (1/eigenvalue for statics)
-        area : (n_points,) m^2
+        area : (n_points,) area of the contact points, m^2
 
         Returns
         -------
-        blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude per amplitude of force, m/N
-        dense : (3 n_points, 3 n_points), m/Pa
+        blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
+        dense : (3 n_points, 3 n_points) jump per unit traction, m/Pa
         """
         parts = np.split(inverse, self.blocks[1:-1])
         blocks = np.array([(j * p) @ j.T for j, p in zip(self.jump, parts, strict=True)])
         return blocks, spread(blocks, self.profiles, area)
 
     def coordinates(self, momentum: FloatArray) -> FloatArray:
-        """(r,) modal coordinates of a displacement u, from M u (n_dofs,)."""
+        """(r,) modal coordinates of a displacement u; the argument is the product M u (n_dofs,)."""
         return np.concatenate([ritz.T @ (basis.T @ momentum) for basis, ritz in self.vectors])
 
 
 def condense_cyclic(system: System, springs: FloatArray, moments: int = 0) -> Condensation | None:
-    """Modes of a roll with rotational symmetry, block by block; None for a structure without it.
+    """Modes of a roll with rotational symmetry, block after block; None for a structure without this symmetry.
 
     Parameters
     ----------
     springs
-        (3 n_points,) interface springs, Pa/m; they are levelled around each row of points.
+        (3 n_points,) interface springs, Pa/m; they are made uniform around each row of points (`level_springs`).
     moments
         See `condense`.
     """
@@ -116,14 +119,15 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
     Parameters
     ----------
     scheme, dt
-        Used by the projection of a large structure without rotational symmetry only.
+        Time integration scheme and step (s); used only to project a large structure without rotational symmetry.
     moments
         0 keeps all modes of a roll with rotational symmetry. A positive number keeps, in each block, the static
-        response to every load the interfaces, the base and the tip probe can give, and moments - 1 inertia corrections
-        of it: the compliance matches that many terms of its series in frequency squared. A quarter of the modes at a
-        third of the cost. Lab roll, error with 2 / 3 / 4 moments: compliance at 525 Hz 1e-7 / 1e-11 / 1e-11, at 2100 Hz
-        8e-4 / 3e-9 / 2e-11; tip of a slipping dwell, 30 x 10 cells, 1e-5 / 1e-6 / 2e-7 (HHT lets the stiffest modes
-        ring, which the series does not reach). For models that are reduced further.
+        responses to all loads at the interfaces, the base and the tip probe, and moments - 1 inertia corrections of
+        each. The compliance then has this number of exact terms in its series in powers of the squared frequency. This
+        takes a quarter of the modes and a third of the cost, and is meant for models that are reduced further. Error
+        for the lab roll with 2 / 3 / 4 moments: compliance at 525 Hz 1e-7 / 1e-11 / 1e-11, at 2100 Hz 8e-4 / 3e-9 /
+        2e-11; tip motion of a slipping dwell with 30 x 10 cells 1e-5 / 1e-6 / 2e-7. The last error is due to free
+        oscillations of the stiffest modes in the HHT integration, which the series does not contain.
     """
     cyclic = condense_cyclic(system, springs, moments)
     if cyclic is not None:
@@ -184,7 +188,7 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
 
 
 def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, moments: int) -> FloatArray:
-    """Orthonormal basis (k, m) of K^{-1} L, K^{-1} M K^{-1} L, ...: ``moments`` terms for loads L (k, n)."""
+    """Orthonormal basis (k, m) of the first ``moments`` terms of K^{-1} L, K^{-1} M K^{-1} L, ...; loads L (k, n)."""
     factor = spla.splu(sp.csc_matrix(stiffness))
     term, terms = factor.solve(loads), []
     for _ in range(moments):
@@ -201,7 +205,7 @@ def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, m
 def _attachment_projection(
     system: System, stiffness: sp.spmatrix, scheme: Scheme, dt: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Rayleigh-Ritz values and vectors (n_dofs, r) on attachment vectors and low modes."""
+    """Ritz values (r,) and Ritz vectors (n_dofs, r) in a basis of attachment vectors and low modes."""
     loads = np.column_stack([system.jump.T.toarray(), system.mass @ system.influence, system.probes["tip"]])
     static = factorise(stiffness)
     dynamic = factorise(system.mass / (scheme.beta * dt**2) + (1.0 + scheme.alpha) * stiffness)

@@ -1,4 +1,4 @@
-"""A roll with rotational symmetry and springs in its interfaces: its circumferential blocks, tested to be uncoupled."""
+"""Circumferential blocks of a roll with rotational symmetry and interface springs; they are tested to be uncoupled."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
 DECOUPLING = 1e-9
-"""Largest relative coupling between harmonics that still counts as none (rounding leaves 1e-15)."""
+"""Largest relative coupling between circumferential harmonics that counts as zero; rounding causes about 1e-15."""
 
 
 class Blocks:
-    """Stiffness, mass and relative displacement of the motions of each subspace (`cyclic_symmetry`).
+    """Stiffness, mass and jump of the motions in each invariant subspace of a roll (`cyclic_symmetry`).
 
     Attributes
     ----------
     system
         The roll.
     springs
-        (3 n_points,) springs in the interfaces, the same all around each row of points, Pa/m.
+        (3 n_points,) springs in the interfaces, uniform around each row of contact points, Pa/m.
     area
-        (n_rows, n_theta) area of the points, m^2.
+        (n_rows, n_theta) area of the contact points, m^2.
     profiles
         (n_blocks, 3, n_theta) shape of the hoop, axial and normal jump of each block around a row.
     """
 
     @classmethod
     def of(cls, system: System, springs: FloatArray) -> Blocks | None:
-        """Blocks of ``system``; None when its harmonics couple or its interfaces have no common rows of points.
+        """Blocks of ``system``; None if they are coupled or if the interfaces have no common rows of contact points.
 
-        ``springs`` (3 n_points,) Pa/m are levelled around each row.
+        ``springs`` (3 n_points,), Pa/m, are made uniform around each row (`level_springs`).
         """
         n_theta = points_per_row(system)
         if not system.subspaces or (n_theta == 1 and system.interfaces):
@@ -52,19 +52,19 @@ class Blocks:
         return len(self.system.subspaces)
 
     def basis(self, block: int) -> sp.csc_matrix:
-        """(n_dofs, k) motions of a block."""
+        """(n_dofs, k) basis of the motions of a block."""
         return self.system.subspaces[block].basis
 
     def stiffness(self, block: int) -> sp.csr_matrix:
-        """(k, k) stiffness with the springs."""
+        """(k, k) stiffness of a block, with the springs."""
         return self._projected(self._stiffness, block)
 
     def mass(self, block: int) -> sp.csr_matrix:
-        """(k, k) mass."""
+        """(k, k) mass of a block."""
         return self._projected(self._mass, block)
 
     def jump(self, block: int) -> sp.csr_matrix:
-        """(3 n_rows, k) amplitude of the hoop, axial and normal jump in each row of points."""
+        """(3 n_rows, k) amplitudes of the hoop, axial and normal jump of a block in each row of contact points."""
         return (amplitudes(self.profiles[block], self.area) @ self.system.jump) @ self.basis(block).tocsr()
 
     def _projected(self, matrix: sp.csr_matrix, block: int) -> sp.csr_matrix:
@@ -72,7 +72,7 @@ class Blocks:
         return (basis.T @ matrix) @ basis.tocsr()
 
     def _decoupled(self) -> bool:
-        """Whether harmonics really do not couple, checked on random motions of every subspace."""
+        """Whether the blocks are uncoupled, tested with one random motion of every subspace."""
         rng = np.random.default_rng(0)
         for matrix in (self._stiffness, self._mass):
             bases = [self.basis(b) for b in range(len(self))]
@@ -85,12 +85,12 @@ class Blocks:
 
 
 def by_component(n: int) -> np.ndarray:
-    """(3 n,) contact degrees of freedom of n points, all hoop components first, then axial, then normal ones."""
+    """(3 n,) contact degrees of freedom of n points: all hoop, then all axial, then all normal components."""
     return contact_dofs(n).T.ravel()
 
 
 def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) amplitudes of a jump that follows ``profile`` (3, n_theta) in every row."""
+    """(3 n_rows, 3 n_points) matrix that gives the amplitudes of a jump with ``profile`` (3, n_theta) in every row."""
     rows, n = len(area), area.size
     norm = area @ (profile**2).T
     norm = np.where(norm > 1e-12 * norm.max(axis=0, initial=1e-300), norm, np.inf)  # (n_rows, 3)
@@ -101,13 +101,13 @@ def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
 
 
 def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatArray:
-    """(3 n_points, 3 n_points) jump per traction, m/Pa.
+    """(3 n_points, 3 n_points) interface compliance, jump per unit traction, assembled from its blocks, m/Pa.
 
     Parameters
     ----------
-    blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per amplitude of the force, m/N
-    profiles : (n_blocks, 3, n_theta)
-    area : (n_points,) m^2
+    blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
+    profiles : (n_blocks, 3, n_theta) shape of the hoop, axial and normal components around a row
+    area : (n_points,) area of the contact points, m^2
     """
     n, n_theta = len(area), profiles.shape[2]
     rows = n // n_theta
@@ -125,7 +125,11 @@ def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatA
 
 
 def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
-    """Springs (3 n_points,) that are the same all around each row of points: means, or none where a point is open."""
+    """Springs (3 n_points,), Pa/m, made uniform around each row of contact points.
+
+    Tangential springs are the mean of the row. Normal springs are the normal penalty; they are zero if any point of the
+    row is open.
+    """
     tangential = tangentials(springs).reshape(-1, 2 * n_theta).mean(axis=1)
     closed = (normals(springs) > 0).reshape(-1, n_theta).all(axis=1)
     normal = np.where(closed, system.laws.kn[::n_theta], 0.0)
@@ -133,7 +137,7 @@ def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArr
 
 
 def points_per_row(system: System) -> int:
-    """Points per height when all interfaces share one set of angles at every height, else 1."""
+    """Number of contact points per row if all rows of all interfaces have the same angles; otherwise 1."""
     theta = np.concatenate([i.points[:, 0] for i in system.interfaces] or [np.zeros(0)])
     if theta.size == 0:
         return 1

@@ -1,12 +1,12 @@
-r"""Reduced models: a few shapes carry the structure; what they miss of a motion; motion and force of all points.
+r"""Reduced models of the structure, their projection error, and maps between modes and contact points.
 
-In reduced coordinates q (mass-orthonormal, motions relative to the preload state)
+The reduced equation of motion in mass-orthonormal coordinates q, relative to the preload state,
 
 .. math:: \ddot q + \Lambda q + C q' + (G \Phi)^T W\,[t(g) - t_0 - D_0 (g - g_0)] = -b\,a_g, \qquad g = g_0 + G \Phi q
 
-is the exact equation of `condensed` with the basis :math:`\Phi` in place of all modes. Nothing else is approximated,
-so whatever the basis misses is visible in the equations of the whole structure (`ReducedModel.projection_error`), and
-can be added to the basis.
+is the exact equation of `condensed` with the basis :math:`\Phi` in place of all modes. The projection is the only
+approximation. The part of the motion outside the basis is therefore found from the residual of the whole structure
+(`ReducedModel.projection_error`), and can be added to the basis.
 """
 
 from __future__ import annotations
@@ -22,24 +22,25 @@ from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 DEPENDENT = 1e-7
-"""A vector whose part outside the basis is below this fraction of its energy norm adds nothing but rounding."""
+"""Part of a vector outside the span of the others, relative to the vector, both in the energy norm, below which the
+vector is dropped as rounding error."""
 
 
 @dataclass(frozen=True)
 class ReducedModel:
-    """Structure with its sticking interface in m reduced coordinates; the mass matrix is the identity.
+    """Structure with its interfaces stuck, in m reduced coordinates; the mass matrix is the identity.
 
     Attributes
     ----------
     eigenvalues : (m,) rad^2/s^2
-    jump : (3 n_points, m) relative displacement per coordinate
-    base : (m,) inertia force per unit base acceleration
-    tip : (m,) tip displacement
-    probes : (p, m) displacement at the other probes
-    springs : (3 n_points,) springs D_0 that are part of the structure, Pa/m
-    vectors : (r, m) the coordinates in modes of ``condensation``
-    condensation : the exact structure
-    damping : (m, m) viscous damping, 1/s; None without
+    jump : (3 n_points, m) relative displacement per unit coordinate
+    base : (m,) participation factors; the load is -base per unit base acceleration, kg^(1/2)
+    tip : (m,) tip displacement per unit coordinate
+    probes : (p, m) displacement at the other probes per unit coordinate
+    springs : (3 n_points,) reference contact stiffness D_0, which the structure includes, Pa/m
+    vectors : (r, m) basis vectors in modal coordinates of ``condensation``
+    condensation : all modes of the structure
+    damping : (m, m) viscous damping, 1/s; None without damping
     """
 
     eigenvalues: FloatArray
@@ -59,12 +60,12 @@ class ReducedModel:
 
     @classmethod
     def complete(cls, condensation: Condensation) -> ReducedModel:
-        """Every mode kept: exact; for small systems."""
+        """Exact model that keeps every mode, for small systems."""
         return cls.on(condensation, np.eye(len(condensation.eigenvalues)), condensation.eigenvalues)
 
     @classmethod
     def of_vectors(cls, condensation: Condensation, vectors: FloatArray) -> ReducedModel:
-        """Basis of ``vectors`` (r, k), given in modes of ``condensation``; dependent ones are dropped.
+        """Model on the span of ``vectors`` (r, k) in modal coordinates; linearly dependent vectors are dropped.
 
         Raises
         ------
@@ -73,14 +74,14 @@ class ReducedModel:
         """
         basis = _orthonormal(vectors, condensation.eigenvalues)
         if basis.shape[1] == 0:
-            raise InputError("a reduced model needs at least one vector that moves")
+            raise InputError("a reduced model needs at least one basis vector that is not zero")
         stiffness = basis.T @ (condensation.eigenvalues[:, None] * basis)
         values, ritz = la.eigh(0.5 * (stiffness + stiffness.T))
         return cls.on(condensation, basis @ ritz, values)
 
     @classmethod
     def on(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
-        """Model on mass-orthonormal ``vectors`` (r, m) that make the stiffness diagonal, ``values`` (m,)."""
+        """Model on mass-orthonormal ``vectors`` (r, m); they diagonalise the stiffness to ``values`` (m,)."""
         return cls(
             eigenvalues=np.ascontiguousarray(values),
             jump=contact_jump(condensation, vectors),
@@ -94,25 +95,26 @@ class ReducedModel:
         )
 
     def enriched(self, vectors: FloatArray) -> ReducedModel:
-        """Model on the basis of this one and of ``vectors`` (r, k)."""
+        """Model whose basis also contains ``vectors`` (r, k)."""
         return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
 
     def projection_error(self, response: FloatArray, inside: FloatArray) -> FloatArray:
-        """Displacement (r, k) outside the basis: static response to a residual force of the whole structure.
+        """Displacement (r, k) outside the basis, estimated from a residual force of the whole structure.
 
-        Whatever the basis misses moves quasi-statically (its modes lie far above the excitation), so it is the static
-        ``response`` K_0^{-1} r (r, k) less its part in the basis; ``inside`` (m, k) is the reduced force.
+        Motion outside the basis is quasi-static because the modes that it needs lie far above the excitation. It is
+        therefore the static ``response`` K_0^{-1} r (r, k) minus the part of this response in the basis. ``inside``
+        (m, k) is the reduced residual force.
         """
         return np.asarray(response - self.vectors @ (inside / self.eigenvalues[:, None]))
 
     def energy_norm(self, displacement: FloatArray) -> FloatArray:
-        """Square root of twice the energy of modal displacements (r, ...) with the interface stuck, J^(1/2)."""
+        """Square root of twice the strain energy of modal displacements (r, ...) with the interface stuck, J^(1/2)."""
         values = self.condensation.eigenvalues.reshape(-1, *[1] * (displacement.ndim - 1))
         return np.sqrt(np.sum(values * displacement**2, axis=0))
 
 
 def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
-    """(3 n_points, k) jump of modal vectors (r, k)."""
+    """(3 n_points, k) jump from modal vectors (r, k)."""
     amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
     rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
     stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows * k)
@@ -125,7 +127,7 @@ def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
 
 
 def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
-    """(r, k) modal forces G^T f of point forces ``force`` (3 n_points, k), N."""
+    """(r, k) modal forces G^T f from forces f (3 n_points, k) at the contact points, N."""
     k, n_theta = force.shape[1], condensation.n_theta
     n = force.shape[0] // 3
     rows = n // n_theta
@@ -142,7 +144,10 @@ def _parts(condensation: Condensation, vectors: FloatArray) -> list[FloatArray]:
 
 
 def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
-    """Mass-orthonormal basis of the span, pivoted in the energy norm: interface shapes count as much as modes."""
+    """Mass-orthonormal basis of the span of ``vectors``.
+
+    Dependent vectors are found in the energy norm, which weighs local interface shapes as much as modes.
+    """
     moves = vectors.any(axis=1)
     if not moves.all():  # vectors of one kind: the modes of the other are left out
         part = _orthonormal(vectors[moves], eigenvalues[moves])
