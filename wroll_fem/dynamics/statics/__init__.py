@@ -1,1 +1,1 @@
-"""Static equilibrium with contact: load steps and preload."""
+"""Static equilibrium with contact and friction: load steps and preload."""

@@ -1,11 +1,12 @@
-r"""Static equilibrium on the interfaces alone, for a roll with rotational symmetry: exact, dense, much faster.
+r"""Static equilibrium of a roll with rotational symmetry, solved for the interface unknowns alone.
 
-With springs D in the interfaces, :math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g, so that
-g = g_f - F s is a dense system of interface size. K falls into blocks, one per circumferential harmonic
-(`cyclic_symmetry`); a block is factored when a load first reaches it.
+The solution is exact and much faster than on the whole structure. With springs D in the interfaces,
+:math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g, so that g = g_f - F s is a dense system of interface
+size. K falls into blocks, one per circumferential harmonic and parity (`cyclic_symmetry`). A block is factorised when a
+load first acts on it.
 
-Under a load that is the same all around (a pressure), so is the state: one point then represents its row, and only
-the blocks of harmonic 0 are touched.
+If the load is uniform around the circumference (a pressure), so is the state. One point then represents its row, and
+only the blocks of circumferential harmonic 0 are used.
 """
 
 from __future__ import annotations
@@ -29,15 +30,16 @@ from wroll_fem.numerics.newton import NO_RENEWAL, damped_newton, first_decrease
 from wroll_fem.typing import FloatArray
 
 ROUNDING = 1e3
-"""A condensed static step that Newton no longer halves is done when its residual is below this times the tolerance."""
+"""Largest residual, relative to the tolerance, at which a condensed static step is accepted if Newton's method does not
+halve it any more."""
 
 NO_LOAD = 1e-12
-"""A block's share of the load that is rounding error, relative to the load."""
+"""Load on a block, relative to the whole load, below which it counts as rounding error."""
 
 
 @dataclass(frozen=True)
 class _Unknowns:
-    """Interface unknowns of a static solve: all points, or one point for each row of them."""
+    """Interface unknowns of a static solution: all contact points, or one contact point per row."""
 
     laws: PointLaws
     springs: FloatArray
@@ -55,31 +57,31 @@ class _InterfaceProblem:
         self.correction = np.zeros_like(g_free)
 
     def residual(self, g: FloatArray) -> tuple[FloatArray, float]:
-        """Gap in the jump (3 n,), m, and its largest entry."""
+        """Residual of the jump (3 n,), m, and its largest magnitude."""
         self.correction = self.trial(g, self.start) - self.unknowns.springs * g
         rho = g - self.g_free + self.unknowns.compliance @ self.correction
         return rho, float(np.abs(rho).max())
 
     def linearise(self, g: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Dense solution with the consistent tangent at ``g``."""
+        """Function that solves the linearised equations for a given residual, with the consistent tangent at ``g``."""
         change = self.trial.stiffness(g, self.start, self.floor) - sp.diags(self.unknowns.springs)
         matrix = np.eye(len(g)) + self.unknowns.compliance @ change
         return lambda rho: np.asarray(la.solve(matrix, rho, overwrite_a=True, check_finite=False))
 
     def converged(self, size: float, previous: float) -> bool:
-        """Whether the gap is below the limit, or at rounding and no longer falling."""
+        """Whether the residual is below the limit, or is no longer halved and so small that it is rounding error."""
         return size <= self.limit or (not size < 0.5 * previous and size <= ROUNDING * self.limit)
 
 
 class CondensedStatic:
-    """`solve_static` for one system, by its interfaces; arguments and results are the same."""
+    """Static solver of one system on its interface unknowns; it is called like `solve_static` and returns the same."""
 
     @classmethod
     def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
-        """Solver for ``system``, or None when it has no interfaces or no rotational symmetry.
+        """Solver for ``system``; None if it has no interfaces or no rotational symmetry.
 
-        ``traction_scale``: pressure in Pa near which the solver's reference stiffness are chosen; any positive
-        value gives the same solution.
+        ``traction_scale`` is the pressure in Pa for which the springs of the solver are chosen. Any positive value
+        gives the same solution.
         """
         law = system.laws
         if not system.interfaces:
@@ -102,7 +104,7 @@ class CondensedStatic:
         max_iterations: int = 40,
         load_factor: float = 1.0,
     ) -> ContactState:
-        """Equilibrium under ``force`` (n_dofs,); arguments and errors as `solve_static`."""
+        """Contact state in equilibrium with ``force`` (n_dofs,), N; arguments and errors as for `solve_static`."""
         system = self.system
         free = self._displacement(force)
         g_free, start = system.jump @ free, state
@@ -130,20 +132,20 @@ class CondensedStatic:
         return self._factors[block]
 
     def _compliance(self, block: int) -> FloatArray:
-        """(3 n_rows, 3 n_rows) amplitude of the jump per amplitude of the force, m/N."""
+        """(3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N."""
         if block not in self._compliances:
             jump = self.blocks.jump(block).toarray()
             self._compliances[block] = jump @ self._factor(block).solve(np.ascontiguousarray(jump.T))
         return self._compliances[block]
 
     def _loads(self, force: FloatArray) -> dict[int, FloatArray]:
-        """Block -> its part of ``force``, for the blocks that the force reaches."""
+        """Load on each block, by block index; blocks on which ``force`` does not act are left out."""
         parts = {b: self.blocks.basis(b).T @ force for b in range(len(self.blocks))}
         least = NO_LOAD * np.linalg.norm(force)
         return {b: part for b, part in parts.items() if np.linalg.norm(part) > least}
 
     def _displacement(self, force: FloatArray) -> FloatArray:
-        """(n_dofs,) displacement under ``force``, with the springs in the interfaces."""
+        """(n_dofs,) displacement under ``force`` of the structure with springs in its interfaces."""
         u = np.zeros(self.system.n_dofs)
         for block, load in self._loads(force).items():
             u += self.blocks.basis(block) @ self._factor(block).solve(load)
@@ -153,14 +155,14 @@ class CondensedStatic:
 
     @cached_property
     def _points(self) -> _Unknowns:
-        """Every point on its own."""
+        """Unknowns of all contact points."""
         blocks = np.array([self._compliance(b) for b in range(len(self.blocks))])
         laws = self.system.laws
         return _Unknowns(laws, self.blocks.springs, spread(blocks, self.blocks.profiles, laws.area))
 
     @cached_property
     def _even_around(self) -> _Unknowns | None:
-        """One point for each row; None when the laws vary around a row."""
+        """Unknowns of one contact point per row; None if the laws vary around a row."""
         laws, (rows, n_theta) = self.system.laws, self.blocks.area.shape
         first = laws.take(n_theta * np.arange(rows))
         around = first.take(np.repeat(np.arange(rows), n_theta))._replace(area=laws.area)
@@ -174,7 +176,7 @@ class CondensedStatic:
         return _Unknowns(first._replace(area=area), self._rows(self.blocks.springs), compliance)
 
     def _is_even(self, force: FloatArray, state: ContactState) -> bool:
-        """Whether load and state are the same all around."""
+        """Whether load and state are uniform around the circumference."""
         ring = all(self.system.subspaces[b].harmonic == 0 for b in self._loads(force))
         return ring and all(
             np.array_equal(self._repeat(self._rows(values)), values) for values in (state.jump, state.elastic_slip)
@@ -188,7 +190,7 @@ class CondensedStatic:
         return np.concatenate([tangential.reshape(rows, n_theta, 2)[:, 0].ravel(), normal.reshape(-1, n_theta)[:, 0]])
 
     def _repeat(self, values: FloatArray) -> FloatArray:
-        """Components of all points from those of one point for each row."""
+        """Components of all points from those of one point per row."""
         rows, n_theta = self.blocks.area.shape
         tangential = np.repeat(values[: 2 * rows].reshape(rows, 2), n_theta, axis=0).ravel()
         return np.concatenate([tangential, np.repeat(values[2 * rows :], n_theta)])

@@ -1,4 +1,4 @@
-"""Springs that stand in for the interfaces in the linear structure: stick stiffness and reference contact stiffness."""
+"""Springs that replace the interfaces in the linear structure: stick stiffness and reference contact stiffness."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from wroll_fem.typing import FloatArray
 
 
 def reference_stiffness(system: System, state: ContactState, dt: float) -> FloatArray:
-    """(3 n_points,) reference contact stiffness D_0, Pa/m: the tangent from rest in steps of ``dt`` (s), pressure kept.
+    """(3 n_points,) reference contact stiffness D_0, Pa/m: tangent of a step ``dt`` (s) from rest at constant pressure.
 
-    Any D_0 gives the same solution; a good one leaves few points to solve for. Points that stick have their stick
-    stiffness, open points none. A law without memory sticks nowhere: regularised friction is, below its reference
-    speed V_0, the dashpot mu p / (2 V_0), with the tangent mu p / (2 V_0 dt). That also leaves no body free to drift.
+    Any D_0 gives the same solution; a suitable one leaves few points to be solved for. Points that stick have their
+    stick stiffness, open points have zero stiffness. With a law without memory no point sticks: below its reference
+    speed V_0, regularised friction is a dashpot mu p / (2 V_0), whose tangent is mu p / (2 V_0 dt). With this stiffness
+    no body can drift freely.
     """
     points, pressure = system.laws, state.pressure
     laws, which = different_laws([i.friction for i in system.interfaces], [i.n_points for i in system.interfaces])
@@ -27,8 +28,9 @@ def reference_stiffness(system: System, state: ContactState, dt: float) -> Float
 
 
 def stick_springs(system: System, state: ContactState) -> FloatArray:
-    """(3 n_points,) stiffness of the contact that sticks at ``state``, Pa/m.
+    """(3 n_points,) stiffness of the sticking contact at ``state``, Pa/m.
 
-    Open points have none, nor has a law without memory along the surface: it transmits nothing at rest.
+    It is zero at open points. Its tangential components are zero for a law without memory, which transmits no traction
+    at rest.
     """
     return reference_stiffness(system, state, np.inf)

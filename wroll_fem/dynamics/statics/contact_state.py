@@ -1,4 +1,4 @@
-"""Committed state of the contact, and its trial evaluation: tractions, and tangents with a least stiffness."""
+"""Committed state of the contact, and trial evaluation of tractions and tangents from this state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
 LEAST_TANGENT = 1e-6
-"""Share of the normal penalty that Newton's matrix (never the residual) gives to a point that holds nothing yet."""
+"""Smallest stiffness of a contact degree of freedom in the Jacobian of Newton's method, relative to the normal penalty.
+The residual does not contain it."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class ContactState:
     elastic_slip
         (2 n_points,) m.
     traction
-        (3 n_points,) Pa; tangential ones first; the normal is negative in compression.
+        (3 n_points,) Pa; tangential components first; normal components are negative in compression.
     status
         (n_points,) `contact.kernels.STICK`, ``SLIP`` or ``OPEN``.
     """
@@ -49,13 +50,13 @@ class ContactState:
 
     @classmethod
     def unloaded(cls, system: System) -> ContactState:
-        """State of a system that nothing has touched yet: no gap, no pressure."""
+        """State of an unloaded system: displacements, jumps and tractions are zero."""
         n = system.n_points
         return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
 
 
 def point_blocks(d: FloatArray) -> sp.csr_matrix:
-    """(n, 3, 3) point tangents (hoop, axial, normal) as a (3 n, 3 n) sparse matrix over contact degrees of freedom."""
+    """(3 n, 3 n) sparse tangent in contact degrees of freedom from point tangents (n, 3, 3) (hoop, axial, normal)."""
     n = len(d)
     dofs = contact_dofs(n)
     rows = np.repeat(dofs, 3, axis=1).ravel()
@@ -64,16 +65,16 @@ def point_blocks(d: FloatArray) -> sp.csr_matrix:
 
 
 class WithLaws(Protocol):
-    """A system, or a part of its points."""
+    """Object with friction laws of contact points: a system, or a part of its points."""
 
     @property
     def laws(self) -> PointLaws:
-        """Law parameters of the points."""
+        """Friction-law parameters of the contact points."""
         ...
 
 
 class TrialContact:
-    """Trial evaluation of all interfaces from a committed state (which it never changes)."""
+    """Trial evaluation of all interfaces from a committed state, which is never changed."""
 
     def __init__(self, system: WithLaws):
         self.laws = system.laws
@@ -82,14 +83,14 @@ class TrialContact:
         self.status, self.tangent = np.zeros(n, np.int64), np.zeros((n, 3, 3))
 
     def __call__(self, jump: FloatArray, state: ContactState, dt: float = np.inf) -> FloatArray:
-        """Trial traction (3 n_points,), Pa, ``dt`` s after ``state``; also fills ``elastic_slip`` and ``status``."""
+        """Trial traction (3 n_points,), Pa, ``dt`` s after ``state``; also updates ``elastic_slip`` and ``status``."""
         kernels.trial_traction(
             jump, state.jump, state.elastic_slip, self.laws, dt, self.traction, self.elastic_slip, self.status
         )
         return self.traction
 
     def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0, dt: float = np.inf) -> sp.csr_matrix:
-        """Consistent tangent (3 n, 3 n); ``floor`` is the least stiffness per contact degree of freedom, Pa/m."""
+        """Consistent tangent (3 n, 3 n), Pa/m; ``floor`` is its smallest stiffness at any point that does not stick."""
         kernels.consistent_tangent(jump, state.jump, state.elastic_slip, self.laws, dt, self.tangent)
         if floor > 0.0:
             # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method
@@ -100,7 +101,7 @@ class TrialContact:
         return point_blocks(self.tangent)
 
     def committed(self, displacement: FloatArray, jump: FloatArray) -> ContactState:
-        """The state that results when the last trial is accepted."""
+        """Committed state that results if the last trial is accepted."""
         return ContactState(
             displacement, jump.copy(), self.elastic_slip.copy(), self.traction.copy(), self.status.copy()
         )

@@ -33,14 +33,14 @@ class _WholeStructure:
         return r, float(np.linalg.norm(r) / scale) if scale > 0 else 0.0
 
     def linearise(self, u: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Factor of the consistent tangent at ``u``."""
+        """Function that solves the linearised equations for a given residual, with the consistent tangent at ``u``."""
         system = self.system
         tangent = self.trial.stiffness(system.jump @ u, self.state, self.floor)
         matrix = system.stiffness + system.jump.T @ sp.diags(system.weights) @ tangent @ system.jump
         return factorise(matrix).solve
 
     def converged(self, size: float, previous: float) -> bool:
-        """Whether the relative force balance is met."""
+        """Whether the relative unbalanced force is within the tolerance."""
         return size <= self.tolerance
 
 
@@ -53,17 +53,17 @@ def solve_static(
     max_iterations: int = 40,
     load_factor: float = 1.0,
 ) -> ContactState:
-    """Equilibrium K u + G^T W t(u) = force, friction starting from ``state``.
+    """Contact state in the equilibrium K u + G^T W t(u) = force; friction starts from ``state``.
 
-    Newton's method with the consistent tangent and a backtracking line search; where that stalls, a line search on the
-    potential of the step, which is convex at fixed pressure (`newton.zero_slope`). Where nothing yet
-    holds a body (no pressure, hence no stick stiffness) the tangent alone, never the residual,
-    gets a small stiffness.
+    The equations are solved by Newton's method with the consistent tangent and a backtracking line search. If this
+    stalls, the line search uses the potential of the step, which is convex at fixed pressure (`newton.zero_slope`). A
+    body that is not yet held (no pressure, hence no stick stiffness) gets a small stiffness in the tangent, but not in
+    the residual.
 
     Raises
     ------
     ConvergenceError
-        With ``load_factor`` in place of the time.
+        If Newton's method does not converge; ``load_factor`` is given as the time.
     """
     problem = _WholeStructure(system, force, state, tolerance)
     u, history = damped_newton(
@@ -76,7 +76,7 @@ def solve_static(
 
 
 def unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:
-    """Error of a static step, at ``load_factor`` in place of the time."""
+    """Error for a static step that did not converge; ``load_factor`` is given as the time."""
     return ConvergenceError(
         f"static step did not converge (load factor {load_factor:.4g})",
         time_s=load_factor,

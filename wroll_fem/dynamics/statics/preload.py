@@ -1,4 +1,4 @@
-"""Preload: quasi-static load paths with friction, on the interfaces alone or on the whole structure."""
+"""Preload: quasi-static load paths with friction, solved on the interfaces alone or on the whole structure."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ def solve_load_path(
     progress: Callable[[int], None] | None = None,
     condensed: CondensedStatic | None = None,
 ) -> list[ContactState]:
-    """Quasi-static path through a sequence of force vectors, committing friction at each.
+    """Contact states on a quasi-static path with friction through a sequence of force vectors (n_dofs,), N.
 
-    A step that does not converge is cut in halves up to ``max_cuts`` times. ``condensed`` solves on the interfaces
+    A step that does not converge is halved up to ``max_cuts`` times. The solver ``condensed`` works on the interfaces
     alone; without it the whole structure is solved.
 
     Returns
     -------
     list of ContactState
-        One per force vector.
+        One committed state per force vector.
     """
     current = ContactState.unloaded(system) if state is None else state
     previous = np.zeros(system.n_dofs) if state is None else equilibrium_force(system, current)
@@ -59,7 +59,7 @@ def solve_load_path(
 def _step(
     system: System, force: FloatArray, state: ContactState, load_factor: float, condensed: CondensedStatic | None
 ) -> ContactState:
-    """Equilibrium under ``force``; a condensed step that does not converge is solved on the whole structure."""
+    """Contact state in equilibrium with ``force``; the whole structure is solved if the condensed step fails."""
     if condensed is None:
         return solve_static(system, force, state, load_factor=load_factor)
     try:
@@ -76,12 +76,12 @@ def equilibrium_force(system: System, state: ContactState) -> FloatArray:
 def solve_preload(
     system: System, *, steps: int = 10, progress: Callable[[int], None] | None = None, condensed: bool = True
 ) -> ContactState:
-    """Ramp the load "preload" in equal steps with friction; the state it leaves starts the dynamics.
+    """Contact state after the load "preload" is applied in equal steps with friction; motions start from this state.
 
     Parameters
     ----------
     condensed
-        Solve on the interfaces alone where the roll's symmetry allows it; False solves the whole structure.
+        Solve on the interfaces alone if the symmetry of the roll allows it; False solves the whole structure.
     """
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):

@@ -1,4 +1,4 @@
-"""Preload with a prescribed mean pressure in every interface: external pressures found by Broyden's method."""
+"""Preload with a prescribed mean pressure in every interface; Broyden's method finds the external pressures."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 
 TOLERANCE = 1e-4
-"""Largest relative error of a mean interface pressure; the linear split is off by some per cent."""
+"""Largest relative error of a mean interface pressure. The error of the initial linear estimate is a few per cent."""
 
 
 def mean_pressures(system: System, state: ContactState) -> FloatArray:
-    """(n_interfaces,) area mean of the contact pressure, Pa, inner first."""
+    """(n_interfaces,) area-weighted mean of the contact pressure, Pa, inner interface first."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     area, force = system.laws.area, system.laws.area * state.pressure
     return np.array([f.sum() / a.sum() for f, a in zip(np.split(force, ends), np.split(area, ends), strict=True)])
@@ -38,23 +38,23 @@ def match_interface_pressure(
     Parameters
     ----------
     unit_loads
-        (n_interfaces, n_dofs) forces in N of 1 Pa on the outside of each layer.
+        (n_interfaces, n_dofs) forces in N due to a pressure of 1 Pa on the outside of each layer.
     targets
-        (n_interfaces,) mean pressures, Pa, above 0.
+        (n_interfaces,) prescribed mean pressures, Pa, above 0.
     split
-        (n_interfaces, n_interfaces) estimate of mean pressures per external pressures.
+        (n_interfaces, n_interfaces) estimate of the mean interface pressures per unit external pressure.
     steps
-        Load steps of the preload.
+        Number of load steps of the preload.
 
     Raises
     ------
     ConvergenceError
-        When no external pressures are found, with the misfit of each attempt.
+        If no external pressures are found; its residual history holds the relative misfit of each attempt.
 
     Notes
     -----
-    The pressures are those of the whole ramp with friction from the unloaded roll (`preload.solve_preload`):
-    friction makes them depend on the path a little.
+    In each attempt the whole ramp is computed with friction from the unloaded roll, as in `preload.solve_preload`:
+    because of friction, the pressures depend slightly on the load path.
     """
     solver = CondensedStatic.of(system, float(targets.max()))
     jacobian, pressures, history = split.copy(), np.linalg.solve(split, targets), []
