@@ -60,7 +60,7 @@ WRONG = {
         {"load_preload": None, "interface_1_preload_pressure": -1}, "interface_1_preload_pressure: is -1 Pa at one poi"
     ),
     "two states": (
-        {"interface_1_preload_pressure": 1, "interface_1_preload_jump": [0, 0, 0]}, "stands beside other fields of a p"
+        {"interface_1_preload_pressure": 1, "interface_1_preload_jump": [0, 0, 0]}, "is given with other fields of a p"
     ),
     "turned traction": (
         {"interface_1_preload_jump": [-1e-7, 0, 0], "interface_1_preload_traction": [10, 0, 0],

@@ -1,1 +1,1 @@
-"""The system of bodies and interfaces, its checks and its files."""
+"""The system of bodies and interfaces, its checks and its file formats."""

@@ -1,8 +1,8 @@
-"""Named arrays in a .npz or .mat file: what `io` writes and reads, with one-line errors.
+"""Writing and reading of named arrays in a .npz or .mat file (see `io`), with one-line errors.
 
-A sparse matrix ``K`` is the fields ``K_data``, ``K_indices``, ``K_indptr``, ``K_shape`` of an .npz file (compressed
-rows, or columns when ``K_format`` says "csc"), and a MATLAB sparse matrix of a .mat file. Dense matrices, integers and
-vectors written as rows or columns are accepted everywhere. No pickles are read or written.
+In a .npz file, a sparse matrix ``K`` consists of the fields ``K_data``, ``K_indices``, ``K_indptr`` and ``K_shape``
+(compressed rows, or compressed columns if ``K_format`` is "csc"). In a .mat file it is a MATLAB sparse matrix. Dense
+matrices, integers, and vectors written as rows or columns are accepted everywhere. Pickles are not read or written.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _V7 = "save it again with -v7: save -v7 FILE.mat K M ..."
 
 
 def check_suffix(path: str | os.PathLike[str]) -> Path:
-    """Path whose name ends in .npz or .mat.
+    """Path, checked to end in .npz or .mat.
 
     Raises
     ------
     InputError
-        For any other name.
+        If the path has another ending.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -41,12 +41,12 @@ def check_suffix(path: str | os.PathLike[str]) -> Path:
 
 
 def write_arrays(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> Path:
-    """Write numbers, texts, arrays and sparse matrices; an old file is replaced only by a complete one.
+    """Write numbers, texts, arrays and sparse matrices; an existing file is replaced once the new one is complete.
 
     Raises
     ------
     InputError
-        For another ending than .npz or .mat, or when the file cannot be written.
+        If the path does not end in .npz or .mat, or the file cannot be written.
     """
     path = check_suffix(path)
     try:
@@ -63,7 +63,7 @@ def write_arrays(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> Pat
 
 
 def _flat(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Sparse matrices as their parts."""
+    """Fields in which each sparse matrix is replaced by its parts."""
     flat: dict[str, Any] = {}
     for name, value in fields.items():
         if not sp.issparse(value):
@@ -76,17 +76,17 @@ def _flat(fields: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class ArrayFile:
-    """Read access to the named arrays of one file; every complaint names file and field.
+    """Read access to the named arrays of one file; every error message names the file and, if possible, the field.
 
     Parameters
     ----------
     path
-        .npz or .mat file; it is read wholly into memory.
+        .npz or .mat file; the whole file is read into memory.
 
     Raises
     ------
     InputError
-        When the file is missing, damaged, pickled, or a MATLAB v7.3 (HDF5) file.
+        If the file is missing, damaged, pickled, or a MATLAB v7.3 (HDF5) file.
     """
 
     def __init__(self, path: str | os.PathLike[str]):
@@ -154,7 +154,7 @@ class ArrayFile:
 
     @property
     def names(self) -> list[str]:
-        """Fields of the file; the parts of a sparse matrix count as one."""
+        """Names of the fields of the file; the parts of a sparse matrix count as one field."""
         return list(self._values)
 
     def __contains__(self, name: str) -> bool:
@@ -166,10 +166,10 @@ class ArrayFile:
         return self._values[name]
 
     def _checked(self, name: str, data: Any) -> None:
-        """Refuse what is no real finite number."""
+        """Raise an error unless all values of a field are real finite numbers."""
         kind = np.asarray(data).dtype.kind
         if kind == "c":
-            remedy = "write real matrices; structural damping (1 + i eta) K has no place in a time history, C has"
+            remedy = "write real matrices; structural damping (1 + i eta) K cannot be used: give viscous damping C"
             raise self.error("is complex", key=name, remedy=remedy)
         if kind not in "fiub":
             raise self.error("does not hold numbers", key=name, remedy="write real numbers")
@@ -177,9 +177,9 @@ class ArrayFile:
             raise self.error("holds NaN or infinite values", key=name, remedy="write finite numbers")
 
     def matrix(self, name: str, shape: tuple[int | None, int | None], meaning: str) -> sp.csr_matrix:
-        """Sparse float matrix; None in ``shape`` allows any size.
+        """Field as a sparse float matrix; None in ``shape`` allows any size.
 
-        The order of entries is kept as it is in the file, so that products repeat bit by bit.
+        The entries keep their order in the file, so that products repeat bit by bit.
         """
         value = self._value(name, meaning)
         if not sp.issparse(value):
@@ -194,7 +194,7 @@ class ArrayFile:
         return sp.csr_matrix(value, dtype=float)
 
     def vector(self, name: str, size: int | None, meaning: str) -> FloatArray:
-        """(size,) float array, from a row, a column or one number; a sparse vector is accepted."""
+        """Field as a float array (size,), from a row, a column, a single number or a sparse vector."""
         value = self._value(name, meaning)
         value = value.toarray() if sp.issparse(value) else np.asarray(value)
         self._checked(name, value)
@@ -205,15 +205,15 @@ class ArrayFile:
         return value.astype(float).ravel()
 
     def table(self, name: str, shape: tuple[int, int], meaning: str) -> FloatArray:
-        """Dense float array of ``shape``."""
+        """Field as a dense float array of the given ``shape``."""
         return np.ascontiguousarray(self.matrix(name, shape, meaning).toarray())
 
     def number(self, name: str, meaning: str) -> float:
-        """One float."""
+        """Field as a single float."""
         return float(self.vector(name, 1, meaning)[0])
 
     def text(self, name: str, meaning: str) -> str:
-        """One text."""
+        """Field as a text."""
         value = np.asarray(self._value(name, meaning))
         if value.dtype.kind != "U" or value.size > 1:
             raise self.error("is not a text", key=name, remedy=f"write the {meaning} as a text")

@@ -1,13 +1,13 @@
 r"""Circumferential harmonics: the invariant subspaces of a roll with rotational symmetry.
 
 A roll meshed with C equal sectors maps onto itself under a rotation by 2 pi / C. In cylindrical components
-(r, theta, z) its matrices then couple a harmonic :math:`\cos h\theta, \sin h\theta` of the nodes of one ring
-only to the same harmonic of other rings: K and M fall into about C/2 small blocks (twice that without a
-symmetry plane), and so does the interface compliance. Nothing is neglected; whoever uses the blocks checks
-first that they do not couple (`condensation`), and a mesh without the symmetry simply has none.
+(r, theta, z) its matrices then couple a circumferential harmonic :math:`\cos h\theta, \sin h\theta` of the nodes of
+one ring only to the same harmonic of other rings. K and M, and the interface compliance, fall into about C/2 small
+blocks (twice as many without a symmetry plane). Nothing is neglected: the blocks are tested to be uncoupled before they
+are used (`cyclic_blocks`). A mesh without the symmetry has no subspaces.
 
-Parity "even" holds motions symmetric about the x-z plane (u_r, u_z, r_theta as cosines; u_theta, r_r, r_z as sines),
-"odd" the others.
+Motions of even parity are symmetric about the x-z plane (u_r, u_z, r_theta as cosines; u_theta, r_r, r_z as sines).
+The other motions have odd parity.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 _Entries = tuple[np.ndarray, np.ndarray, FloatArray]
-"""Column labels, rows and values."""
+"""Column labels, row indices and values of matrix entries."""
 
 _Columns = dict[tuple[int, bool], list[_Entries]]
 
 EVEN_COSINE = np.array([True, False, True, False, True, False])
-"""Components (u_r, u_theta, u_z, r_r, r_theta, r_z) that are cosines in an even motion."""
+"""Whether each of the components (u_r, u_theta, u_z, r_r, r_theta, r_z) is a cosine in a motion of even parity."""
 
 
 @dataclass(frozen=True)
 class Subspace:
-    """Motions of one harmonic and parity.
+    """Invariant subspace: motions of one circumferential harmonic and one parity.
 
     Attributes
     ----------
     harmonic, even
-        Number of waves around, and parity about the x-z plane.
+        Circumferential wave number, and whether the parity about the x-z plane is even.
     basis
-        (n_dofs, k) sparse; all subspaces together span all motions.
+        (n_dofs, k) sparse basis; all subspaces together span all motions.
     """
 
     harmonic: int
@@ -48,13 +48,13 @@ class Subspace:
     basis: sp.csc_matrix
 
     def profile(self, theta: FloatArray) -> FloatArray:
-        """(3, n) values of the hoop, axial and normal components around the circumference."""
+        """(3, n) shape of the hoop, axial and normal components at the circumferential angles ``theta`` (n,), rad."""
         cosine, sine = np.cos(self.harmonic * theta), np.sin(self.harmonic * theta)
         return np.array([sine, cosine, cosine] if self.even else [cosine, sine, sine])
 
 
 def cyclic_subspaces(bodies: Sequence[Body]) -> tuple[Subspace, ...]:
-    """Harmonic subspaces of stacked bodies, or an empty tuple when their meshes have no common rotational symmetry."""
+    """Invariant subspaces of stacked bodies; empty if their meshes have no common rotational symmetry."""
     rings = [_rings(body) for body in bodies]
     if not bodies or any(r is None for r in rings) or len({r.shape[1] for r in rings if r is not None}) != 1:
         return ()
@@ -75,7 +75,10 @@ def cyclic_subspaces(bodies: Sequence[Body]) -> tuple[Subspace, ...]:
 
 
 def _rings(body: Body) -> np.ndarray | None:
-    """(n_rings, nodes per ring) node numbers, by angle from 0 to 2 pi; None when rings differ in size or are uneven."""
+    """(n_rings, nodes per ring) node numbers, ordered by angle from 0 to 2 pi; None without rotational symmetry.
+
+    The rings need equal numbers of nodes, equal spacing of the nodes, and one common radius.
+    """
     if body.unknown_node is None or body.unknown_component is None:
         return None
     x, y, z = body.nodes.T
@@ -95,9 +98,10 @@ def _rings(body: Body) -> np.ndarray | None:
 
 
 def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns: _Columns) -> int:
-    """Add this body's harmonic motions, a label for each column, by ring; returns the next free label.
+    """Add the circumferential harmonics of one body to ``columns``; returns the next free column label.
 
-    Quadratic quads have two nodes per sector and ring: the nodes of a ring are two orbits.
+    Each column has a label for ring, orbit and component. Quadratic quads have two nodes per sector and ring, so the
+    nodes of a ring form two orbits.
     """
     unknown_node, unknown_component = np.asarray(body.unknown_node), np.asarray(body.unknown_component)
     row_of = np.full((len(body.nodes), 6), -1)
@@ -128,7 +132,7 @@ def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns
 def _entries(
     rows: np.ndarray, component: int, theta: FloatArray, wave: FloatArray, label: np.ndarray
 ) -> list[_Entries]:
-    """One cylindrical component of the orbits (n_rings, nodes) over the Cartesian unknowns ``rows`` (.., 6)."""
+    """Entries of one cylindrical component of the orbits, in the Cartesian unknowns ``rows`` (n_rings, nodes, 6)."""
     first = 3 * (component // 3)
     along = [(0, np.cos(theta)), (1, np.sin(theta))], [(0, -np.sin(theta)), (1, np.cos(theta))], [(2, np.ones(1))]
     entries = []

@@ -1,25 +1,25 @@
-"""A `System` and its preload state as a file of matrices, .npz or .mat; what is read is checked, equilibrium included.
+"""Matrix files (.npz or .mat) of a `System` and its preload state; the content is checked when a file is read.
 
-Field names, units, signs and orders are documented in docs/matrices.md; the short of it:
+Field names, units, signs and orders are documented in docs/matrices.md. In short:
 
 =============================== ======================================================================================
-``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C may be left out
+``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C is optional
 ``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
-``probe_<name>``                (n,) row that gives a displacement in m; "tip" is needed
+``probe_<name>``                (n,) row that gives a displacement in m; "tip" is required
 ``base_<probe>``                displacement of a probe under a unit base translation, where its row does not give it
 ``load_<name>``                 (n,) force in N; "preload" is applied before the motion
 ``interface_<k>_operator``      (3 n_k, n), row 3 i + c: component c of (normal, hoop, axial) of outer minus inner body
 ``interface_<k>_area``          (n_k,) m^2 per point
-``interface_<k>_points``        (n_k, 3) theta rad, z m, r m; may be left out
+``interface_<k>_points``        (n_k, 3) theta rad, z m, r m; optional
 ``interface_<k>_friction_...``  law and parameters; with ``_friction_index`` (n_k,) the law ``_friction_<j>_...`` of
                                 each point, j from 1
 ``interface_<k>_normal_...``    ``stiffness`` Pa/m and ``separation``, one value or (n_k,)
-``interface_<k>_preload_...``   ready preload state (jump, traction, elastic_slip, status) or pressure alone
-``subspaces_...``               invariant subspaces of a roll (see `cyclic_symmetry`); ours alone have them
+``interface_<k>_preload_...``   preload state (jump, traction, elastic_slip, status), or the pressure alone
+``subspaces_...``               invariant subspaces of a roll (see `cyclic_symmetry`), written by `save_system`
 =============================== ======================================================================================
 
-Interfaces are numbered from 1, inner first. Every vector over the points of an interface follows the rows of its
-operator: all components of point 1, then of point 2.
+Interfaces are numbered from 1, inner first. Every vector of an interface is in the order of the rows of its operator:
+all components of point 1, then all of point 2.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ from wroll_fem.typing import FloatArray, IntArray
 __all__ = ["FRICTION_LAWS", "load_system", "save_system", "system_size"]
 
 VERSION = 1
-"""File-format version; newer files are refused."""
+"""Version of the file format; files of a newer version are refused."""
 
 CONSISTENT = 1e-6
-"""Largest relative error of a preload state against its laws and against load_preload."""
+"""Largest relative error of the tractions of a preload state, and of its equilibrium with load_preload."""
 
 _OWN = "user_"
 _GENERAL = (
@@ -71,17 +71,17 @@ _OF_INTERFACE = (
 
 
 def save_system(system: System, path: str | os.PathLike[str], *, preload: ContactState | None = None) -> Path:
-    """Write a system, and its preload state when given, to .npz or .mat.
+    """Write a system, and its preload state if given, to a .npz or .mat file.
 
     Returns
     -------
     Path
-        The file. `load_system` gives back the same numbers bit by bit.
+        Path of the file. `load_system` returns the same numbers bit by bit.
 
     Raises
     ------
     InputError
-        For another ending, or a name that no field can have.
+        If the path has another ending, or the name of a probe or load is not allowed in a field name.
     """
     content: dict[str, Any] = {"wroll_format": VERSION, "K": system.stiffness, "M": system.mass}
     if system.damping is not None:
@@ -90,7 +90,10 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
     for kind, vectors in (("probe", system.probes), ("load", system.loads)):
         for name, vector in vectors.items():
             if not re.fullmatch(r"\w{1,40}", name, re.ASCII):
-                raise InputError(f"{kind} {name!r} cannot name a field", remedy="use letters, digits and underscores")
+                raise InputError(
+                    f"{kind} {name!r} has a name that is not allowed in a file",
+                    remedy="use up to 40 letters, digits and underscores",
+                )
             content[f"{kind}_{name}"] = vector
     content |= {f"base_{name}": np.array([motion]) for name, motion in system.probe_base.items()}
     for number, interface in enumerate(system.interfaces, start=1):
@@ -111,7 +114,7 @@ def _interface_content(interface: Interface) -> dict[str, Any]:
 
 
 def _dofs(system: System) -> list[tuple[IntArray, IntArray]]:
-    """Per interface the contact degrees of freedom of its points: (n_k, 2) hoop and axial, (n_k,) normal."""
+    """Contact degrees of freedom of each interface: hoop and axial (n_k, 2), and normal (n_k,)."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     return [(part[:, :NORMAL], part[:, NORMAL]) for part in np.split(contact_dofs(system.n_points), ends)]
 
@@ -148,23 +151,24 @@ def load_system(
     normal_stiffness: float | None = None,
     separation: bool | None = None,
 ) -> tuple[System, ContactState | None]:
-    """Read and check what `save_system` wrote, or what somebody wrote by hand.
+    """Read and check a matrix file that `save_system` or another program wrote.
 
     Parameters
     ----------
     friction, normal_stiffness, separation
-        In place of the laws of all interfaces in the file (which may then be missing there). When one of them
-        changes and the file holds the load "preload", a preload state in the file is left out.
+        They replace the laws of all interfaces in the file, where these may then be missing. If they differ from the
+        laws in the file and the file holds the load "preload", a preload state in the file is ignored.
 
     Returns
     -------
     System, ContactState or None
-        The state at the start of the motion; None when the file holds none, so that `preload.solve_preload` finds it.
+        System, and its state at the start of the motion. The state is None if the file gives none;
+        `preload.solve_preload` computes it then.
 
     Raises
     ------
     InputError
-        One line with file, field, what is wrong and what would be right.
+        If the file is invalid: one line with file, field, problem and remedy.
     """
     file = ArrayFile(path)
     version = file.number("wroll_format", "format, 1") if "wroll_format" in file else VERSION
@@ -192,7 +196,7 @@ def load_system(
 
 
 def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
-    """Number of DOFs and of contact points of a file."""
+    """Number of DOFs and number of contact points of a matrix file."""
     file = ArrayFile(path)
     n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
     areas = [name for name in file.names if re.fullmatch(r"interface_\d+_area", name)]
@@ -200,7 +204,7 @@ def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
 
 
 def _check_names(file: ArrayFile) -> int:
-    """Refuse unknown fields (a misspelt one would be ignored in silence); number of interfaces."""
+    """Number of interfaces in the file; an unknown field is an error, so that no misspelt field is silently ignored."""
     numbers = {int(m[1]) for name in file.names if (m := re.match(r"interface_(\d+)_", name))}
     known = [
         *_GENERAL,
@@ -219,7 +223,7 @@ def _check_names(file: ArrayFile) -> int:
 
 
 def _square(file: ArrayFile, name: str, n: int, meaning: str) -> sp.csr_matrix:
-    """Symmetric positive semi-definite matrix."""
+    """Matrix (n, n) from the file, checked to be symmetric and positive semi-definite."""
     matrix = file.matrix(name, (n, n), meaning)
     problem, remedy = symmetry_problem(matrix)
     if problem:
@@ -274,7 +278,7 @@ def _subspaces(file: ArrayFile, n: int) -> tuple[Subspace, ...]:
 
 
 def _state(file: ArrayFile, system: System) -> ContactState | None:
-    """State of the file, checked against laws and load; None when it holds none."""
+    """Preload state of the file, checked against laws and load; None if the file holds none."""
     given = [name for name in file.names if "_preload_" in name]
     if not given and "preload_displacement" not in file:
         return None
@@ -288,7 +292,7 @@ def _state(file: ArrayFile, system: System) -> ContactState | None:
         rows = np.column_stack([normal, tangential])
         if f"{own}pressure" in file:
             if len([name for name in given if name.startswith(own)]) > 1:
-                raise file.error("stands beside other fields of a preload state", key=f"{own}pressure",
+                raise file.error("is given with other fields of a preload state", key=f"{own}pressure",
                                  remedy="give the pressure alone, or jump, traction and elastic_slip")  # fmt: skip
             pressure = file.vector(f"{own}pressure", count, "contact pressure of each point, Pa")
             if pressure.min() < 0.0:
@@ -309,7 +313,7 @@ def _state(file: ArrayFile, system: System) -> ContactState | None:
 
 
 def _check_state(file: ArrayFile, system: System, state: ContactState, *, balanced: bool) -> None:
-    """Refuse a state whose tractions do not follow from its laws or do not hold the load "preload"."""
+    """Raise an error if the tractions of a state do not follow from its laws or do not balance the load "preload"."""
     if not system.interfaces:
         return
     traction = TrialContact(system)(state.jump, state)
@@ -325,7 +329,7 @@ def _check_state(file: ArrayFile, system: System, state: ContactState, *, balanc
         return
     if not state.pressure.any():
         remedy = "normal traction is negative in compression; a normal row is outer minus inner body, positive outwards"
-        raise file.error("the preload state presses no point", remedy=remedy)
+        raise file.error("no contact point is under pressure in the preload state", remedy=remedy)
     contact = system.jump.T @ (system.weights * state.traction)
     internal = system.stiffness @ state.displacement
     scale = float(np.linalg.norm(force) + np.linalg.norm(contact) + np.linalg.norm(internal))

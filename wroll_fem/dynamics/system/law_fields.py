@@ -15,11 +15,11 @@ from wroll_fem.dynamics.system.array_file import ArrayFile
 from wroll_fem.errors import InputError
 
 FRICTION_LAWS = BY_NAME
-"""Names of `contact.friction.law`; the parameters in a file are those of the law."""
+"""Friction laws by their name, as in `contact.friction.law`; in a file, parameters have the names of the law."""
 
 
 def law_field_names(file: ArrayFile) -> list[str]:
-    """Names that the laws of an interface can have in ``file``, without ``interface_<k>_``."""
+    """Names of all fields for the contact laws of an interface in ``file``, without the prefix ``interface_<k>_``."""
     of_law = ["law", *dict.fromkeys(name for law in FRICTION_LAWS.values() for name in parameters(law))]
     numbered = {m[1] for name in file.names if (m := re.match(r"interface_\d+_(friction_\d+_)", name))}
     names = [f"{start}{name}" for start in ("friction_", *sorted(numbered)) for name in of_law]
@@ -27,12 +27,12 @@ def law_field_names(file: ArrayFile) -> list[str]:
 
 
 def law_fields(interface: Interface) -> dict[str, Any]:
-    """Fields of the laws of an interface, without ``interface_<k>_``.
+    """Fields with the contact laws of an interface, by name without the prefix ``interface_<k>_``.
 
     Raises
     ------
     InputError
-        For a law that is not registered.
+        If a law is not registered.
     """
     law, normal = interface.friction, interface.normal
     content: dict[str, Any] = {}
@@ -56,19 +56,19 @@ def _law_content(law: FrictionLaw, start: str) -> dict[str, Any]:
 def read_laws(
     file: ArrayFile, number: int, friction: FrictionLaw | None, stiffness: float | None, separation: bool | None
 ) -> tuple[FrictionLaw | PointwiseFriction, NormalPenalty, bool]:
-    """Laws of interface ``number``, and whether they differ from those in the file.
+    """Friction law and normal law of interface ``number``, and whether they differ from the laws in the file.
 
-    ``friction``, ``stiffness`` (Pa/m) and ``separation`` replace what the file has.
+    ``friction``, ``stiffness`` (Pa/m) and ``separation`` replace the values in the file.
 
     Raises
     ------
     InputError
-        With file and field.
+        If a field is missing or invalid; the message names file and field.
     """
     own = f"interface_{number}_"
     given = f"{own}friction_law" in file or f"{own}friction_index" in file
     law = _friction(file, own) if friction is None or given else None
-    key, meaning = f"{own}normal_stiffness", "normal contact stiffness, Pa/m; contact.normal.penalty stands in for it"
+    key, meaning = f"{own}normal_stiffness", "normal contact stiffness, Pa/m; or give contact.normal.penalty"
     kn = _one_or_many(file.vector(key, None, meaning)) if stiffness is None or key in file else None
     if kn is not None and not np.all(kn > 0.0):
         raise file.error(f"is {np.min(kn):g} Pa/m", key=key, remedy="give a positive stiffness")
@@ -82,7 +82,7 @@ def read_laws(
 
 
 def _one_or_many(values: np.ndarray) -> Any:
-    """The number of an array of one, else the array: one value for all points, or one per point."""
+    """The single value of an array of length 1 (for all points), otherwise the array (one value per point)."""
     return values[0].item() if values.size == 1 else values
 
 
@@ -100,7 +100,7 @@ def _friction(file: ArrayFile, own: str) -> FrictionLaw | PointwiseFriction:
 
 def _law(file: ArrayFile, start: str) -> FrictionLaw:
     key = f"{start}law"
-    name = file.text(key, "friction law; contact.friction of the case file stands in for it")
+    name = file.text(key, "friction law; or give contact.friction in the case file")
     if name not in FRICTION_LAWS:
         raise file.error(f"is {name!r}", key=key, remedy=f"use one of: {', '.join(FRICTION_LAWS)}")
     law = FRICTION_LAWS[name]

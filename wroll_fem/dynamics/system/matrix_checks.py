@@ -1,4 +1,4 @@
-"""Cheap checks of stiffness, mass and damping matrices that somebody else assembled."""
+"""Inexpensive checks of stiffness, mass and damping matrices from other programs."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ import scipy.sparse.linalg as spla
 from wroll_fem.typing import FloatArray
 
 SYMMETRY = 1e-9
-"""Largest difference between an entry and its mirror image, relative to the largest entry."""
+"""Largest difference between entries (i, j) and (j, i) of a symmetric matrix, relative to the largest entry."""
 
 DEFINITENESS = 1e-8
-"""Most negative quotient x^T A x / x^T diag(A) x that still counts as rounding (or printed digits)."""
+"""Magnitude of a negative quotient x^T A x / x^T diag(A) x up to which it counts as rounding error."""
 
 INERTIA_LIMIT = 3000
-"""Up to this many DOFs the signs of all pivots are counted; beyond it random motions are tried."""
+"""Largest number of DOFs for which the signs of all pivots are checked. Larger matrices are tested with random
+motions."""
 
 
 def symmetry_problem(matrix: sp.csr_matrix) -> tuple[str, str]:
-    """What makes a square matrix unsymmetric and what would be right; empty when nothing does."""
+    """Messages that say why a square matrix is not symmetric and what to do; both are empty if it is symmetric."""
     gap = abs(matrix - matrix.T)
     largest = float(abs(matrix).max()) if matrix.nnz else 0.0
     if gap.nnz == 0 or gap.max() <= SYMMETRY * largest:
@@ -34,9 +35,9 @@ def symmetry_problem(matrix: sp.csr_matrix) -> tuple[str, str]:
 
 
 def negative_problem(matrix: sp.csr_matrix, *, pivots: bool = True) -> str:
-    """What makes a symmetric matrix indefinite, or an empty text.
+    """Message that says why a symmetric matrix is not positive semi-definite; empty if no reason is found.
 
-    Checks the diagonal and, with ``pivots``, at the signs of all pivots (random motions of a large matrix).
+    The diagonal is checked; with ``pivots``, so are the signs of all pivots, or random motions of a large matrix.
     """
     diagonal = matrix.diagonal()
     if diagonal.size and diagonal.min() < 0.0:
@@ -57,7 +58,7 @@ def massless_dofs(mass: sp.csr_matrix) -> int:
 
 
 def is_singular(matrix: sp.csr_matrix) -> bool:
-    """Whether a positive semi-definite matrix is singular; of large ones the diagonal alone is checked."""
+    """Whether a positive semi-definite matrix is singular; of a large matrix only the diagonal is checked."""
     diagonal = matrix.diagonal()
     if np.any(diagonal == 0.0):
         return True
@@ -67,13 +68,13 @@ def is_singular(matrix: sp.csr_matrix) -> bool:
 
 
 def _unit_diagonal(matrix: sp.csr_matrix, diagonal: FloatArray, stiff: np.ndarray) -> sp.csc_matrix:
-    """Rows and columns ``stiff``, scaled so that DOFs of different units weigh the same."""
+    """Rows and columns ``stiff`` of a matrix, scaled to a unit diagonal: DOFs of different units weigh the same."""
     scale = sp.diags(1.0 / np.sqrt(diagonal[stiff]))
     return sp.csc_matrix(scale @ matrix[stiff][:, stiff] @ scale)
 
 
 def _lowest_is_below(scaled: sp.csc_matrix, limit: float) -> bool:
-    """Whether the lowest eigenvalue of a symmetric matrix is below ``limit``, by pivots or by random motions."""
+    """Whether the lowest eigenvalue of a symmetric matrix is below ``limit``, tested by pivots or by random motions."""
     n = scaled.shape[0]
     if n > INERTIA_LIMIT:
         motions = np.random.default_rng(0).standard_normal((n, 8))

@@ -1,4 +1,4 @@
-"""A linear structure with nonlinear interfaces; knows nothing of the finite-element library."""
+"""Linear structure with nonlinear interfaces, independent of the finite-element library."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
 
 TIE_FACTOR = 100.0
-"""Factor on the normal penalty for bonded interfaces, in all directions; frequencies agree with tied ones to 1e-4."""
+"""Stiffness of bonded interfaces in all directions, divided by the normal penalty. Natural frequencies then agree with
+those of exactly tied interfaces to 1e-4."""
 
 
 @dataclass(frozen=True)
 class System:
-    """Matrices, interfaces and probes: everything the dynamics needs.
+    """Matrices, interfaces, probes and loads of a structure: the input of statics and dynamics.
 
-    It can be assembled from bodies (`System.from_bodies`) or from a user's own matrices.
+    It can be assembled from bodies (`System.from_bodies`) or from the user's own matrices.
 
     Attributes
     ----------
@@ -35,20 +36,20 @@ class System:
     influence
         (n,) displacement of the DOFs under a unit base translation along the excitation.
     interfaces
-        Inner interface first; may be empty.
+        Interfaces, inner first; may be empty.
     probes
-        Name -> (n,) row that gives a displacement in m, "tip" along the excitation.
+        By name, the row (n,) that gives a displacement in m; "tip" is along the excitation.
     loads
-        Name -> (n,) static force vectors, N; "preload" is applied by the preload step.
+        By name, the static force vector (n,), N; "preload" is applied by the preload step.
     subspaces
-        Invariant subspaces of a rotationally symmetric structure (see `cyclic_symmetry`); empty when there are none.
+        Invariant subspaces of a rotationally symmetric structure (see `cyclic_symmetry`); empty without this symmetry.
     damping
-        (n, n) sparse symmetric viscous damping, N s/m; None for none.
+        (n, n) sparse symmetric viscous damping, N s/m; None without damping.
     pressures
-        External pressure on each layer in Pa, inner first, behind the load "preload"; empty for other loads.
+        External pressure on each layer in Pa, inner first, that causes the load "preload"; empty for other loads.
     probe_base
         Displacement of probes under a unit base translation, for points near a clamped end, where degrees of freedom
-        are missing. Other probes follow from their row and the influence vector.
+        are missing. For other probes it follows from their row and the influence vector.
     """
 
     stiffness: sp.csr_matrix
@@ -67,22 +68,25 @@ class System:
         if self.stiffness.shape != (n, n) or self.mass.shape != (n, n) or self.influence.shape != (n,):
             raise InputError(
                 f"stiffness {self.stiffness.shape}, mass {self.mass.shape} and influence {self.influence.shape} "
-                "do not belong together"
+                "do not have matching shapes"
             )
         if self.damping is not None:
             _check_damping(self.damping, n)
         for interface in self.interfaces:
             if interface.operator.shape[1] != n:
-                raise InputError(f"interface {interface.name} has {interface.operator.shape[1]} columns, system {n}")
+                raise InputError(
+                    f"the operator of interface {interface.name} has {interface.operator.shape[1]} columns, "
+                    f"but the system has {n} degrees of freedom"
+                )
 
     @property
     def n_dofs(self) -> int:
-        """Number of unknowns."""
+        """Number of degrees of freedom."""
         return int(self.stiffness.shape[0])
 
     @property
     def n_points(self) -> int:
-        """Contact points of all interfaces."""
+        """Number of contact points of all interfaces."""
         return sum(interface.n_points for interface in self.interfaces)
 
     @property
@@ -91,17 +95,17 @@ class System:
         return ("tip", *(name for name in self.probes if name != "tip"))
 
     def rigid_motion(self, probe: str) -> float:
-        """Displacement of a probe when the base translates by 1 along the excitation."""
+        """Displacement of a probe under a unit base translation along the excitation."""
         return float(self.probe_base.get(probe, self.probes[probe] @ self.influence))
 
     @cached_property
     def named_probes(self) -> FloatArray:
-        """(p, n) rows of the probes beside the tip, in the order of `probe_names`."""
+        """(p, n) rows of all probes except the tip, in the order of `probe_names`."""
         return np.array([self.probes[name] for name in self.probe_names[1:]]).reshape(-1, self.n_dofs)
 
     @cached_property
     def laws(self) -> PointLaws:
-        """Areas and law parameters of all points."""
+        """Areas and contact-law parameters of all contact points."""
         return stack_laws(
             [i.areas for i in self.interfaces],
             [i.friction for i in self.interfaces],
@@ -111,7 +115,7 @@ class System:
 
     @cached_property
     def jump(self) -> sp.csr_matrix:
-        """(3 n_points, n) relative-displacement operator in the order of `contact.point`."""
+        """(3 n_points, n) operator of the relative displacement; its rows are in the order of `contact.point`."""
         tangential, normal = [], []
         for interface in self.interfaces:
             k = np.arange(interface.n_points)
@@ -139,7 +143,7 @@ class System:
         return TIE_FACTOR * per_dof(self.laws.kn, self.laws.kn)
 
     def bonded(self) -> System:
-        """The linear structure with its interfaces bonded: `tie_springs` in the stiffness, and no interfaces left."""
+        """Linear structure with bonded interfaces: its stiffness includes `tie_springs`, and it has no interfaces."""
         stiffness = self.with_interface_springs(self.tie_springs).tocsr()
         return replace(self, stiffness=stiffness, interfaces=())
 
@@ -153,16 +157,17 @@ class System:
         normal: NormalPenalty | None = None,
         pressures: Sequence[float] = (),
     ) -> System:
-        """Stack bodies (inner first) and put an interface between each pair.
+        """Stack bodies (inner first) and place an interface between each adjacent pair.
 
-        Of probes with the same name the innermost body's is kept: the tip of a roll is the tip of its mandrel.
+        Of several probes with the same name, the probe of the innermost body is kept: the tip of a roll is the tip of
+        its mandrel.
 
         Parameters
         ----------
         direction
-            Excitation, 0 for x, 1 for y.
+            Direction of the excitation: 0 for x, 1 for y.
         friction, normal
-            Laws of every interface; needed with two or more bodies.
+            Friction law and normal law of every interface; required for two or more bodies.
         pressures
             (n_bodies - 1,) external pressure on each layer in Pa, inner first.
         """
@@ -209,7 +214,7 @@ class System:
 def _check_damping(damping: sp.csr_matrix, n: int) -> None:
     """Raise unless ``damping`` is (n, n), finite and symmetric."""
     if damping.shape != (n, n):
-        raise InputError(f"damping {damping.shape} does not belong to a stiffness ({n}, {n})", key="damping")
+        raise InputError(f"damping {damping.shape} does not match the stiffness ({n}, {n})", key="damping")
     largest = abs(damping).max() if damping.nnz else 0.0
     if not np.isfinite(largest) or abs(damping - damping.T).max() > 1e-9 * largest:
         raise InputError("the viscous damping matrix is not finite or not symmetric", key="damping")
