@@ -175,7 +175,7 @@ class TwoMasses:
             raise InputError(
                 f"must be positive and finite, got {capacity}",
                 key="two_dof.friction_capacity",
-                remedy="give a positive force in N",
+                remedy="give forces in N",
             )
         share = float(contact_sign(capacity)) if self.preload_dependent else 1.0
         return PreloadedTwoMasses(
