@@ -334,5 +334,5 @@ def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
     if wall >= radius:
         raise validation_error(
             f"the smallest radius must exceed the thickest wall, {wall:g} m", key="design_map.mandrel_radius",
-            value=radius, remedy=f"start above {wall:g} m",
+            value=radius, remedy=f"use radii above {wall:g} m, or thinner walls",
         )  # fmt: skip

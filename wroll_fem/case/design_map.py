@@ -14,11 +14,11 @@ class DesignMap(Section):
     """Mandrel radii and wall thicknesses of the map, and the softest coil; the coil of the case is the stiffest."""
 
     mandrel_radius: list[float] = Field(description="outer radii of the mandrel, m, ascending")
-    mandrel_thickness: list[float] = Field(description="walls of the mandrel, m, ascending")
+    mandrel_thickness: list[float] = Field(description="wall thicknesses of the mandrel, m, ascending")
     softest: Literal["fundamental_bending"] | float = Field(
         default="fundamental_bending",
         description="shear modulus between wraps of the softest coil, Pa, or fundamental_bending: for each mandrel the "
-        "lowest one whose fundamental mode is bending",
+        "smallest modulus for which the fundamental mode is bending",
     )
 
     @field_validator("mandrel_radius", "mandrel_thickness", mode="before")

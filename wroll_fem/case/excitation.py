@@ -49,7 +49,7 @@ class ChirpExcitation(_BaseMotion):
 
 
 class DwellExcitation(_BaseMotion):
-    """Sine of constant frequency and amplitude."""
+    """Sine motion of the base with constant frequency and amplitude."""
 
     kind: Literal["dwell"] = Field(default="dwell", description="dwell: sine at one frequency")
     frequency: Real = Field(gt=0, description="frequency, Hz")

@@ -12,8 +12,8 @@ from wroll_fem.case.base import Real, Section, Whole, validation_error
 class Harmonic(Section):
     """Settings of harmonic balance: number of harmonics, sampling of friction, tolerance of the reduced model."""
 
-    harmonics: Whole = Field(default=3, ge=1, le=50, description="harmonics of the motion besides the mean (count)")
-    samples: Whole = Field(default=64, ge=8, le=8192, description="evaluations of friction per period (count)")
+    harmonics: Whole = Field(default=3, ge=1, le=50, description="number of harmonics besides the mean (count)")
+    samples: Whole = Field(default=64, ge=8, le=8192, description="number of friction samples per period (count)")
     max_periods: Whole = Field(
         default=8,
         ge=1,

@@ -28,8 +28,8 @@ class Preload(SparseSection):
     steps: Whole = Field(default=DEFAULT_STEPS, ge=1, description="load steps of the static preload (count)")
     geometric_stiffness: Switch = Field(
         default=False,
-        description="add the stiffness of the preload to the structure: membrane stress of the shells, pressure that "
-        "follows its surface, contact pressure between sliding surfaces; refused above the linear buckling load",
+        description="add the geometric stiffness of the preload to the structure: membrane stress of the shells, "
+        "follower pressure, contact pressure between sliding surfaces; refused above the linear buckling load",
     )
 
     @field_validator("pressure", mode="before")

@@ -27,8 +27,10 @@ class Solver(Section):
     tolerance: Real = Field(
         default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"
     )
-    max_iterations: Whole = Field(default=30, ge=1, description="Newton iterations before a step is halved (count)")
-    max_cuts: Whole = Field(default=6, ge=0, description="halvings of a step before the run stops (count)")
+    max_iterations: Whole = Field(
+        default=30, ge=1, description="largest number of Newton iterations before a step is halved (count)"
+    )
+    max_cuts: Whole = Field(default=6, ge=0, description="largest number of halvings of a step (count)")
     symmetry: Switch = Field(
         default=True, description="solve half the circumference if case and mesh are symmetric about the x-z plane"
     )

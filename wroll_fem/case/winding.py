@@ -229,7 +229,9 @@ class Winding(SparseSection):
     )
     web: Web = Field(description="material of the web")
     mu: Real | None = Field(
-        default=None, ge=0, description="friction between wraps, dimensionless; the capacity is mu times the pressure"
+        default=None,
+        ge=0,
+        description="coefficient of friction between wraps, dimensionless; friction capacity is mu times pressure",
     )
     growth: Literal["wraps", "continuous"] = Field(
         default="wraps",
