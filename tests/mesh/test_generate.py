@@ -204,7 +204,8 @@ def test_a_mesh_of_another_geometry_is_refused(mesh):
 
 
 def test_an_odd_number_around_is_refused():
-    with pytest.raises(InputError, match=re.escape("mesh.circumferential: 13 elements")):
+    message = "mesh.circumferential: the number of elements around the circumference, 13, is odd or below 4"
+    with pytest.raises(InputError, match=re.escape(message)):
         make_cylinders(SHELLS, LENGTH, 13, 4)
 
 

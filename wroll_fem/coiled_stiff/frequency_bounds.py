@@ -79,7 +79,7 @@ def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> Softest
     Returns
     -------
     SoftestCoil or None
-        None if bending is not the fundamental mode with the stiffest coil either.
+        None if bending is not the fundamental mode even with the stiffest coil.
 
     Raises
     ------

@@ -61,7 +61,7 @@ class Interface:
     points
         (n_points, 3) cylindrical coordinates (theta rad, z m, r m).
     friction
-        Tangential law: one for all points, or `PointwiseFriction`.
+        Friction law: one for all points, or `PointwiseFriction`.
     normal
         Normal law.
     """

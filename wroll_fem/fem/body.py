@@ -31,7 +31,7 @@ def assemble_bodies(
     Parameters
     ----------
     roll
-        Geometry, mandrel, coil and mesh; a case on a roll has them.
+        Sections geometry, mandrel, coil and mesh, for example those of a case on a roll.
     meshes
         Mesh with the groups of every shell; None generates or reads the mesh of `roll.mesh`.
     symmetric

@@ -91,7 +91,7 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
     Parameters
     ----------
     roll
-        Geometry, mandrel, coil and mesh; a case on a roll has them.
+        Sections geometry, mandrel, coil and mesh, for example those of a case on a roll.
     part
         Mesh of the mandrel's mid-surface.
     shell

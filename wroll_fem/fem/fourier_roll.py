@@ -84,7 +84,7 @@ class FourierRoll:
     Parameters
     ----------
     sections
-        Geometry, mandrel, coil and mesh; a case on a roll has them.
+        Sections geometry, mandrel, coil and mesh, for example those of a case on a roll.
     model
         Existing model with the same numbers of cells. It is moved to this geometry, so its forms are not compiled
         again. None builds a new model.

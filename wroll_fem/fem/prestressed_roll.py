@@ -42,7 +42,7 @@ class PrestressedRoll:
     Parameters
     ----------
     roll
-        Geometry, mandrel, coil and mesh; a case on a roll has them.
+        Sections geometry, mandrel, coil and mesh, for example those of a case on a roll.
     bodies
         Bodies of `assemble_bodies`, innermost first, without a solid coil.
     web_tension

@@ -123,7 +123,7 @@ class Corrected(NamedTuple):
     ----------
     z : (n + 1,) solution; None without convergence
     history : norms of the corrections
-    near : (n + 1,) last iterate before the final correction; after convergence it is within the tolerance of z
+    near : (n + 1,) last point at which the equations were evaluated; after convergence within the tolerance of z
     factor : last LU factors, which can be reused for the next solution nearby
     """
 

@@ -11,9 +11,8 @@ def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONT
     """Remove the cached functions of a module that are older than the code inlined in them.
 
     numba checks only the file of the function itself. Without this removal, a change of a contact law would have no
-    effect.
-    Call ``drop_stale_cache(__file__)`` at the top of every module whose compiled functions call functions of other
-    modules, before they are defined.
+    effect. Call ``drop_stale_cache(__file__)`` at the top of every module whose compiled functions call functions of
+    other modules, before they are defined.
 
     Parameters
     ----------
