@@ -67,7 +67,7 @@ class StepControl:
     chord: float = 0.01
 
     def longer(self, factor: float) -> StepControl:
-        """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves; 1: no change."""
+        """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves (1: no change)."""
         return replace(
             self, first=factor * self.first, largest=factor * self.largest, angle=factor * self.angle,
             chord=factor**2 * self.chord, tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,

@@ -17,7 +17,7 @@ FULL_RENEWAL = 0.1
 STATIC_RENEWAL = 0.1
 """Ratio of successive residuals above which a static step of the full model factorises a new matrix (sparse)."""
 CONDENSED_RENEWAL = 0.3
-"""Ratio of successive residuals above which a condensed time step factorises a new matrix (dense, slipping points)."""
+"""Ratio of successive residuals above which a condensed time step factorises a new matrix (dense; points that slip)."""
 REDUCED_RENEWAL = 0.12
 """Ratio of successive residuals above which a reduced time step factorises a new matrix (small and dense)."""
 CHORD_RENEWAL = 0.25
