@@ -143,7 +143,7 @@ def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
         (
             "base: {tiny}\nsamples: {count: 3, ranges: {preload.pressure: {low: 0, high: 1, scale: log}}}",
             "samples.ranges.preload.pressure",
-            "a logarithmic range starts above 0",
+            "a logarithmic range must start above 0",
         ),
         ("base: {tiny}\nsamples: {count: 3, ranges: {mesh.axail: [4, 6]}}", "samples.ranges.mesh.axail", "axial"),
         (

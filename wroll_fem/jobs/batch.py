@@ -1,4 +1,4 @@
-"""Batch: run the unfinished cases of a grid in separate processes, write a table and the figures of the study."""
+"""Batch: run the unfinished cases of a grid in separate processes, and write the table and figures of the study."""
 
 from __future__ import annotations
 
@@ -75,11 +75,11 @@ def run_grid(
     out
         Folder that gets one run folder per case and the tables batch.csv and batch.nc.
     workers
-        Cases at a time, each on one thread, on this machine.
+        Number of cases that run at the same time on this machine, each on one thread.
     scheduler
         Address of a Dask scheduler, "tcp://HOST:PORT", whose workers run the cases; they must see the same files.
     retry
-        Run failed cases of earlier calls again (no convergence, or an error).
+        Run again the cases that failed in earlier calls (no convergence, or an error).
     progress
         Receives one line per finished case, and the names of the running cases.
 
@@ -205,7 +205,7 @@ def _check_own(grid: Grid, out: Path) -> None:
 
 
 def _found(member: Member, out: Path, *, retry: bool) -> Outcome | None:
-    """Outcome of a case that is not run: already done, or failed in an earlier call."""
+    """Outcome of a case that is already done or failed in an earlier call; None if the case is to be run."""
     folder = RunFolder(out / member.name)
     try:
         start = folder.check(member.case, resume=True)
@@ -237,7 +237,7 @@ def _outcome_line(outcome: Outcome, out: Path) -> str:
 
 
 def table_rows(outcomes: Sequence[Outcome], out: Path) -> list[dict[str, Any]]:
-    """Rows of the table, one per case: name, status, error, keys of the grid, scalar values of the summary."""
+    """Rows of the table, one per case: name, status, error, keys of the grid, and scalar values of the summary."""
     rows = []
     for outcome in outcomes:
         status = "failed" if outcome.status == "failed" else "complete"
@@ -288,11 +288,11 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Stud
     Parameters
     ----------
     lazy
-        Read each variable when it is asked for.
+        Read each variable on first use.
 
     Notes
     -----
-    A folder whose results are those of another case (another hash) does not count.
+    A folder with the results of another case (another hash) is skipped.
     """
     from wroll_fem.plotting.study import StudyCase
     from wroll_fem.results.dataset import load_dataset
@@ -308,12 +308,12 @@ def load_series(grid: Grid, out: str | Path, *, lazy: bool = False) -> list[Stud
 
 
 def draw_figures(grid: Grid, out: str | Path) -> list[Path]:
-    """Draw the figures of the grid file from the finished cases, in `out`/figures.
+    """Draw the figures that the grid file requests from the finished cases, into `out`/figures.
 
     Raises
     ------
     InputError
-        When the results lack what a figure needs.
+        If the results lack data that a figure needs.
     """
     from wroll_fem.plotting.names import save
     from wroll_fem.plotting.series import FIGURES

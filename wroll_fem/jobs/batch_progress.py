@@ -18,9 +18,9 @@ class BatchProgress:
     Attributes
     ----------
     total
-        Cases of the grid.
+        Number of cases of the grid.
     done, failed
-        Cases finished, before the call or in it, and those of them that failed.
+        Number of finished cases, including those finished before this call, and number of failed cases among them.
     seconds
         Wall time of each case that ended in this call.
     """
@@ -39,12 +39,13 @@ class BatchProgress:
             self.seconds.append(time.time() - started)
 
     def left(self, running: Mapping[str, float]) -> float:
-        """Remaining seconds, extrapolated from this call; nan before the first case has finished.
+        """Remaining time, s, extrapolated from this call; nan before the first case has finished.
 
         Parameters
         ----------
         running
-            Name -> start (time.time) of the cases at work. They count with the share of a mean case that they have run.
+            Name -> start (time.time) of the running cases. Each counts as the fraction of a case that it has run, found
+            from the mean duration.
         """
         if not self.seconds:
             return nan

@@ -9,7 +9,7 @@ from wroll_fem.results.summary import SUMMARY
 
 
 def summary_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Lines of the main results, one line per mode, one per warning; missing values are left out."""
+    """Lines with the main results, one line per mode and one per warning; missing values are omitted."""
     found: list[tuple[str, str]] = []
     for key, entry in SUMMARY.items():
         value = summary.get(key)

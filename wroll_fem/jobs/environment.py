@@ -14,7 +14,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Part:
-    """One library: its version, and the reason when it does not work."""
+    """One library: its version, and the problem if it does not work."""
 
     name: str
     version: str
@@ -132,7 +132,7 @@ def check_environment() -> list[Part]:
     Returns
     -------
     list of Part
-        In a fixed order; dolfinx comes before h5py, because the clash of two HDF5 libraries shows only then.
+        In a fixed order. dolfinx comes before h5py, because a clash of two HDF5 libraries shows only in this order.
     """
     parts = []
     for name, attempt in _PARTS.items():

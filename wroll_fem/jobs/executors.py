@@ -1,4 +1,7 @@
-"""Executors of a batch: local processes, or workers of a Dask cluster; wait for a folder in use."""
+"""Executors of a batch: local processes, or workers of a Dask cluster.
+
+A case waits until no other process uses its run folder.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,10 @@ from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
 
 CONNECT_SECONDS = 10.0
-"""Timeout of the scheduler, s."""
+"""Longest wait for an answer of the scheduler, s."""
 
 RETRIES = 5
-"""Number of worker losses after which a case counts as failed."""
+"""Number of lost workers after which a case counts as failed."""
 
 FREE_SECONDS = 60.0
 """Longest wait for a run to save its checkpoint after its worker has died, s."""
@@ -58,10 +61,10 @@ class Pool(Protocol):
 
 
 def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
-    """Start `wroll run` in its own session, so that Ctrl-C reaches it once, through `Pool.stop`.
+    """Start `wroll run` in its own session, so that Ctrl-C reaches it only through `Pool.stop`.
 
-    On Linux it follows its parent: when that is killed it gets SIGTERM, saves itself and frees its folder. Elsewhere it
-    runs on to its end.
+    On Linux the process receives SIGTERM if its parent is killed. It then saves a checkpoint and releases its folder.
+    On other systems it runs to its end.
     """
     return subprocess.Popen(
         [sys.executable, "-m", "wroll_fem.cli", "run", *words],
@@ -89,7 +92,7 @@ class LocalPool:
     Parameters
     ----------
     workers
-        Cases at a time, each on one thread.
+        Number of cases that run at the same time, each on one thread.
     """
 
     def __init__(self, workers: int) -> None:
@@ -138,7 +141,7 @@ class LocalPool:
 class ClusterPool:
     """Pool of Dask workers that access the same files under the same paths; one case per worker thread.
 
-    A case whose worker dies is started again on another one and goes on from its checkpoint.
+    A case whose worker dies is started again on another worker and continues from its checkpoint.
 
     Parameters
     ----------
@@ -179,7 +182,10 @@ class ClusterPool:
         return future
 
     def at_work(self) -> dict[str, float]:
-        """Running cases by the status in their folders; the scheduler does not distinguish them from queued cases."""
+        """Folder name -> start time of every running case, found from the status in its folder.
+
+        The scheduler does not distinguish running from queued cases.
+        """
         found = {}
         for folder in [folder for future, folder in self._folders.items() if not future.done()]:
             file = RunFolder(folder).provenance_file

@@ -39,7 +39,7 @@ class RunFolder:
         .lock (empty), locked by the process that works in the folder. It is not deleted:
         a deleted lock file could be locked twice.
     fields, figures : Path
-        Subfolders of .vtu files and figures.
+        Subfolders for .vtu files and for figures.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -90,7 +90,7 @@ class RunFolder:
         return "resume"
 
     def _held(self) -> Iterator[Path]:
-        """Files of the folder without log, lock and partial files."""
+        """Files of the folder, except log, lock and partial files."""
         return (p for p in self.path.iterdir() if p not in (self.log_file, self.lock_file) and p.suffix != ".partial")
 
     def holds_results(self) -> bool:
@@ -158,7 +158,7 @@ class RunFolder:
             yield
 
     def record(self, status: Status, **entries: Any) -> None:
-        """Write provenance.json: versions, git revision, machine, status and entries; earlier entries are kept."""
+        """Write provenance.json: versions, git revision, machine, status, entries; a new run drops earlier entries."""
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
 
@@ -174,9 +174,11 @@ class RunFolder:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError(f"cannot be read ({error})", file=str(path), remedy="delete the run folder") from None
+            raise InputError(
+                f"cannot be read ({error})", file=str(path), remedy="delete the run folder and run again"
+            ) from None
         if not isinstance(content, dict):
-            raise InputError("is not a JSON object", file=str(path), remedy="delete the run folder")
+            raise InputError("is not a JSON object", file=str(path), remedy="delete the run folder and run again")
         return content
 
     def _refuse(self, problem: str, remedy: str) -> InputError:

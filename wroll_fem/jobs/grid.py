@@ -22,11 +22,11 @@ from wroll_fem.jobs.study_figures import STUDY_FIGURES
 from wroll_fem.results.json_types import json_types
 
 REFERENCE = "reference"
-"""Name of the reference case outside the grid."""
+"""Name of the reference case, which is not part of the grid."""
 
 
 class Range(Section):
-    """Range from which a key is sampled."""
+    """Range from which the values of a key are sampled."""
 
     low: Real = Field(description="lower end, in the unit of the key")
     high: Real = Field(description="upper end, in the unit of the key")
@@ -46,13 +46,13 @@ class Range(Section):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not self.low < self.high:
-            raise validation_error("low exceeds high", remedy="write [low, high]", value=[self.low, self.high])
+            raise validation_error("low is not below high", remedy="write [low, high]", value=[self.low, self.high])
         if self.scale == "log" and self.low <= 0.0:
-            raise validation_error("a logarithmic range starts above 0", remedy="use scale: linear", value=self.low)
+            raise validation_error("a logarithmic range must start above 0", remedy="use scale: linear", value=self.low)
         return self
 
     def at(self, share: float) -> float:
-        """Value at a fraction (0 to 1) of the range, to six digits."""
+        """Value at a fraction (0 to 1) of the range, rounded to six significant digits."""
         if self.scale == "log":
             value = float(self.low * (self.high / self.low) ** share)
         else:
@@ -77,7 +77,7 @@ class Samples(Section):
         return value
 
     def values(self) -> list[dict[str, float]]:
-        """Dotted key -> value of every sample."""
+        """For each sample: dotted key -> value."""
         from scipy.stats import qmc
 
         shares = qmc.LatinHypercube(len(self.ranges), seed=self.seed).random(self.count)
@@ -156,15 +156,15 @@ class Member:
     Attributes
     ----------
     name
-        Name of its run folder, from the values that vary.
+        Name of its run folder, formed from the values that vary.
     file
         Case file it starts from.
     values
-        Dotted key -> value as the case holds it; with several case files also "case" -> name of the file.
+        Dotted key -> value in the validated case; with several case files also "case" -> name of the case file.
     overrides
-        The same as `--set` of `wroll run` takes them.
+        The same values as arguments of `wroll run --set`.
     case
-        The case itself, checked.
+        Validated case.
     """
 
     name: str
@@ -189,7 +189,7 @@ def load_grid(path: str | Path) -> Grid:
     Raises
     ------
     InputError
-        One line: grid file, key, what is wrong, what would be right.
+        If the grid file or a case is invalid; the message names file, key, problem and remedy.
     """
     path = Path(path)
     try:
@@ -217,7 +217,7 @@ def load_grid(path: str | Path) -> Grid:
     names = [member.name for member in members]
     for name in names:
         if names.count(name) > 1:
-            remedy = "give case files different names, and values that differ"
+            remedy = "give each case file its own name, and each key different values"
             raise InputError(f"two cases have the same folder {name}", file=str(path), remedy=remedy)
     return Grid(path, members, list(given.figure))
 
@@ -245,7 +245,7 @@ def _case(
 
 
 def _value(case: Case, key: str) -> Any:
-    """Value of a dotted key in the validated case, where "3e4" of a YAML file is a number."""
+    """Value of a dotted key in the validated case, in which text such as "3e4" has become a number."""
     here: Any = case.resolved()
     for part in current_key(key).split("."):
         here = here[part]
@@ -253,7 +253,7 @@ def _value(case: Case, key: str) -> Any:
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Last part of each dotted key, or the whole key if last parts coincide."""
+    """Dotted key -> its last part, or the whole key if another key has the same last part."""
     last = [key.rsplit(".", 1)[-1] for key in keys]
     return {key: word if last.count(word) == 1 else key for key, word in zip(keys, last, strict=True)}
 

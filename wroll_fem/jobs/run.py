@@ -23,13 +23,13 @@ class Run:
     Attributes
     ----------
     folder
-        Where everything is.
+        Run folder.
     summary
         Content of summary.json: flat, SI, unit in the name.
     figures
         Figures of the run.
     already_done
-        True when the folder already held this case, complete, and nothing was computed.
+        True if the folder already contained the complete results of this case, so that nothing was computed.
     """
 
     folder: RunFolder
@@ -46,22 +46,22 @@ def run_case(
     Parameters
     ----------
     case
-        What to compute.
+        Case to run.
     out
-        Run folder; made if missing. Nothing of another case is written over.
+        Run folder; created if missing. Results of another case are never overwritten.
     progress
-        Where to report; silent by default.
+        Receiver of progress reports; silent by default.
     resume
-        Go on from the checkpoint in `out`, if there is one.
+        Continue from the checkpoint in `out`, if there is one.
     command
-        How the run was started, for the provenance.
+        Command that started the run, for the provenance.
 
     Raises
     ------
     InputError
-        If the folder holds something else.
+        If the folder contains another case or other files.
     ConvergenceError
-        If a step did not converge; what was computed until then is in results.nc.
+        If a step does not converge; the results up to that step are in results.nc.
     """
     progress = progress if progress is not None else SilentProgress()
     folder = RunFolder(out)
@@ -142,7 +142,7 @@ def _save(
 
 
 def with_provenance(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
-    """Copy with provenance in the attributes: analysis, case text and hash, versions, completeness.
+    """Copy of a Dataset with provenance in the attributes: analysis, case text and hash, versions, completeness.
 
     Parameters
     ----------

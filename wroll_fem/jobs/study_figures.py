@@ -1,6 +1,6 @@
 """Names of the figures of a grid file; the functions are in `plotting.series.FIGURES`.
 
-They stand apart so that reading a grid file does not load matplotlib; a test holds both tables together.
+They are listed separately, so that reading a grid file does not load matplotlib. A test compares both lists.
 """
 
 STUDY_FIGURES = (
