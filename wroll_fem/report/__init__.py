@@ -24,12 +24,12 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
     Returns
     -------
     Path
-        The file, which needs no other: pictures and styles are inside, and nothing is fetched.
+        The report. It needs no other file: figures and styles are embedded, and nothing is loaded from elsewhere.
 
     Raises
     ------
     InputError
-        If the folder is neither, or the file cannot be written.
+        If the folder is neither a run nor a batch, or the report cannot be written.
     """
     folder = Path(folder)
     beside = folder.with_suffix(".html") if folder.is_file() else folder / "report.html"

@@ -34,7 +34,7 @@ def batch_page(path: Path) -> str:
     Raises
     ------
     InputError
-        When batch.csv is not the table of a batch.
+        If batch.csv is not the table of a batch.
     """
     rows = _table(path)
     columns = list(rows[0]) if rows else []
@@ -136,7 +136,7 @@ def _cases(rows: list[Row], varied: list[str]) -> html.Markup:
 
 
 def _ledger(rows: list[Row], varied: list[str]) -> html.Markup:
-    """Energies of every case over its input work."""
+    """Table of the energies of every case, divided by its input work."""
     parts: list[html.Markup] = []
     for kind, given in (("At the end of the histories", "input_work_j"), ("Per cycle", "input_work_per_cycle_j")):
         names = [
@@ -166,7 +166,7 @@ def _everything(rows: list[Row], columns: list[str]) -> html.Markup:
 
 
 def _short(cell: str) -> str:
-    """Numbers of the table, rounded to eight digits."""
+    """Cell of the table; numbers are rounded to eight digits."""
     try:
         return cell if cell.lstrip("-").isdigit() else f"{float(cell):.8g}"
     except ValueError:

@@ -22,7 +22,7 @@ _METHODS = {
 
 
 def damping_table(dataset: xr.Dataset) -> Markup:
-    """Table of damping by half power, Gaussian fit and rational fraction; empty without a rising frequency axis."""
+    """Table of damping by half power, Gaussian fit and rational fraction; empty unless the frequencies increase."""
     if "transmissibility_real" not in dataset or dataset["transmissibility_real"].dims != ("frequency",):
         return Markup()
     frequency = dataset["frequency"].values
@@ -34,8 +34,9 @@ def damping_table(dataset: xr.Dataset) -> Markup:
     choice = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
     limits = (
         "Standard errors come from the scatter of the curve alone. The misfit is the distance between fit and "
-        "curve over the peak. If it is large, or the methods differ, the curve is not the response of a single linear "
-        f"mode, and zeta depends on the definition. summary.json contains "
+        "curve, divided by the peak. If it is large, or the methods differ, the curve is not the response of a single "
+        f"linear mode, and zeta depends on the definition. summary.json contains "
+        "the value by "
         f"{str(dataset.attrs.get('zeta_method', 'half power')).split(',')[0]} "
         "(output.damping)."
     )

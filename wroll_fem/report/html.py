@@ -1,7 +1,7 @@
 """Pages and elements of a report, from Jinja2 templates.
 
-Jinja2 escapes every text that does not come from a template, figures are embedded, and nothing points outside the
-file. A content security policy forbids scripts and requests as well.
+Jinja2 escapes every text that does not come from a template. Figures are embedded, and the file refers to no other
+file. A content security policy also forbids scripts and requests.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _block(name: str, *arguments: Any) -> Markup:
 
 
 def join(parts: Iterable[Markup]) -> Markup:
-    """Sequence of elements."""
+    """Join elements in sequence."""
     return Markup().join(parts)
 
 
@@ -104,7 +104,7 @@ def case_table(rows: Sequence[CaseRow]) -> Markup:
 
 
 def notes(items: Iterable[tuple[str, bool]]) -> Markup:
-    """List of warnings: (text, whether it is an error)."""
+    """List of warnings, from pairs (text, whether it is an error)."""
     return _block("notes", list(items))
 
 

@@ -58,7 +58,7 @@ def _by_curve(dataset: xr.Dataset) -> Markup:
         rows.append([f"{float(one[curve]):.6g}", f"{work:.4g}", *(_share(value, work) for value in shares), left])
     head = [field(str(curve)).long_name, f"{field(str(given.name)).long_name} ({given.attrs.get('units', '')})"]
     head += [field(name).long_name for name in taken] + ["balance error"]
-    title = "Per cycle, at the largest response of each curve, over the work of the base."
+    title = "Per cycle, at the largest response of each curve, relative to the work of the base."
     return paragraph(title) + table(head, rows, numbers=range(len(head)))
 
 

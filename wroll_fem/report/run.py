@@ -35,15 +35,15 @@ _OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding
 _OF_MODES = ("modes_hz", "mode_kinds", "effective_mass_fraction")
 _DRIFT = 0.01
 _CAPTIONS = {
-    "transmissibility": "Transmissibility over frequency",
-    "two_dof": "Transmissibility of the two masses over frequency",
-    "backbone": "Frequency and damping of the resonance over its amplitude", "response": "Motion of the tip over time",
-    "energy_ledger": "Energies over time", "slip_on_cylinder": "Slip on the roll",
-    "two_dof_readings": "Damping, peak, its frequency and skewness over the friction capacity",
-    "two_dof_design_space": "Largest damping over mass and stiffness of the secondary",
+    "transmissibility": "Transmissibility versus frequency",
+    "two_dof": "Transmissibility of the two masses versus frequency",
+    "backbone": "Frequency and damping of the resonance versus amplitude", "response": "Motion of the tip versus time",
+    "energy_ledger": "Energies versus time", "slip_on_cylinder": "Slip on the roll",
+    "two_dof_readings": "Damping, peak, its frequency and skewness versus friction capacity",
+    "two_dof_design_space": "Largest damping versus mass and stiffness of the secondary",
     "modes": "Natural frequencies", "mode_shapes": "Mode shapes", "winding": "Pressure and stress in the wound roll",
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
-    "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear over height and radius",
+    "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear versus height and radius",
     "slip_in_coil": "Slip in the coil",
 }  # fmt: skip
 
@@ -54,7 +54,7 @@ def run_page(path: Path) -> str:
     Raises
     ------
     InputError
-        When a file of the folder cannot be read as what it should be (summary.json, provenance.json).
+        If summary.json or provenance.json cannot be read.
     """
     folder = RunFolder(path)
     written = folder.case_file.read_text(encoding="utf-8", errors="replace")
@@ -76,7 +76,7 @@ def result_page(path: Path) -> str:
     Raises
     ------
     InputError
-        When it is not a results file.
+        If the file is not a results file.
     """
     from wroll_fem import analyses
     from wroll_fem.results.dataset import load_dataset
@@ -101,7 +101,7 @@ def _page(
     figures: list[Path],
     files: html.Markup,
 ) -> str:
-    """HTML page from the available data of a run."""
+    """HTML page with the available data of a run."""
     given, status = _plain_case(written), str(origin["status"])
     with TemporaryDirectory() as scratch:
         drawn = _figures(figures, dataset, Path(scratch))
@@ -122,7 +122,7 @@ def _page(
 
 
 def solved(given: Mapping[str, Any]) -> html.Markup:
-    """Analysis and keys of a case; numerical settings are collapsed."""
+    """HTML of the analysis and the keys of a case, with the numerical settings collapsed."""
     rows = case_rows(given)
     physics = [row for row in rows if row.key.split(".")[0] not in NUMERICS]
     numerics = [row for row in rows if row not in physics]
@@ -152,7 +152,7 @@ def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:
 def run_warnings(
     messages: Sequence[tuple[str, str]], status: str, summary: Mapping[str, Any], dataset: xr.Dataset | None
 ) -> list[tuple[str, bool]]:
-    """Warnings of the run and about its numbers: (text, whether it is an error).
+    """Warnings issued by the run, and warnings about its results, as pairs (text, whether it is an error).
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ def open_balance(summary: Mapping[str, Any]) -> float | None:
 
 
 def shown(name: str, value: Any) -> str:
-    """Value with its unit: four digits, SI prefixes, fractions in per cent; "none" without a number."""
+    """Value with its unit: four digits, SI prefixes, fractions in per cent; "none" if there is no number."""
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -20,7 +20,7 @@ from wroll_fem.report.values import quantity
 Plain = Mapping[str, Any]
 
 _SETTINGS = ("modal", "harmonic", "backbone")
-"""Case sections with defaults that only the analysis of the same name uses."""
+"""Case sections with defaults; each is shown only for the analysis of the same name."""
 
 _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
 """Analyses without time integration and without load increments."""
@@ -102,7 +102,7 @@ def _name(name: str, words: str) -> str:
 
 
 def _model(models: list[type[BaseModel]], value: Plain) -> type[BaseModel] | None:
-    """First model with the keys of the value, and its tag."""
+    """First model that has all keys of the value and accepts its tags; otherwise, the first model."""
     for model in models:
         if not set(value) <= set(model.model_fields):
             continue
