@@ -10,14 +10,14 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context manager: path NAME.partial to write to, which replaces `path` at the end of the block.
+    """Context manager that yields the path NAME.partial; the file there replaces `path` at the end of the block.
 
-    When the block fails the partial file is removed and `path` stays as it was.
+    If the block fails, the partial file is removed and `path` is unchanged.
 
     Raises
     ------
     OSError
-        When the folder cannot be written.
+        If the folder cannot be written.
     """
     target = Path(path)
     partial = target.with_name(f"{target.name}.partial")

@@ -1,8 +1,8 @@
 """Datasets of results: table of names, units and labels; reading and writing.
 
-Every variable and coordinate that the program stores has a line in `FIELDS`; nothing else in the code
-spells a unit or a label. NetCDF goes through h5netcdf (a PyPI h5py or netCDF4 would bring a second HDF5
-library into the process of dolfinx).
+Every variable and coordinate that the program stores has an entry in `FIELDS`; their units and labels are
+written nowhere else. NetCDF files are read and written by h5netcdf (h5py or netCDF4 from PyPI would load a second
+HDF5 library into the process of dolfinx).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ JSON_ATTRS = "json_attrs"  # attribute that lists the attributes stored as JSON 
 
 
 class Field(NamedTuple):
-    """Unit (SI, "1" if dimensionless) and label of a name."""
+    """Unit (SI, "1" if dimensionless) and label of a variable or coordinate."""
 
     units: str
     long_name: str
@@ -210,12 +210,12 @@ AXES: dict[str, Field] = {
 
 
 def field(name: str) -> Field:
-    """Return unit and label of a name.
+    """Return unit and label of a variable or coordinate.
 
     Raises
     ------
     InputError
-        When `FIELDS` has no such name.
+        If `FIELDS` has no such name.
     """
     try:
         return FIELDS[name]
@@ -286,10 +286,10 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     Parameters
     ----------
     dataset
-        Real, integer, bool and string variables; every name in `FIELDS`. Attributes that are
-        dicts, lists, bools or None are stored as JSON text and come back as they were.
+        Real, integer, bool and string variables, whose names are in `FIELDS`. Attributes that are dicts, lists, bools
+        or None are stored as JSON text; `load_dataset` restores them.
     path
-        Target; parents are made. An existing file is replaced only after the new one is complete.
+        Target; missing parent folders are created. An existing file is replaced only after the new one is complete.
 
     Returns
     -------
@@ -299,7 +299,7 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        For an unknown name, a complex variable or an attribute that JSON cannot hold.
+        For an unknown name, a complex variable or an attribute that JSON cannot represent.
     """
     target = Path(path)
     ready = annotate(dataset)
@@ -326,12 +326,12 @@ def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Data
     Parameters
     ----------
     lazy
-        Read each variable when it is asked for: a figure of many runs needs few of them.
+        Read each variable on first use; a figure of many runs needs only a few variables.
 
     Raises
     ------
     InputError
-        When the file is missing or is not a results file.
+        If the file is missing or is not a results file.
     """
     source = Path(path)
     if not source.is_file():

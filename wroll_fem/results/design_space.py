@@ -1,4 +1,4 @@
-"""Tuned secondary in the design space of the two-mass model."""
+"""Tuned secondary mass in the design space of the two-mass model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wroll_fem.typing import FloatArray
 
 
 def tuned_stiffness(dataset: xr.Dataset) -> tuple[float, FloatArray] | None:
-    """Stiffness of the secondary for which both uncoupled masses have the same natural frequency.
+    """Stiffness of the secondary mass for which both uncoupled masses have the same natural frequency.
 
     Equations 5.6 and 5.7 of the thesis give the masses and stiffness at a friction capacity: k_2'/m_2' = k_1/m_1'.
 
@@ -22,7 +22,7 @@ def tuned_stiffness(dataset: xr.Dataset) -> tuple[float, FloatArray] | None:
     -------
     (float, (n,) array) or None
         Friction capacity that is optimal for most designs, N, and k_2 for each m_2 of the design space, N/m. None if
-        the secondary is not supported by the base, or no design has a damping estimate.
+        the secondary mass is not supported by the base, or no design has a damping estimate.
     """
     attrs, best = dataset.attrs, dataset["capacity_at_zeta_max"].values
     known, count = np.unique(best[np.isfinite(best)], return_counts=True)

@@ -11,10 +11,11 @@ from wroll_fem.typing import FloatArray
 
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
-    """|input - kinetic - strain - contact - friction - modulation - numerical| / largest input, maximum over time.
+    """Largest residual of the energy balance at any time, divided by the largest input work; dimensionless.
 
-    Dimensionless. Every term is computed on its own (the scheme's dissipation from its closed form), so that
-    unconverged steps, lost slip and wrong bookkeeping show.
+    The residual is |input - kinetic - strain - contact - friction - modulation - numerical|; viscous energy and impact
+    dissipation are also subtracted if they exist. Each term is computed independently (the dissipation of the scheme
+    from its closed form). The residual therefore reveals unconverged steps, lost slip and wrong energy terms.
     """
     stored = dataset["kinetic_energy"] + dataset["strain_energy"] + dataset["contact_energy"]
     spent = dataset["friction_energy"] + dataset["pressure_modulation_work"] + dataset["numerical_dissipation"]
@@ -34,11 +35,11 @@ class EnergyLedger(NamedTuple):
     input_work
         Work of the base motion.
     friction, viscous
-        Dissipated by friction, and by dashpots (zero without them).
+        Energy dissipated by friction, and by dashpots (zero without dashpots).
     stored
-        Change of kinetic, strain and contact energy, with the work of the pressure modulation.
+        Change of kinetic, strain and contact energy, plus the work of the pressure modulation.
     numerical
-        Dissipation of the scheme, and of the time steps in which surfaces land and part.
+        Dissipation of the integration scheme, and of the time steps in which contact closes or opens.
     """
 
     input_work: FloatArray

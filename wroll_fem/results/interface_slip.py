@@ -1,8 +1,8 @@
-"""Slip on the interfaces: whole circumference, unrolled raster, slipping area.
+"""Slip on the interfaces: fields on the whole circumference, unrolled raster, slipping area.
 
-Point data of a result (dims `interface`, `point`) may cover half a roll, theta in [0, pi], when the run
-used the symmetry plane of the excitation: areas then already stand for the whole roll, fields are even in
-theta and the hoop components odd. The functions here give the whole circumference either way.
+Point data of a result (dims `interface`, `point`) cover half a roll, theta in [0, pi], if the run used the symmetry
+plane of the excitation. The areas then already represent the whole roll; hoop components are odd in theta, all other
+fields even. The functions of this module return the whole circumference in either case.
 """
 
 from __future__ import annotations
@@ -66,11 +66,11 @@ def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
     Parameters
     ----------
     dataset
-        Has `theta_rad`, `z_m` over `point` and the fields over (`interface`, `point`).
+        Results with `theta_rad` and `z_m` over `point`, and the fields over (`interface`, `point`).
     interface
         0 is the innermost.
     names
-        Fields wanted.
+        Names of the fields.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def wrapped(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]:
-    """Points and periodic copies (half a turn on each side), with the indices of the originals; (m,) each."""
+    """Angle, height and original index, (m,) each, of the points and of periodic copies half a turn on each side."""
     number = np.arange(theta.size)
     left, right = theta < 0.0, theta >= 0.0
     angle = np.concatenate([theta, theta[left] + 2.0 * np.pi, theta[right] - 2.0 * np.pi])
@@ -188,7 +188,7 @@ def interface_radius(dataset: xr.Dataset, interface: int) -> float:
 
 
 def slipping_area_fraction(dataset: xr.Dataset) -> xr.DataArray:
-    """Fraction of each interface's area that slipped at any time, over `interface`."""
+    """Fraction of the area of each interface that slipped at any time; dimension `interface`."""
     _require(dataset, "slipped", "area")
     fraction = (dataset["slipped"] * dataset["area"]).sum("point") / dataset["area"].sum("point")
     return fraction.rename("slipping_area_fraction")

@@ -16,7 +16,7 @@ def json_types(value: Any, *, keep_non_finite: bool = False) -> Any:
     value
         Scalar, array, path, or mappings and sequences of them; keys of mappings become text.
     keep_non_finite
-        Keep nan and infinity, which Python's json writes and reads; None takes their place otherwise.
+        Keep nan and infinity, which Python's json can write and read; otherwise None replaces them.
     """
     if isinstance(value, Mapping):
         return {str(key): json_types(item, keep_non_finite=keep_non_finite) for key, item in value.items()}

@@ -1,4 +1,4 @@
-"""Interlayer pressure over the radius of a wound roll."""
+"""Interlayer pressure versus radius of a wound roll."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import xarray as xr
 
 
 def middle_slope(dataset: xr.Dataset) -> float:
-    """Mean pressure gradient over the middle half of the roll, Pa/m, positive where the pressure falls outwards.
+    """Mean pressure gradient in the middle half of the roll, Pa/m; positive if the pressure decreases outwards.
 
     Parameters
     ----------

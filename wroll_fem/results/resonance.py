@@ -21,9 +21,9 @@ class Resonance:
     f_n, peak
         Natural frequency, Hz, and largest transmissibility.
     f_low, f_high
-        Half-power frequencies, Hz; nan for a side that the band does not hold.
+        Half-power frequencies, Hz; nan if the frequency lies outside the band.
     zeta, method
-        Damping ratio, nan where there is none, and the estimator it comes from.
+        Damping ratio (nan if none was estimated) and its estimator.
     skewness
         (f_high - f_n) / (f_n - f_low) - 1; nan without both half-power points.
     reason
@@ -48,7 +48,7 @@ class Resonance:
     def rings(self) -> bool:
         """Whether the curve exceeds half power again, as after a fast sweep through a lightly damped resonance.
 
-        The damping ratio is then the width of the highest ripple.
+        The damping ratio then measures the width of the highest ripple.
         """
         return self.damped and bool(self.reason)
 
@@ -59,7 +59,7 @@ def resonance(dataset: xr.Dataset) -> Resonance:
     Raises
     ------
     InputError
-        When the results hold none.
+        If the results contain none.
     """
     attrs: Mapping[str, Any] = dataset.attrs
     if "f_n_hz" not in attrs or "peak_transmissibility" not in attrs:

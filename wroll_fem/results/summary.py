@@ -1,7 +1,7 @@
 """Entries of summary.json: table of names, units, labels, formats and groups.
 
-A name ends in its unit. Everything that spells a summary entry takes unit and words from `SUMMARY`: the console, the
-report, batch.nc and the reference page. This module imports nothing heavy.
+Each name ends in its unit. Console, report, batch.nc and reference page take units and labels from `SUMMARY`. This
+module imports no large library.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ class Entry(NamedTuple):
     Attributes
     ----------
     unit
-        Unit as a reader writes it, "" for none.
+        Unit as printed; "" if dimensionless.
     label
         What it is, in a few words.
     sentence
-        What the label does not say, for the reference page.
+        Further explanation, for the reference page.
     style
-        "share": shown in per cent; "number": as it is; "si": with an SI prefix.
+        "share": shown in per cent; "number": shown unchanged; "si": shown with an SI prefix.
     console
-        Format at the end of `wroll run`; "" leaves it out there.
+        Format in the output at the end of `wroll run`; "" omits the entry there.
     """
 
     unit: str
@@ -259,10 +259,10 @@ _SUFFIXES = {
     "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
     "n": "N", "rad": "rad", "g": "g",
 }  # fmt: skip
-"""Suffix of a name -> unit, longest first; `_g` is an acceleration over 9.80665 m/s²."""
+"""Suffix of a name -> unit, longest first; `_g` is an acceleration divided by 9.80665 m/s²."""
 
 _NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
-"""Units whose spelling in NetCDF differs."""
+"""Unit -> its spelling in NetCDF, where this differs."""
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -276,12 +276,12 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def unit_of(name: str) -> str:
-    """Unit of a name, in the table or from its suffix ("" if dimensionless)."""
+    """Unit of an entry, from the table or from the suffix of its name ("" if dimensionless)."""
     return SUMMARY[name].unit if name in SUMMARY else split_unit(name)[1]
 
 
 def netcdf_unit(name: str) -> str:
-    """Unit of a name in NetCDF spelling ("1" if dimensionless)."""
+    """Unit of an entry in NetCDF spelling ("1" if dimensionless)."""
     unit = unit_of(name)
     return _NETCDF.get(unit, unit)
 
