@@ -176,7 +176,7 @@ def test_wrong_input_is_one_line(tmp_path: Path, dwell: wf.Case) -> None:
         (lambda: dwell.changed(3), "cannot change a case by 3; give"),
         (lambda: wf.load_result(tmp_path), "results file not found"),
         (lambda: wf.case_of(bare), "result: does not contain its case"),
-        (lambda: wf.transmissibility(bare), "result: has no transmissibility over frequency"),
+        (lambda: wf.transmissibility(bare), "result: has no transmissibility versus frequency"),
         (lambda: wf.batch_table(tmp_path), "table of a batch not found"),
         (lambda: wf.run_grid(tmp_path / "no.yaml", tmp_path), "file not found"),
         (lambda: wf.run_series(two_masses(), {"two_dof.m3": [1]}), "two_dof.m3: unknown key"),

@@ -6,7 +6,7 @@
     result = wf.run(case)  # an xarray.Dataset with units
     wf.plot.slip_map(result)
 
-docs/api.md tells which analysis gives which variables and figures.
+docs/api.md lists the variables and figures of each analysis.
 """
 
 from __future__ import annotations

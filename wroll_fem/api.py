@@ -52,7 +52,7 @@ def _warn(text: str) -> None:
 
 @contextmanager
 def _reporting(progress: ShowProgress) -> Iterator[Progress]:
-    """Context manager: progress reporter for the value of the argument `progress`."""
+    """Context manager that yields the progress reporter for the argument `progress`."""
     if progress is not None and not isinstance(progress, bool):
         yield progress
     else:
@@ -69,7 +69,7 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     case
         Case from `load_case`, `example_case` or `Case`.
     out
-        Run folder as of `wroll run --out`: case, results, summary, fields, figures, log. If the folder contains the
+        Run folder as with `wroll run --out`: case, results, summary, fields, figures, log. If the folder contains the
         finished case, its results are read; an unfinished run continues from its checkpoint. None writes nothing.
     progress
         True shows bars on a terminal and lines elsewhere; False shows nothing; None, the default, shows bars on a
@@ -158,12 +158,12 @@ def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:
 
 
 def transmissibility(result: xr.Dataset) -> xr.DataArray:
-    """Return |T| over frequency of a sweep, a harmonic response or the two masses.
+    """Return |T| versus frequency of a sweep, a harmonic response or the two-mass model.
 
     Returns
     -------
     xr.DataArray
-        Over `frequency` in Hz; of the two masses over `friction_capacity` and `omega`.
+        Dimension `frequency` in Hz; for the two-mass model, dimensions `friction_capacity` and `omega`.
 
     Raises
     ------
@@ -176,25 +176,25 @@ def transmissibility(result: xr.Dataset) -> xr.DataArray:
         return result["transmissibility"]
     if "transmissibility_real" not in result:
         remedy = "use analysis sweep, harmonic or two_dof"
-        raise InputError("has no transmissibility over frequency", key="result", remedy=remedy)
+        raise InputError("has no transmissibility versus frequency", key="result", remedy=remedy)
     return magnitude(result)
 
 
 def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
-    """Compute the modes of a modal_transient case once, for slip at many levels.
+    """Compute the modes of a modal_transient case once, to reuse them for slip at many excitation levels.
 
     Parameters
     ----------
     case
         Case of the analysis modal_transient.
     progress
-        As of `run`.
+        As for `run`.
 
     Returns
     -------
     SlipModel
-        Its method `run(case)` computes, in a few milliseconds, the result of any case that differs in level, friction,
-        damping, frequency or winding.
+        Its method `run(case)` computes, in a few milliseconds, the result of any case that differs in excitation level,
+        friction, damping, frequency or winding.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
 def run_series(
     case: Case, keys: Mapping[str, Sequence[Any]], *, reference: Case | None = None, progress: ShowProgress = None
 ) -> list[StudyCase]:
-    """Run every combination of dotted keys in memory, one after the other, for the figures of a study.
+    """Run every combination of the values of dotted keys in memory, one by one, for the figures of a study.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def run_series(
     Raises
     ------
     InputError
-        If a key or value is invalid; no case is run.
+        If a key or value is invalid; then no case is run.
     ConvergenceError
         If a case does not converge.
 
@@ -258,7 +258,7 @@ def run_grid(
     retry: bool = False,
     progress: ShowProgress = None,
 ) -> list[Outcome]:
-    """Run the unfinished cases of a grid, as `wroll batch`; see `wroll_fem.jobs.batch.run_grid`.
+    """Run the unfinished cases of a grid, like `wroll batch`; see `wroll_fem.jobs.batch.run_grid`.
 
     Parameters
     ----------
@@ -267,14 +267,14 @@ def run_grid(
     out
         Folder for the run folders of the cases, and for the table that `batch_table` reads.
     workers, scheduler
-        Cases at a time on this machine, or the address of a Dask scheduler.
+        Number of cases at a time on this machine, or address of a Dask scheduler.
     retry
-        Run failed cases of earlier calls again; otherwise they are only reported.
+        Run again the cases that failed in earlier calls; otherwise they are only reported.
 
     Returns
     -------
     list of Outcome
-        `member` (name, values, case), `status` and `error` of every case. A failed case does not stop the others;
+        `member` (name, values, case), `status` and `error` of each case. A failed case does not stop the others;
         if progress is not shown, failures are issued as a `CaseWarning`.
 
     Raises

@@ -1,4 +1,4 @@
-"""Errors for users, each with its exit code."""
+"""Errors that are reported to users, each with an exit code."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class InputError(WrollError):
     problem
         What is wrong, with the offending value.
     key
-        Dotted key of the case file, if one is to blame.
+        Dotted key of the case file that causes the error, if there is one.
     remedy
-        What would be right.
+        What to do.
     file
         File the input came from; filled in by the loader when unknown here.
     """
@@ -61,13 +61,13 @@ class ConvergenceError(WrollError):
     problem
         The message alone.
     partial
-        What was computed until then, None when nothing was. Of an analysis it is a Dataset, the one that the
-        successful analysis would give, shorter. Within `dynamics.periodic` it is the curve so far (HarmonicCurve or
-        BackboneCurve), of `numerics.continuation` the points so far (list of CurvePoint).
+        Results up to the failure; None if there are none. From an analysis: a Dataset like that of a complete run, but
+        shorter. From `dynamics.periodic`: the curve up to the failure (HarmonicCurve or BackboneCurve). From
+        `numerics.continuation`: its points up to the failure (list of CurvePoint).
     last
-        Unknowns of the last iteration where a point of a curve is not found, else None.
+        Unknowns of the last iteration if a point of a curve is not found; otherwise None.
     opening
-        Share of the contact points that open within the period of ``last``.
+        Fraction of the contact points that open during the period of the motion ``last``.
     """
 
     exit_code = 3
@@ -92,7 +92,7 @@ class ConvergenceError(WrollError):
 
 
 class ReductionError(ConvergenceError):
-    """A reduced model cannot follow the motion within its tolerance; the exact solver of the problem can."""
+    """The reduced model cannot represent the motion within its tolerance; an exact solver can."""
 
 
 def require_positive(owner: object, names: Sequence[str], *, section: str = "") -> None:

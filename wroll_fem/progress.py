@@ -14,8 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self, TextIO
 
-#: A plain line appears when this much time (s) or this share of the work has passed since the last one,
-#: the latter not more often than once per second.
+#: A plain line is printed if the first time (s) has passed since the last line, or if the share of the work has been
+#: done since then and the second time (s) has passed.
 LINE_SECONDS, LINE_SHARE, LINE_SHARE_SECONDS = 10.0, 0.1, 1.0
 
 #: Time between two redrawings of the bar, s; `update` is called in tight loops.
@@ -33,7 +33,7 @@ class Stage(Protocol):
         note
             Text shown behind the progress.
         left
-            Seconds left, nan if unknown. By default they are extrapolated from the time taken so far.
+            Remaining time, s; nan if unknown. By default it is extrapolated from the time taken so far.
         """
 
 
@@ -97,7 +97,7 @@ class SilentProgress:
 
 
 class KeptWarnings:
-    """Progress that passes everything on to another one and keeps the warnings.
+    """Progress that forwards everything to another progress object and stores the warnings.
 
     Parameters
     ----------
@@ -115,22 +115,22 @@ class KeptWarnings:
         self.warnings: list[str] = []
 
     def stage(self, name: str, total: float, unit: str = "") -> AbstractContextManager[Stage]:
-        """Open a stage of the other progress."""
+        """Open a stage on the wrapped progress object."""
         return self._inner.stage(name, total, unit)
 
     def info(self, text: str) -> None:
-        """Pass information on."""
+        """Forward information."""
         self._inner.info(text)
 
     def warning(self, text: str) -> None:
-        """Pass a warning on and keep it; one that is already known is left out."""
+        """Forward a warning and store it; a repeated warning is ignored."""
         if text not in self.warnings:
             self.warnings.append(text)
             self._inner.warning(text)
 
 
 def draws_bars(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that can redraw lines and whose foreground process is this one."""
+    """Whether a stream is a terminal that can redraw lines, and this process runs in its foreground."""
     if not stream.isatty() or os.environ.get("TERM", "dumb").lower() in ("", "dumb", "unknown"):
         return False
     try:
@@ -151,9 +151,9 @@ class TerminalProgress:
 
     Notes
     -----
-    Messages are records of the standard library's logging, of a logger of this object's own: `wroll_fem` leaves the
-    loggers of the program that imports it alone. With `log_to` a file receives them too, with the progress that a
-    terminal shows as a bar. Usable as a context manager, which closes that file.
+    Messages are records of the standard library's logging. They use a logger of this object, so the loggers of the
+    program that imports `wroll_fem` do not change. With `log_to` they are also written to a file, together with the
+    progress that a terminal shows as a bar. As a context manager, the object closes that file at the end.
     """
 
     def __init__(self, stream: TextIO | None = None, *, bars: bool | None = None) -> None:
@@ -287,7 +287,7 @@ class _Stage:
 
 
 class _Shown(logging.Handler):
-    """Formatter of messages for the user, with a prefix on warnings."""
+    """Handler that shows messages to the user, with a prefix on warnings."""
 
     def __init__(self, show: Callable[[str], None]) -> None:
         super().__init__(logging.INFO)

@@ -18,7 +18,7 @@ __all__ = ["Result", "ShowProgress", "run_case"]
 
 
 def run_case(case: Case, *, out: str | Path | None = None, progress: ShowProgress = None) -> Result:
-    """Run a case and return its `Result`; parameters and errors as of `wroll_fem.run`."""
+    """Run a case and return its `Result`; parameters and errors as for `wroll_fem.run`."""
     return Result(api.run(case, out=out, progress=progress))
 
 
@@ -85,7 +85,7 @@ class Result:
 
     @property
     def transmissibility(self) -> xr.DataArray:
-        """Transmissibility |T| over frequency in Hz.
+        """Transmissibility |T| versus frequency in Hz.
 
         Raises
         ------
@@ -101,23 +101,23 @@ class Result:
         return save_dataset(self.data, path)
 
     def plot_transmissibility(self, ax: Axes | None = None) -> Axes:
-        """Draw the transmissibility over frequency, with f_n and the half-power points."""
+        """Draw the transmissibility versus frequency, with f_n and the half-power points."""
         return self._plot("transmissibility", ax)
 
     def plot_harmonic_response(self, ax: Axes | None = None) -> Axes:
-        """Draw the steady response over frequency."""
+        """Draw the steady response versus frequency."""
         return self._plot("harmonic_response", ax)
 
     def plot_backbone(self, ax: Axes | None = None) -> Axes:
-        """Draw frequency and damping over the amplitude of the tip."""
+        """Draw frequency and damping versus the amplitude of the tip."""
         return self._plot("backbone", ax)
 
     def plot_response(self, ax: Axes | None = None) -> Axes:
-        """Draw the acceleration of the tip over time."""
+        """Draw the acceleration of the tip versus time."""
         return self._plot("response", ax)
 
     def plot_energy_ledger(self, ax: Axes | None = None) -> Axes:
-        """Draw input work, stored energy and losses over time."""
+        """Draw input work, stored energy and losses versus time."""
         return self._plot("energy_ledger", ax)
 
     def plot_modes(self, ax: Axes | None = None) -> Axes:
@@ -125,15 +125,15 @@ class Result:
         return self._plot("modes", ax)
 
     def plot_slip_map(self, ax: Axes | None = None, **options: Any) -> Axes:
-        """Draw the slip of an interface over angle and height."""
+        """Draw the slip of an interface versus angle and height."""
         return self._plot("slip_map", ax, **options)
 
     def plot_pressure_map(self, ax: Axes | None = None, **options: Any) -> Axes:
-        """Draw the pressure of an interface over angle and height."""
+        """Draw the pressure of an interface versus angle and height."""
         return self._plot("pressure_map", ax, **options)
 
     def plot_winding(self, ax: Axes | None = None) -> Axes:
-        """Draw pressure, friction capacity and hoop stress over the radius of the wound roll."""
+        """Draw pressure, friction capacity and hoop stress versus the radius of the wound roll."""
         return self._plot("winding", ax)
 
     def plot_steady_response(self, ax: Axes | None = None) -> Axes:
@@ -141,7 +141,7 @@ class Result:
         return self._plot("steady_response", ax)
 
     def plot_design_map(self, ax: Axes | None = None) -> Axes:
-        """Draw the frequency disparity over radius and wall of the mandrel."""
+        """Draw the frequency disparity versus radius and wall of the mandrel."""
         return self._plot("design_map", ax)
 
     def plot(self, figure: str, *args: Any, **options: Any) -> Any:

@@ -43,7 +43,7 @@ class Roll:
     probes
         Named points whose motion the results contain; the tip is always included.
     mesh
-        Element counts, or a mesh file.
+        Numbers of elements, or a mesh file.
 
     Examples
     --------
@@ -120,7 +120,7 @@ class Roll:
         Parameters
         ----------
         analysis, sections
-            As of `case`.
+            As for `case`.
         out, progress
             As of `wroll_fem.run`.
         """
@@ -183,7 +183,7 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Compute the steady response over frequency by harmonic balance; the sweep rate is not used.
+        """Compute the steady response versus frequency by harmonic balance; the sweep rate is not used.
 
         Parameters
         ----------
@@ -203,7 +203,7 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Compute frequency and damping of the resonance over its amplitude.
+        """Compute frequency and damping of the resonance versus amplitude.
 
         Parameters
         ----------
@@ -245,12 +245,12 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Compute the factors of the preload at which the roll buckles, and the buckling modes.
+        """Compute the load factors at which the preload makes the roll buckle, and the buckling modes.
 
         Parameters
         ----------
         modal, output
-            Case sections; None gives the default. `modal` has the number of modes and the springs of the interfaces.
+            Case sections; None gives the default. `modal` sets the number of modes and the interface springs.
         out, progress
             As of `wroll_fem.run`.
         """
@@ -266,7 +266,7 @@ class Roll:
         out: str | Path | None = None,
         progress: ShowProgress = None,
     ) -> Result:
-        """Compute the steady response of a solid coil at several levels, its shear stress and slip zone.
+        """Compute steady response, shear stress and slip zone of a solid coil at several excitation levels.
 
         Parameters
         ----------
@@ -285,7 +285,7 @@ class Roll:
     def run_design_map(
         self, design_map: DesignMap, *, out: str | Path | None = None, progress: ShowProgress = None
     ) -> Result:
-        """Compute the frequency bounds of a solid coil over radius and wall of the mandrel.
+        """Compute the bending frequencies with softest and stiffest coil versus radius and wall of the mandrel.
 
         Parameters
         ----------
