@@ -50,5 +50,5 @@ def test_every_case_has_its_point_in_the_panel_of_its_level(tmp_path: Path) -> N
 def test_one_level_is_one_column_and_other_keys_are_refused() -> None:
     first = FIGURES["damping_over_preload"]([member(p, mu, None) for p in PRESSURES for mu in COEFFICIENTS])
     assert len(first.figure.axes) == 2
-    with pytest.raises(InputError, match=r"over preload\.pressure and contact\.friction\.mu"):
+    with pytest.raises(InputError, match=r"values of preload\.pressure and contact\.friction\.mu"):
         FIGURES["damping_over_preload"]([StudyCase("a", {"preload.pressure": 1e4}, xr.Dataset())])
