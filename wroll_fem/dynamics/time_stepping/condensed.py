@@ -1,21 +1,22 @@
-r"""Exact condensation on the interfaces.
+r"""Time integration with exact condensation on the contact degrees of freedom.
 
 With a fixed step the HHT matrix S is constant and the jump is linear in the interface traction,
 
 .. math:: g_{n+1} = \hat g_{n+1} - F\, s(g_{n+1}), \qquad F = (1+\alpha)\, G S^{-1} G^T W,
 
-so only a dense system of interface size is nonlinear. Three things make it small and fast:
+so only a dense system of interface size is nonlinear. It is kept small and fast as follows:
 
-* The sticking interface of the preload state (springs :math:`D_0`) is part of the linear structure.
-  The correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload
-  pressure; Newton's matrix is formed only for points that slip, open or changed their pressure.
-* The structure moves in its modes, all of them: no truncation. K and M of a roll with rotational symmetry
-  fall into blocks, one per circumferential harmonic (`cyclic_symmetry`): all modes are cheap to find and to use.
-* F is applied harmonic by harmonic.
+* The sticking interface of the preload state (springs :math:`D_0`) is part of the linear structure. The traction
+  correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload pressure. Newton's
+  matrix is formed only for points that slip or open, or whose pressure has changed.
+* The structure is represented by all its modes, without truncation. K and M of a roll with rotational symmetry fall
+  into blocks, one per circumferential harmonic and parity (`cyclic_symmetry`), so that all modes can be computed and
+  used at low cost.
+* F is applied for one circumferential block after the other.
 
-A structure without rotational symmetry and with more than `DENSE_LIMIT` DOFs is projected on static and
-dynamic attachment vectors of every interface component and the low modes instead. That is accurate to about 1e-4
-of the largest displacement, not exact; then `Condensation.exact` is False.
+A structure without rotational symmetry and with more than `DENSE_LIMIT` DOFs is instead projected on the low modes and
+on static and dynamic attachment vectors of every interface component. This is not exact: the error is about 1e-4 of the
+largest displacement, and `Condensation.exact` is False.
 
 References
 ----------
@@ -41,7 +42,7 @@ from wroll_fem.typing import FloatArray
 
 
 class CondensedStepper(Stepper):
-    """Time stepping in condensed coordinates; see `Stepper`."""
+    """Time stepping with condensation on the contact degrees of freedom; see `Stepper`."""
 
     name = "condensed"
     state: CondensedState
@@ -67,11 +68,11 @@ class CondensedStepper(Stepper):
         return self.condensation.displacement(self.state.motion.q)
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
-        """Influence vector and inertia force (r,) of a unit base acceleration: the modal mass is 1."""
+        """Influence vector i (r,) and M i (r,) in modal coordinates; they are equal because the modal masses are 1."""
         return self.condensation.base, self.condensation.base
 
     def start_from(self, displacement: FloatArray) -> None:
-        """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
+        """Start from rest at ``displacement`` (n_dofs,), m, relative to the preload state."""
         c, system = self.condensation, self.system
         motion, contact = self.state.motion, self.state.contact
         motion.q[:] = c.coordinates(system.mass @ displacement)
@@ -87,7 +88,7 @@ class CondensedStepper(Stepper):
         motion.a[:] = -motion.residual
 
     def _operator(self, dt: float) -> tuple[Modal, InterfaceOperator]:
-        """Structure and interfaces in steps of ``dt`` (s)."""
+        """Operators of the structure and of the interfaces for steps of ``dt`` (s)."""
         if dt not in self._operators:
             c, s = self.condensation, self.scheme
             inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * c.eigenvalues)

@@ -1,4 +1,4 @@
-"""The compiled loop of the condensed time integration (equations in `condensed`)."""
+"""Compiled loop of the condensed time integration (equations in `condensed`)."""
 
 from __future__ import annotations
 
@@ -21,19 +21,20 @@ from wroll_fem.typing import FloatArray, IntArray
 drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__)
 
 STIFFNESS_CHANGE = 0.1
-"""A point joins Newton's dense matrix when its stick stiffness left the preload state's by this fraction."""
+"""Change of the tangential stiffness of a point, relative to the reference contact stiffness, above which the point is
+included in Newton's dense matrix."""
 
 
 class InterfaceOperator(NamedTuple):
-    """Jump of the interfaces per modal coordinate and per traction, harmonic by harmonic.
+    """Jump of the interfaces per unit modal coordinate and per unit traction, for each circumferential block.
 
     Attributes
     ----------
-    starts : (n_blocks + 1,) first mode of each block
-    modal_jump : flat; amplitude of the jump in each row of points per mode, block after block
-    profiles : (3, n_blocks, n_theta) shape of hoop, axial and normal components around a row
-    blocks : (n_blocks, 3 n_rows, 3 n_rows) compliance, amplitude per amplitude of force, m/N
-    compliance : (3 n, 3 n) F, jump per traction, m/Pa, for Newton's matrix
+    starts : (n_blocks + 1,) index of the first mode of each block, then the number of modes
+    modal_jump : flat array; amplitude of the jump in each row of points per unit modal coordinate, block after block
+    profiles : (3, n_blocks, n_theta) shape of the hoop, axial and normal components around a row
+    blocks : (n_blocks, 3 n_rows, 3 n_rows) compliance: amplitude of the jump per unit amplitude of the force, m/N
+    compliance : (3 n, 3 n) compliance F: jump per unit traction, m/Pa, for Newton's matrix
     """
 
     starts: IntArray
@@ -44,7 +45,7 @@ class InterfaceOperator(NamedTuple):
 
 
 class CondensedState(NamedTuple):
-    """State of a condensed run: motion in modes, contact, and the jump (3 n,) one step ago."""
+    """State of a condensed run: motion in modal coordinates, contact, and the jump (3 n,) one step before, m."""
 
     motion: Motion
     contact: ContactMemory
@@ -52,7 +53,7 @@ class CondensedState(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """Trial state of a step: jump, traction, elastic slip, status, correction and residual of the interfaces."""
+    """Trial state of the interfaces: jump, traction, elastic slip, status, traction correction and residual."""
 
     g: FloatArray
     t: FloatArray
@@ -64,7 +65,10 @@ class _Trial(NamedTuple):
 
 @numba.njit(cache=True)
 def _gather(s, area, profiles, amplitudes):
-    """Amplitudes (n_blocks, 3 n_rows) of the point forces area * s, component by component."""
+    """Circumferential amplitudes (n_blocks, 3 n_rows) of the contact forces area * s, for tractions s (3 n,), Pa.
+
+    They are sorted by component (hoop, axial, normal), then by row.
+    """
     n, n_blocks, n_theta = area.shape[0], profiles.shape[1], profiles.shape[2]
     rows = n // n_theta
     force = np.empty((rows, n_theta))
@@ -81,7 +85,7 @@ def _gather(s, area, profiles, amplitudes):
 
 @numba.njit(cache=True)
 def _scatter(amplitudes, profiles, out):
-    """Add the point values (3 n,) of amplitudes (n_blocks, 3 n_rows) to ``out``."""
+    """Add to ``out`` the values (3 n,) at the contact points from circumferential amplitudes (n_blocks, 3 n_rows)."""
     n, n_blocks, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
     rows = n // n_theta
     part = np.empty((rows, n_blocks))
@@ -98,7 +102,7 @@ def _scatter(amplitudes, profiles, out):
 
 @numba.njit(cache=True)
 def _residual(g_hat, interface, reference, contact, laws, dt, trial, amplitudes):
-    """Evaluate the contact at ``trial.g``: rho = g - g_hat + F s. Returns max |rho|, m."""
+    """Evaluate the contact at ``trial.g`` and the residual rho = g - g_hat + F s; returns max |rho|, m."""
     g, t, e, status, s, rho = trial
     trial_traction(g, contact.jump, contact.elastic_slip, laws, dt, t, e, status)
     correction(g, t, reference, s)
@@ -118,7 +122,7 @@ def _residual(g_hat, interface, reference, contact, laws, dt, trial, amplitudes)
 
 @numba.njit(cache=True)
 def _free_jump(q, interface, amplitudes, out):
-    """Add the jump of modal coordinates q to ``out`` (3 n,)."""
+    """Add to ``out`` (3 n,) the jump due to modal coordinates q (r,)."""
     size, starts = amplitudes.shape[1], interface.starts
     for b in range(amplitudes.shape[0]):
         first, last = starts[b], starts[b + 1]
@@ -129,7 +133,7 @@ def _free_jump(q, interface, amplitudes, out):
 
 @numba.njit(cache=True)
 def _modal_force(s, area, interface, amplitudes, force):
-    """Modal force (r,) of the interface correction s: G^T W s in modal coordinates."""
+    """Modal force (r,) of the traction correction s: G^T W s in modal coordinates."""
     _gather(s, area, interface.profiles, amplitudes)
     size, starts = amplitudes.shape[1], interface.starts
     for b in range(amplitudes.shape[0]):
@@ -140,7 +144,7 @@ def _modal_force(s, area, interface, amplitudes, force):
 
 @numba.njit(cache=True)
 def _active_dofs(tangent, springs, status, everything):
-    """Contact degrees of freedom whose tangent differs enough from the reference stiffness to be solved for."""
+    """Contact degrees of freedom in Newton's matrix: their tangent differs enough from the reference stiffness."""
     n = status.shape[0]
     active = np.empty(3 * n, np.int64)
     m = 0
@@ -161,7 +165,7 @@ def _active_dofs(tangent, springs, status, everything):
 
 @numba.njit(cache=True)
 def _factor(active, tangent, springs, compliance):
-    """Delta D on the active rows (m, 3) and the inverse of (I + Delta D F) on the active degrees of freedom (m, m)."""
+    """Rows of Delta D (m, 3), and inverse (m, m) of I + Delta D F, both for the active contact degrees of freedom."""
     m, n = active.shape[0], tangent.shape[0]
     change = np.empty((m, 3))
     matrix = np.empty((m, m))
@@ -182,7 +186,7 @@ def _factor(active, tangent, springs, compliance):
 
 @numba.njit(cache=True)
 def _newton_step(active, change, inverse, interface, area, rho, amplitudes, delta):
-    """delta = -(I + F Delta D)^{-1} rho with Delta D restricted to the active rows."""
+    """Newton step delta = -(I + F Delta D)^{-1} rho, where Delta D has only the active rows."""
     m, n = active.shape[0], area.shape[0]
     rhs = np.empty(m)
     for i in range(m):
@@ -201,11 +205,13 @@ def _newton_step(active, change, inverse, interface, area, rho, amplitudes, delt
 
 @numba.njit(cache=True)
 def advance_steps(acceleration, step, modal, interface, reference, laws, state, newton, accumulated, records):
-    """Advance len(acceleration) - 1 steps; returns the number done (``state`` is that of the last good step).
+    """Advance by up to len(acceleration) - 1 steps; returns the number of completed steps.
+
+    A step that does not converge ends the loop; ``state`` is the state after the last completed step.
 
     Parameters
     ----------
-    acceleration : (k + 1,) of the base at the step ends, m/s^2
+    acceleration : (k + 1,) base acceleration at the ends of the steps, m/s^2
     step, modal, interface, reference, laws : `Step`, `Modal`, `InterfaceOperator`, `Reference`, `PointLaws`
     state, accumulated : `CondensedState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step

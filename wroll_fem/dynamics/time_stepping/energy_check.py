@@ -23,43 +23,44 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 
 ABSURD = 100.0
-"""Energy created in one step, over the largest energy stored so far, that stops a run."""
+"""Energy created in one step, relative to the largest energy stored so far, above which a run is stopped."""
 
 LEAST = 1e-6
-"""Share of the largest stored energy below which created energy is ignored (rounding at the start)."""
+"""Created energy, relative to the largest stored energy, below which it is ignored (rounding at the start)."""
 
 ROUNDING = 1e-12
-"""The same, as a share of the energy that the preload has stored in the contact: its terms cancel in every step."""
+"""Created energy, relative to the energy that the preload stores in the contact, below which it is ignored. The terms
+of the preload energy cancel in every step, which leaves rounding errors."""
 
 
 def rounding_energy(laws: PointLaws, preload: ContactState) -> float:
-    """Energy, J, below which a step that seems to create energy is one of rounding."""
+    """Energy created in a step, J, below which it counts as rounding error."""
     pressure = normals(preload.traction)
     return float(ROUNDING * 0.5 * np.sum(laws.area * pressure**2 / laws.kn)) if laws.n else 0.0
 
 
 def check_energy(records: FloatArray, times: FloatArray, largest: float, rounding: float = 0.0) -> float:
-    """Refuse steps that create far more energy than the system ever stored; return the largest stored energy, J.
+    """Largest energy stored so far, J; raises an error if a step creates far more energy than this.
 
-    A point that turns round in the step after it opened gains a little energy (docs/theory.md). A step that creates a
-    hundred times all stored energy is a solution of its equations without physical meaning. Impacts that in all
-    created more energy than the system ever stored are an unstable integration.
+    A point that reverses its motion in the step after it opened gains a little energy (docs/theory.md); this is
+    accepted. A step that creates more than `ABSURD` times the stored energy solves its equations, but has no physical
+    meaning. If all impacts together have created more energy than the system ever stored, the integration is unstable.
 
     Parameters
     ----------
     records
-        (k + 1, columns) in J: the last step checked before (not checked again), and k new ones.
+        (k + 1, columns) in J: the last step of the previous check, which is not checked again, and k new steps.
     times
-        (k + 1,) s, at which these steps end.
+        (k + 1,) times at which these steps end, s.
     largest
-        Largest stored energy before, J.
+        Largest energy stored before, J.
     rounding
         `rounding_energy`, J.
 
     Raises
     ------
     ConvergenceError
-        With the time at which the first such step starts.
+        If there is such a step; its time is the start of the first one.
     """
     stored = records[:, [KINETIC, STRAIN, CONTACT]].sum(axis=1)
     missed = records[:, INPUT] - stored - records[:, [FRICTION, MODULATION, NUMERICAL, VISCOUS, IMPACT]].sum(axis=1)
@@ -71,7 +72,7 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float, roundin
     )
     if bad.size:
         raise ConvergenceError(
-            f"energy balance violated: a step created {made[bad[0]]:.2g} J, at most {most[bad[0]]:.2g} J was stored",
+            f"energy balance violated: a step created {made[bad[0]]:.2g} J; at most {most[bad[0]]:.2g} J was stored",
             time_s=float(times[bad[0]]),
             iterations=int(records[bad[0] + 1, ITERATIONS]),
             residual_history=[],

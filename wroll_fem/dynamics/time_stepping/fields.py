@@ -1,4 +1,4 @@
-"""Per-point results over (interface, point), with coordinates where the points have them."""
+"""Result fields of the contact points with dimensions (interface, point), and their coordinates."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
 
 SAME_PLACE = 1e-6
-"""Points of two interfaces match when angle (rad) and height (relative) differ by less."""
+"""Largest difference in angle (rad), and in height relative to the length of the interfaces, of matching points."""
 
 
 def per_interface(system: System, values: np.ndarray) -> np.ndarray:
-    """(n_points, ...) values as (n_interfaces, most points, ...).
+    """Values (n_points, ...) as an array (n_interfaces, largest number of points, ...).
 
-    Interfaces with fewer points than the largest end in NaN, or in False for flags.
+    Interfaces with fewer points are padded with NaN, or with False for flags.
     """
     counts = [interface.n_points for interface in system.interfaces]
     if len(set(counts)) == 1:
@@ -30,10 +30,10 @@ def per_interface(system: System, values: np.ndarray) -> np.ndarray:
 
 
 def interface_fields(system: System, preload: ContactState, stepper: Stepper | None = None) -> xr.Dataset:
-    """Per-point fields: preload pressure and traction, and the slip a stepper gathered.
+    """Fields of the contact points: preload pressure and traction, and the slip recorded by a stepper.
 
-    Coordinates `theta_rad` and `z_m` run over `point` when all interfaces share them, over (`interface`, `point`)
-    when they do not, and are left out with `radius` when an interface has no points in space.
+    Coordinates `theta_rad` and `z_m` have the dimension `point` if all interfaces share them, otherwise the dimensions
+    (`interface`, `point`). They and `radius` are omitted if the positions of the points of an interface are unknown.
     """
     dims = ("interface", "point")
     traction = tangentials(preload.traction)

@@ -1,4 +1,4 @@
-"""The reference: the whole structure in every step, sparse Newton, no condensation."""
+"""The reference stepper: the whole structure is solved in every step by sparse Newton iterations."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from wroll_fem.typing import FloatArray
 
 
 class FullState(NamedTuple):
-    """State of a full run: motion of all DOFs, and contact."""
+    """State of a run with the full method: motion of all DOFs, and contact."""
 
     motion: Motion
     contact: ContactMemory
 
 
 class FullStepper(Stepper):
-    """Sparse Newton on all DOFs; shares only the contact law with the condensed path."""
+    """Time stepping by sparse Newton iterations on all DOFs; only the contact law is shared with `CondensedStepper`."""
 
     name = "full"
     state: FullState
@@ -58,11 +58,11 @@ class FullStepper(Stepper):
         return self.state.motion.q.copy()
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
-        """Influence vector and inertia force (n_dofs,) of a unit base acceleration."""
+        """Influence vector i (n_dofs,), and M i (n_dofs,), the inertia force per unit base acceleration."""
         return self.system.influence, self.inertia
 
     def start_from(self, displacement: FloatArray) -> None:
-        """Release from rest at ``displacement`` (n_dofs,) in m, on top of the preload state."""
+        """Start from rest at ``displacement`` (n_dofs,), m, relative to the preload state."""
         system, (motion, contact) = self.system, self.state
         motion.q[:] = displacement
         jump = self.preload.jump + system.jump @ displacement
@@ -76,7 +76,7 @@ class FullStepper(Stepper):
         return ContactState(self.state.motion.q, *self.state.contact, self.trial.status)
 
     def _solve(self, history_term: FloatArray, ag: float, dt: float) -> tuple[FloatArray, FloatArray, int] | None:
-        """Newton for the new displacement (n,) and residual r (n,); None when it does not converge."""
+        """New displacement (n,), residual r (n,) and number of Newton iterations; None without convergence."""
         system, s, t_0 = self.system, self.scheme, self.preload.traction
         inertia_factor, velocity_factor = 1.0 / (s.beta * dt**2), s.gamma / (s.beta * dt)
         damping = system.damping
@@ -128,13 +128,13 @@ class FullStepper(Stepper):
         return None
 
     def _coasting(self, dt: float) -> FloatArray:
-        """(n,) the part of Newmark's new velocity that does not depend on the new displacement, m/s."""
+        """(n,) part of Newmark's velocity at the end of the step that is independent of the new displacement, m/s."""
         s, m = self.scheme, self.state.motion
         h = (m.q + dt * m.v + dt**2 * (0.5 - s.beta) * m.a) / (s.beta * dt**2)
         return m.v + dt * ((1.0 - s.gamma) * m.a - s.gamma * h)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
-        """Advance by sparse Newton on all DOFs; see `Stepper.try_steps`."""
+        """Advance by sparse Newton iterations on all DOFs; see `Stepper.try_steps`."""
         system, s = self.system, self.scheme
         self._factor = None  # so that a restored run repeats the same numbers
         if dt > self._longest_step:

@@ -9,6 +9,8 @@ r"""Hilber-Hughes-Taylor integration: parameters of the named schemes.
 with :math:`\alpha \le 0` (classical range [-1/3, 0]; the thesis also uses -0.41421),
 :math:`\beta = (1 - \alpha)^2 / 4`, :math:`\gamma = 1/2 - \alpha`.
 
+Damping ratio and relative lengthening of the period that a scheme gives to an undamped oscillator:
+
 ===============  ==============  ====================  ====================  ===============
 steps per cycle  no_damping      transient_fidelity    moderate_dissipation  quasi_static
 ===============  ==============  ====================  ====================  ===============
@@ -20,9 +22,10 @@ steps per cycle  no_damping      transient_fidelity    moderate_dissipation  qua
 160              0 / +0.01 %     0.00003 % / +0.01 %   0.0001 % / +0.02 %    2.0 % / +0.05 %
 ===============  ==============  ====================  ====================  ===============
 
-For small steps the damping ratio of HHT is -alpha (1 + alpha)^2 / 8 (omega h)^3 and the period longer by
-(1/12 - alpha/4 - 3 alpha^2/8) (omega h)^2; backward Euler has omega h / 2 and (omega h)^2 / 3. Choose the steps so that
-this is small against the damping and the shift of frequency sought, at the highest frequency that matters.
+For small steps the damping ratio of HHT is -alpha (1 + alpha)^2 / 8 (omega h)^3, and the relative lengthening of the
+period is (1/12 - alpha/4 - 3 alpha^2/8) (omega h)^2. For backward Euler they are omega h / 2 and (omega h)^2 / 3.
+Choose the step so that both are small compared with the damping and the frequency shift to be determined, up to the
+highest frequency of interest.
 
 References
 ----------
@@ -48,14 +51,14 @@ class Scheme:
 
     @classmethod
     def hht(cls, alpha: float) -> Scheme:
-        """Second-order, unconditionally stable member of the family; the printed -0.41421 gives Table B.1."""
+        """Second-order, unconditionally stable scheme for ``alpha``; -0.41421 is the value of the thesis, Table B.1."""
         if not -0.41422 <= alpha <= 0.0:
             raise InputError(f"alpha = {alpha} is outside [-0.41421, 0]", key="integrator.alpha", remedy="use -0.05")
         return cls(alpha, (1.0 - alpha) ** 2 / 4.0, 0.5 - alpha)
 
     @classmethod
     def named(cls, name: str, alpha: float = -0.05) -> Scheme:
-        """Scheme by its name in the case file."""
+        """Scheme with the given name in the case file; ``alpha`` is used for "hht" only."""
         if name == "hht":
             return cls.hht(alpha)
         named = {
@@ -70,7 +73,7 @@ class Scheme:
 
 
 def amplification_matrix(scheme: Scheme, omega_dt: float) -> np.ndarray:
-    """(3, 3) map of (u, h v, h^2 a) over one step h of an undamped oscillator, ``omega_dt`` = omega h in rad."""
+    """(3, 3) matrix to advance (u, h v, h^2 a) of an undamped oscillator by a step h; ``omega_dt`` = omega h (rad)."""
     square, alpha, beta, gamma = omega_dt**2, scheme.alpha, scheme.beta, scheme.gamma
     # a_new = -omega^2 [(1 + alpha) u_new - alpha u], with u_new by Newmark's formula
     new = -np.array([1.0, 1.0 + alpha, (1.0 + alpha) * (0.5 - beta)]) * square / (1.0 + (1.0 + alpha) * beta * square)
@@ -80,14 +83,14 @@ def amplification_matrix(scheme: Scheme, omega_dt: float) -> np.ndarray:
 
 
 def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
-    r"""Damping ratio and period error of a scheme on an undamped oscillator.
+    r"""Damping ratio and period error that a scheme gives to an undamped oscillator.
 
     Parameters
     ----------
     scheme
         Any member of the family, or backward Euler.
     omega_dt
-        omega h in rad: 2 pi over the steps per cycle.
+        omega h in rad: 2 pi divided by the number of steps per cycle.
 
     Returns
     -------
@@ -101,9 +104,9 @@ def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
 
     Notes
     -----
-    The complex pair of eigenvalues of the amplification matrix belongs to a viscous oscillator,
-    :math:`\lambda = \exp(-\zeta \bar\omega h \pm i \bar\omega \sqrt{1 - \zeta^2} h)`; the third eigenvalue is real and
-    small: HHT's memory of the residual before.
+    The complex pair of eigenvalues of the amplification matrix is that of an oscillator with viscous damping,
+    :math:`\lambda = \exp(-\zeta \bar\omega h \pm i \bar\omega \sqrt{1 - \zeta^2} h)`. The third eigenvalue is real and
+    small; it is due to the residual of the previous step in the HHT equation.
 
     References
     ----------
@@ -114,6 +117,8 @@ def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
     eigenvalues = np.linalg.eigvals(amplification_matrix(scheme, omega_dt))
     root = eigenvalues[np.argmax(eigenvalues.imag)]
     if root.imag <= 0.0:
-        raise InputError(f"no oscillation is left at omega dt = {omega_dt:g}", remedy="use more steps per cycle")
+        raise InputError(
+            f"the solution does not oscillate at omega dt = {omega_dt:g}", remedy="use more steps per cycle"
+        )
     exponent = np.log(root)
     return float(-exponent.real / abs(exponent)), float(omega_dt / exponent.imag - 1.0)

@@ -1,4 +1,4 @@
-"""Compiled steps of a structure in modal coordinates: what the condensed and the reduced loop share."""
+"""Compiled functions for steps of a structure in modal coordinates, shared by the condensed and the reduced loop."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ drop_stale_cache(__file__, records.__file__)
 
 @numba.njit(cache=True)
 def correction(g, t, reference, s):
-    """s = t - t_0 - D_0 (g - g_0), Pa."""
+    """Traction correction s = t - t_0 - D_0 (g - g_0), Pa."""
     g_0, t_0, springs = reference.jump, reference.traction, reference.springs
     for i in range(g.shape[0]):
         s[i] = point.correction(t[i], t_0[i], springs[i], g[i] - g_0[i])
@@ -34,7 +34,7 @@ def correction(g, t, reference, s):
 
 @numba.njit(cache=True)
 def predict(motion, ag_new, step, modal):
-    """Newmark's history term h (m,) and the displacement (m,) that the linear structure alone would reach."""
+    """Newmark's history term h (m,), and displacement q_hat (m,) after the step for zero traction correction."""
     dt, alpha, beta, _ = step
     h = (motion.q + dt * motion.v + dt * dt * (0.5 - beta) * motion.a) / (beta * dt * dt)
     q_hat = (h - (1.0 + alpha) * modal.base * ag_new + alpha * motion.residual) * modal.inverse
@@ -43,7 +43,7 @@ def predict(motion, ag_new, step, modal):
 
 @numba.njit(cache=True)
 def strain_energy(motion, modal, jump, reference, area):
-    """Strain energy of the bodies and work of the preload forces since the preload state, J."""
+    """Change of the strain energy of the bodies since the preload state, minus the work of the preload forces, J."""
     n = area.shape[0]
     energy = 0.5 * np.dot(motion.q * modal.eigenvalues, motion.q)
     for i in range(3 * n):
@@ -54,14 +54,14 @@ def strain_energy(motion, modal, jump, reference, area):
 
 @numba.njit(cache=True)
 def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulated, record):
-    """Newmark update, input work and the scheme's own dissipation (derived in docs/theory.md).
+    """Update the motion by Newmark's formulas; add input work and numerical dissipation (derived in docs/theory.md).
 
     Parameters
     ----------
-    acceleration : (2,) of the base at both ends of the step, m/s^2
+    acceleration : (2,) base acceleration at both ends of the step, m/s^2
     step, modal : `Step`, `Modal`
-    h, q_hat : of `predict`
-    force : (m,) modal force of the interface correction
+    h, q_hat : from `predict`
+    force : (m,) modal force of the traction correction
     motion, accumulated : `Motion` and `Accumulated`, updated
     record : (record_size(p),) output
     """

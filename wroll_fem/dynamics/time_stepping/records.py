@@ -1,4 +1,4 @@
-"""Columns of a step record and entries of the running totals, by name; compiled code takes the names as constants."""
+"""Columns of a step record and entries of the running totals; their indices are named constants for compiled code."""
 
 from __future__ import annotations
 
@@ -27,30 +27,31 @@ RECORDS = (
     "viscous_energy",
     "impact_dissipation",
 )
-"""Columns of a step record; energies in J since the start of the run."""
+"""Names of the columns of a step record; energies are in J, work and dissipation since the start of the run."""
 
 (
     TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ACCELERATION, INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL,
     INTERFACE, ITERATIONS, OPEN, SLIPPING, VISCOUS, IMPACT,
 ) = range(16)  # fmt: skip
-"""Number of each column of `RECORDS`."""
+"""Index of each column of `RECORDS`."""
 
 FIRST_PROBE, OF_PROBE = len(RECORDS), 3
-"""Columns behind those of `RECORDS`: displacement, velocity and acceleration of each probe beside the tip."""
+"""Index of the first column after those of `RECORDS`, and number of columns (displacement, velocity, acceleration) of
+each probe other than the tip."""
 
 
 def record_size(probes: int) -> int:
-    """Columns of a step record with ``probes`` probes beside the tip."""
+    """Number of columns of a step record with ``probes`` probes besides the tip."""
     return FIRST_PROBE + OF_PROBE * probes
 
 
 INPUT_FLOW, NUMERICAL_FLOW, VISCOUS_FLOW = range(3)
-"""Entries of `Accumulated.flows`: work of the base, dissipation of the scheme, work of the dashpots, J."""
+"""Indices in `Accumulated.flows`: work of the base, numerical dissipation, work dissipated by the dashpots, J."""
 
 
 @numba.njit(cache=True)
 def record_contact(record, accumulated, iterations, status):
-    """Energy of the interfaces (J), iterations, and the fractions of the points that are open and slip."""
+    """Write interface energies (J), number of iterations, and fractions of open and of slipping points to a record."""
     work = accumulated.work
     record[CONTACT] = work[kernels.STORED]
     record[FRICTION] = work[kernels.FRICTION]
@@ -68,7 +69,7 @@ def record_contact(record, accumulated, iterations, status):
 
 @numba.njit(cache=True)
 def record_flows(record, accumulated):
-    """Work of the base, of the scheme and of the dashpots, J."""
+    """Write the work of the base, the numerical dissipation and the work of the dashpots (J) to a record."""
     record[INPUT] = accumulated.flows[INPUT_FLOW]
     record[NUMERICAL] = accumulated.flows[NUMERICAL_FLOW]
     record[VISCOUS] = accumulated.flows[VISCOUS_FLOW]

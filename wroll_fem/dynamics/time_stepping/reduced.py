@@ -1,15 +1,16 @@
-r"""Time integration in reduced coordinates: residual checks by static response, enrichment, error estimate.
+r"""Time integration in reduced coordinates with residual checks, enrichment of the basis and an error estimate.
 
-The basis starts from the modes that the base excites and the static responses; it grows by itself. After every
-block of steps the residual of the *whole* structure is evaluated at some of them. Its static response outside the
-basis, the projection error :math:`K_0^{-1} r` (`ReducedModel.projection_error`), moves quasi-statically. Where it
-exceeds a small fraction of the motion's energy norm, its principal shapes join the basis and the block is done again
-from its start. So every step that is kept was done in a basis that was good enough for it, and the remaining share is
-the error estimate.
+The basis starts from the modes that the base excites and the static responses; it is enriched during the run. After
+every block of steps the residual r of the *whole* structure is evaluated at some of the steps. The projection error
+is the part of the static response :math:`K_0^{-1} r` outside the basis (`ReducedModel.projection_error`): motion
+outside the basis is quasi-static. If it exceeds a small fraction of the motion in the energy norm, its principal shapes
+are added to the basis and the block is repeated from its start. Every accepted step is therefore computed in a
+sufficient basis, and the remaining projection error gives the error estimate.
 
 The estimate holds for contact that slides and stays closed. Where points open, layers strike each other, and impacts
-excite the modes outside the basis, which then do not respond quasi-statically: `OPENING`. An interface that can open
-and carries no pressure holds nothing at all: the structure K_0 has floating parts, and the run is refused.
+excite modes outside the basis, which then do not respond quasi-statically; the factor `OPENING` accounts for this. An
+interface that can open and carries no pressure does not hold its layers: the structure K_0 has unrestrained parts, and
+the run is refused.
 
 References
 ----------
@@ -47,41 +48,45 @@ from wroll_fem.errors import InputError, ReductionError
 from wroll_fem.typing import FloatArray
 
 BLOCK = 50
-"""Steps that are done again when the basis is enriched."""
+"""Number of steps in a block; a block is repeated when the basis is enriched."""
 
 CHECK_EVERY = 17
-"""Steps between two residual checks; no divisor of the usual steps per cycle, to see all phases.
+"""Number of steps between two residual checks. It does not divide the usual numbers of steps per cycle, so that all
+phases of a cycle are checked.
 
-The last step of a block is checked as well, or growing motions would outrun the basis."""
+The last step of a block is checked as well: a growing motion is largest there."""
 
 SHAPE_SHARE = 0.3
-"""Principal shapes of the projection error join the basis down to this share of the tolerance."""
+"""Energy norm, relative to the tolerance, above which a principal shape of the projection error is added to the
+basis."""
 
 CONTACT_SHARE = 2.0
-"""In the error estimate the motion counts up to this multiple of what the preloaded contact can hold (energy norms): a
-loose contact slides and opens under forces that are small against those of the motion."""
+"""Upper limit of the motion that enters the error estimate, as a multiple of the energy norm that corresponds to
+`contact_energy_limit`. A loose contact slides and opens under forces that are small compared with those of the
+motion."""
 
 OPENING = 25.0
-"""Factor of the error estimate after points opened. Measured over rolls of 1 and 5 layers at 100 to 3000 Pa: error of
-the tip and of the input work up to 17 times the estimate without it, 0.01 to 1 times where all points stay closed
-(docs/tables/low_pressure.md)."""
+"""Factor on the error estimate once points have opened. For rolls of 1 and 5 layers at 100 to 3000 Pa, the errors of
+the tip motion and of the input work were up to 17 times the estimate without this factor, but 0.01 to 1 times the
+estimate where all points stayed closed (docs/tables/low_pressure.md)."""
 
 FLOATING = 1e-12
-"""Lowest over highest eigenvalue of the structure with its sticking interface below which a part of it floats."""
+"""Lowest eigenvalue of the structure with its interfaces stuck, relative to the highest eigenvalue, below which a part
+of the structure counts as unrestrained."""
 
 LARGEST = 400
-"""Maximum number of reduced coordinates; the run stops beyond it."""
+"""Largest number of reduced coordinates; a run that needs more stops with an error."""
 
 START_MODES = 12
 
 
 class ReducedStepper(Stepper):
-    """Time stepping in a basis that grows with the motion; interface as `CondensedStepper`.
+    """Time stepping in a basis that is enriched during the run; used like `CondensedStepper`.
 
     Parameters
     ----------
     tolerance
-        Projection error that a block may have, relative to the largest motion (energy norms).
+        Largest projection error of a block, relative to the largest motion so far, both in the energy norm.
     largest_error
         Error estimate above which a run stops with `ReductionError`; not checked by default.
 
@@ -119,7 +124,7 @@ class ReducedStepper(Stepper):
         self._adopt(self._first_model())
 
     def _first_model(self) -> ReducedModel:
-        """Modes that the base excites most, static response to base acceleration and to a force at the tip."""
+        """Model of the modes that the base excites most and of the static responses to base motion and tip force."""
         c = self.condensation
         if len(c.eigenvalues) <= 2 * START_MODES:
             return ReducedModel.complete(c)
@@ -132,15 +137,15 @@ class ReducedStepper(Stepper):
         return ReducedModel.of_vectors(c, np.column_stack([c.base / c.eigenvalues, c.tip / c.eigenvalues, unit]))
 
     def _check_held(self, time: float) -> None:
-        """Raise a ReductionError if nothing holds a part of the structure."""
+        """Raise a ReductionError if a part of the structure is unrestrained."""
         values = self.condensation.eigenvalues
         if unpressed(self.system, self.preload):
-            raise _refused("an interface carries no pressure: nothing holds the layers in the reduced model", time)
+            raise _refused("an interface carries no pressure: its layers are not held in the reduced model", time)
         if values.min() < FLOATING * values.max():
             raise _refused("neither friction nor a support holds a layer in the reduced model", time)
 
     def _adopt(self, model: ReducedModel) -> None:
-        """Take over a model whose basis contains the present one; the state is the same motion in new coordinates."""
+        """Use a model whose basis contains the current one; the state is converted to the new coordinates."""
         turn = model.vectors.T @ self.vectors
         state = self.state
         size = (model.size, model.size)
@@ -169,15 +174,18 @@ class ReducedStepper(Stepper):
         return self.condensation.displacement(self.vectors @ self.state.motion.q)
 
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
-        """Influence vector and inertia force (m,) of a unit base acceleration: the reduced mass is 1."""
+        """Influence vector i (m,) and M i (m,) in reduced coordinates; they are equal because M is the identity."""
         return self.model.base, self.model.base
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Copy of everything the future depends on; the basis, large and never changed in place, goes by reference."""
+        """Copy of the state needed to continue the run.
+
+        The basis is large and never modified in place; it is shared, not copied.
+        """
         return super().snapshot() | {"vectors": self.vectors, "values": self.model.eigenvalues}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Return to a `snapshot`, in its basis."""
+        """Return to the state and the basis of a `snapshot`."""
         if state["vectors"] is not self.vectors:
             model = ReducedModel.on(self.condensation, state["vectors"], np.array(state["values"]))
             self.state = _empty_state(model.size, self.state.contact)
@@ -185,7 +193,7 @@ class ReducedStepper(Stepper):
         super().restore(state)
 
     def _prepare(self, dt: float) -> Modal:
-        """Structure in steps of ``dt`` (s); sums Newton's matrix up anew when the step or the basis changed."""
+        """Structure for steps of ``dt`` (s); assembles Newton's matrix again if the step or the basis has changed."""
         s, model, kept = self.scheme, self.model, self.state.kept
         inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * model.eigenvalues)
         if self.state.time_step[0] != dt:
@@ -212,12 +220,15 @@ class ReducedStepper(Stepper):
         return int(done)
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k steps, block by block; where the basis proves too small for a block, enrich it and do it again.
+        """Advance k steps, block by block.
+
+        If the basis is insufficient for a block, it is enriched and the block is repeated.
 
         Raises
         ------
         ReductionError
-            If nothing holds a part of the structure, the basis grows too large, or the estimate is above its limit.
+            If a part of the structure is unrestrained, the basis becomes too large, or the error estimate exceeds its
+            limit.
         """
         if not self.complete:
             self._check_held(time)
@@ -251,10 +262,10 @@ class ReducedStepper(Stepper):
             redone += clock.process_time() - began
 
     def _check_residuals(self) -> tuple[FloatArray, FloatArray]:
-        """Squared energy norms (k,) of the projection error at the residual checks, and of the motion there.
+        """Squared energy norms (k,) of the projection error, and of the motion, at the residual checks.
 
         The static response to the residual r is the sum of its part in the basis and of the projection error, which
-        are orthogonal in energy; the elastic force of the motion itself has no part outside.
+        are orthogonal in the energy inner product. The elastic force of the motion has no part outside the basis.
         """
         q, response, inside = self._at_checks()
         total = self.model.energy_norm(response) ** 2
@@ -264,7 +275,7 @@ class ReducedStepper(Stepper):
         )
 
     def _at_checks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Coordinates q (m, k) at the checks, static response (r, k) to the residual force there, the force (m, k)."""
+        """At the checks: coordinates q (m, k), static response (r, k) to the residual force, reduced force (m, k)."""
         m, n = self.model.size, self.system.n_points
         rows = np.vstack(self._checked) if self._checked else np.zeros((0, 2 * m + 3 * n + 1))
         q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
@@ -272,7 +283,7 @@ class ReducedStepper(Stepper):
         return q, self._static_response(a, s, base), inside
 
     def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
-        """(r, k) response K_0^{-1} r to inertia, interfaces and base motion."""
+        """(r, k) static response K_0^{-1} r to the forces of inertia, interfaces and base motion."""
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
@@ -281,7 +292,7 @@ class ReducedStepper(Stepper):
         return response
 
     def _enrich(self, level: float, time: float) -> None:
-        """Add the principal shapes (energy inner product) of the projection error that exceed a part of ``level``."""
+        """Add the principal shapes of the projection error whose energy norm exceeds `SHAPE_SHARE` times ``level``."""
         _, response, inside = self._at_checks()
         lacking = self.model.projection_error(response, inside)
         root = np.sqrt(self.condensation.eigenvalues)[:, None]
@@ -294,7 +305,7 @@ class ReducedStepper(Stepper):
         self._adopt(model)
 
     def report(self) -> dict[str, float]:
-        """Size of the basis, and its error."""
+        """Number of reduced coordinates, error estimate, and CPU time of the training of the basis, s."""
         return {
             "reduced_coordinates": self.model.size,
             "reduction_error_estimate": self.error_estimate,
@@ -303,9 +314,9 @@ class ReducedStepper(Stepper):
 
     @property
     def error_estimate(self) -> float:
-        """Energy norm of the projection error over that of the motion, root mean square over the run, dimensionless.
+        """Root-mean-square projection error during the run, relative to the motion, both in the energy norm.
 
-        The motion counts up to `CONTACT_SHARE` of what the contact can hold; times `OPENING` once points opened.
+        The motion is limited by `CONTACT_SHARE`; the ratio is multiplied by `OPENING` once points have opened.
         """
         error, motion = self.state.projection_error[0], self.state.motion_norm[0]
         if error == 0.0:
@@ -315,12 +326,12 @@ class ReducedStepper(Stepper):
 
     @property
     def complete(self) -> bool:
-        """Whether the basis holds all modes, so that nothing is reduced."""
+        """Whether the basis contains all modes, so that the model is exact."""
         return self.model.size == len(self.condensation.eigenvalues)
 
 
 def _empty_state(m: int, contact: ContactMemory) -> ReducedState:
-    """State at rest in ``m`` coordinates, with the arrays of ``contact``."""
+    """State at rest in ``m`` reduced coordinates, with the contact state ``contact``."""
     kept = KeptMatrix(
         np.zeros((len(contact.jump) // 3, 3, 3)), np.zeros((m, m)), np.zeros((m, m)), np.zeros(1, np.int64)
     )
@@ -335,19 +346,19 @@ def _refused(message: str, time: float, residuals: FloatArray | None = None) -> 
 
 
 def contact_energy_limit(system: System, preload: ContactState) -> float:
-    """Energy in J that the contact holds when every point is about to slip at its preload pressure."""
+    """Energy, J, stored in the contact when every point is about to slip at its preload pressure."""
     law, pressure = system.laws, preload.pressure
     return float(law.area @ (0.5 * pressure**2 / law.kn + 0.5 * law.mu * pressure * law.gamma))
 
 
 def open_fraction(system: System, preload: ContactState) -> float:
-    """Share of the contact points that are open at the preload."""
+    """Share of contact points that are open in the preload state."""
     gaps = normals(preload.jump)
     return float(np.mean((gaps > 0.0) & system.laws.separation)) if system.n_points else 0.0
 
 
 def unpressed(system: System, preload: ContactState) -> bool:
-    """Whether an interface whose points can separate has no pressure anywhere at the preload."""
+    """Whether an interface whose points can separate carries no pressure at any point in the preload state."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     free = np.split(system.laws.separation, ends)
     pressed = np.split(preload.pressure > 0.0, ends)

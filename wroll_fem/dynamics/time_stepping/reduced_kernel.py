@@ -1,7 +1,7 @@
-"""The compiled loop of the reduced time integration (equations in `reduced_model`).
+"""Compiled loop of the reduced time integration (equations in `reduced_model`).
 
-Newton's matrix A = S + (1 + alpha) (G Phi)^T W (D - D_0) G Phi is small and is kept from iteration to iteration and
-from step to step: only points whose tangent D changed are renewed in it.
+Newton's matrix A = S + (1 + alpha) (G Phi)^T W (D - D_0) G Phi is small. It is reused in later iterations and steps;
+only the contributions of points whose tangent D has changed are updated.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from wroll_fem.typing import FloatArray, IntArray
 drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__)
 
 TANGENT_CHANGE = 0.02
-"""A point is renewed in the matrix when its tangent changed by this fraction of its stiffness."""
+"""Change of the tangent of a point, relative to its reference stiffness, above which Newton's matrix is updated."""
 REBUILD = 2000
-"""Renewals after which the kept matrix is summed up anew, against the drift of rounding."""
+"""Number of updates after which Newton's matrix is assembled again, to limit the accumulated rounding error."""
 
 
 class ReducedInterface(NamedTuple):
@@ -35,9 +35,9 @@ class ReducedInterface(NamedTuple):
 
     Attributes
     ----------
-    jump : (3 n, m) relative displacement per coordinate
-    force : (m, 3 n) reduced force per traction, its transpose times the areas
-    weight : (m,) largest jump per coordinate: a residual in coordinates is bounded in metres
+    jump : (3 n, m) relative displacement per unit coordinate
+    force : (m, 3 n) reduced force per unit traction, the transpose of ``jump`` times the areas
+    weight : (m,) largest jump per unit coordinate, which bounds a residual in coordinates by a jump in m
     """
 
     jump: FloatArray
@@ -46,14 +46,14 @@ class ReducedInterface(NamedTuple):
 
 
 class KeptMatrix(NamedTuple):
-    """Newton's matrix, kept from step to step.
+    """Newton's matrix, which is reused from step to step.
 
     Attributes
     ----------
-    tangents : (n, 3, 3) contact tangents in the matrix, order (hoop, axial, normal), Pa/m
-    matrix : (m, m)
-    inverse : (m, m) of the matrix
-    renewals : (1,) so far
+    tangents : (n, 3, 3) contact tangents contained in the matrix, order (hoop, axial, normal), Pa/m
+    matrix : (m, m) Newton's matrix
+    inverse : (m, m) inverse of the matrix
+    renewals : (1,) number of updates so far
     """
 
     tangents: FloatArray
@@ -67,15 +67,15 @@ class ReducedState(NamedTuple):
 
     Attributes
     ----------
-    motion, contact : in reduced coordinates, and of all points
-    q_before : (m,) displacement one step ago
+    motion, contact : motion in reduced coordinates, and contact state of all points
+    q_before : (m,) displacement one step before
     kept : Newton's matrix
-    time_step : (1,) s, of the kept matrix; 0 when there is none
-    projection_error, motion_norm : (1,) sums over the residual checks of the squared energy norms of what the basis
-        misses, and of the motion
+    time_step : (1,) time step of the kept matrix, s; 0 if there is no matrix
+    projection_error, motion_norm : (1,) squared energy norms of the projection error, and of the motion (limited by the
+        contact), summed over the residual checks
     largest : (1,) largest squared energy norm of the motion so far
-    training : (1,) CPU seconds spent on residual checks, enrichment and steps done again
-    opened : (1,) largest change of the share of open points since the preload
+    training : (1,) CPU time of residual checks, enrichment and repeated steps, s
+    opened : (1,) largest change of the share of open points since the preload state
     """
 
     motion: Motion
@@ -91,13 +91,13 @@ class ReducedState(NamedTuple):
 
 
 class ResidualChecks(NamedTuple):
-    """Steps at which the residual of the whole structure will be evaluated.
+    """Data of the steps at which the residual of the whole structure is evaluated after a block.
 
     Attributes
     ----------
-    every : steps between two checks; the last step of a block is checked too
-    rows : (k, 2 m + 3 n + 1) output: q, a, s and the base acceleration
-    filled : (1,) output: rows filled
+    every : number of steps between two checks; the last step of a block is checked too
+    rows : (k, 2 m + 3 n + 1) output: q, a, s and the base acceleration of each checked step
+    filled : (1,) output: number of rows filled
     """
 
     every: int
@@ -106,7 +106,7 @@ class ResidualChecks(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """Trial state of a step: jump, traction, elastic slip, status and correction of the interfaces."""
+    """Trial state of the interfaces: jump, traction, elastic slip, status and traction correction."""
 
     g: FloatArray
     t: FloatArray
@@ -117,7 +117,7 @@ class _Trial(NamedTuple):
 
 @numba.njit(cache=True)
 def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho):
-    """rho = x - q_hat + scale * (G Phi)^T W s. Returns a bound of its jump, m."""
+    """Residual rho = x - q_hat + scale * (G Phi)^T W s; returns an upper bound of the jump due to rho, m."""
     g, t, e, status, s = trial
     g[:] = reference.jump
     g += np.dot(interface.jump, x)
@@ -136,7 +136,7 @@ def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, f
 
 @numba.njit(cache=True)
 def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
-    """Bring the kept matrix to ``tangent`` where it differs from its tangents; returns the points renewed."""
+    """Update the kept matrix at the points whose ``tangent`` has changed; returns the number of these points."""
     held, matrix = kept.tangents, kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     changed = np.empty(n, np.int64)
@@ -174,11 +174,13 @@ def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
 
 @numba.njit(cache=True)
 def advance_reduced(acceleration, step, modal, interface, reference, laws, state, newton, accumulated, checks, records):
-    """Advance len(acceleration) - 1 steps; returns the number done (``state`` is that of the last good step).
+    """Advance by up to len(acceleration) - 1 steps; returns the number of completed steps.
+
+    A step that does not converge ends the loop; ``state`` is the state after the last completed step.
 
     Parameters
     ----------
-    acceleration : (k + 1,) of the base at the step ends, m/s^2
+    acceleration : (k + 1,) base acceleration at the ends of the steps, m/s^2
     step, modal, interface, reference, laws : `Step`, `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
     state, accumulated : `ReducedState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
@@ -263,7 +265,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
 
 @numba.njit(cache=True)
 def sum_up(kept, springs, jump, area, factor, inverse):
-    """Sum the kept matrix up from its tangents; ``inverse`` (m,) as in `Modal`."""
+    """Assemble the kept matrix from its tangents at all points; ``inverse`` (m,) as in `Modal`."""
     matrix = kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     right = np.empty((3 * n, m))

@@ -1,4 +1,4 @@
-"""Time histories: drive a stepper through a base motion, with checkpoints, and collect a Dataset."""
+"""Time histories: advance a stepper through a base motion, write checkpoints, and collect the results in a Dataset."""
 
 from __future__ import annotations
 
@@ -39,15 +39,16 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 CHUNK = 200
-"""Steps between two updates of progress, checkpoint and interrupt; a resumed run keeps these borders."""
+"""Number of steps in a chunk. Progress, checkpoints and interrupts are handled between chunks; a resumed run has the
+same chunks."""
 
 
 class Motion(Protocol):
-    """Base motion; see `signals.base_motion`."""
+    """Base motion of a time history; see `signals.base_motion`."""
 
     @property
     def duration(self) -> float:
-        """Length in s."""
+        """Duration in s."""
         ...
 
     def acceleration(self, time: FloatArray) -> FloatArray:
@@ -55,22 +56,22 @@ class Motion(Protocol):
         ...
 
     def frequency(self, time: FloatArray) -> FloatArray:
-        """Instantaneous frequency in Hz."""
+        """Instantaneous frequency in Hz at ``time`` (n,) in s."""
         ...
 
 
 @dataclass(frozen=True)
 class Checkpointing:
-    """Where and how often a run saves itself.
+    """File and interval of the checkpoints of a run.
 
     Attributes
     ----------
     path
         Checkpoint file (.npz).
     seconds
-        Wall time between checkpoints.
+        Wall time between checkpoints, s.
     resume
-        Go on from ``path``.
+        Whether to continue the run that is saved in ``path``.
     """
 
     path: Path
@@ -82,7 +83,7 @@ def make_stepper(
     system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float,
     reduction_tolerance: float = 2e-3, largest_error: float = np.inf,
 ) -> Stepper:  # fmt: skip
-    """Stepper by the name of `solver.method`: "reduced", "condensed" or "full"."""
+    """Stepper for a value of `solver.method`: "reduced", "condensed" or "full"."""
     if method == "reduced":
         return ReducedStepper(
             system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error
@@ -108,28 +109,29 @@ def simulate(
     every: int = 0,
     stepper: Stepper | None = None,
 ) -> xr.Dataset:
-    """Time history of a preloaded system whose base moves.
+    """Time history of a preloaded system under base motion.
 
     Parameters
     ----------
     motion
-        Base acceleration over time (signals.base_motion).
+        Base motion (signals.base_motion).
     dt
         Time step, s.
     every
-        Keep the relative displacement of all points every this many steps; 0 keeps none.
+        Number of steps between two stored fields of the relative displacement of all points; 0 stores none.
     stepper
-        A stepper made before by `make_stepper` (to inspect its modes first); made here when None.
+        Stepper from `make_stepper`, for example to inspect its modes first; created here when None.
 
     Returns
     -------
     xr.Dataset
-        `time` dimension (first entry: the state at rest), ledger in J cumulative from 0, interface fields.
+        Records along `time` (first entry: the state at rest), with energies in J from the start of the run, and
+        interface fields.
 
     Raises
     ------
     ConvergenceError
-        With everything computed before in its ``partial`` attribute.
+        If a step does not converge; its ``partial`` holds the Dataset of all steps before.
     """
     options = options or NewtonOptions()
     progress = progress or SilentProgress()
@@ -162,7 +164,7 @@ def simulate(
 
 
 def saved_method(checkpoint: Checkpointing | None) -> str | None:
-    """Method (`solver.method`) with which a checkpoint that is to be resumed was written; None if there is none."""
+    """Method (`solver.method`) of the checkpoint from which a run is to be resumed; None without such a checkpoint."""
     if checkpoint is None or not checkpoint.resume:
         return None
     with suppress(OSError, ValueError, KeyError), np.load(checkpoint.path) as data:  # `load` reports a damaged file
@@ -172,7 +174,7 @@ def saved_method(checkpoint: Checkpointing | None) -> str | None:
 
 @dataclass
 class _Run:
-    """Progress of a time history: stepper, records (steps, columns), kept slip fields, CPU seconds in the steps."""
+    """Progress of a time history: stepper, records (steps, columns), stored displacement fields, CPU time in s."""
 
     stepper: Stepper
     records: FloatArray
@@ -187,16 +189,16 @@ class _Run:
 
     @property
     def done(self) -> int:
-        """Steps done."""
+        """Number of completed steps."""
         return self._committed[0]
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Stepper's state after these steps."""
+        """State of the stepper after the completed steps."""
         return self._committed[1]
 
     def advance(self, base: FloatArray, times: FloatArray, dt: float, every: int) -> None:
-        """Do one chunk of steps; an interrupt at any moment leaves `done` and `state` of the same step."""
+        """Compute one chunk of steps; after an interrupt at any moment, `done` and `state` belong to the same step."""
         done = self.done
         count = min(CHUNK, len(self.records) - done)
         if every:
@@ -217,7 +219,7 @@ class _Run:
         self._committed = (done, self.stepper.snapshot())
 
     def save(self, path: Path, fingerprint: FloatArray) -> None:
-        """Write the checkpoint; the old one is replaced only by a complete one."""
+        """Write a checkpoint; an existing file is replaced once the new one is complete."""
         n = 2 * self.stepper.system.n_points
         with replacing(path) as file, file.open("wb") as stream:
             np.savez(
@@ -233,7 +235,7 @@ class _Run:
             )
 
     def load(self, path: Path, fingerprint: FloatArray) -> None:
-        """Go on from a checkpoint of the same run.
+        """Continue from a checkpoint of the same run.
 
         Raises
         ------
@@ -262,7 +264,7 @@ class _Run:
     def dataset(
         self, system: System, preload: ContactState, times: FloatArray, base: FloatArray, motion: Motion
     ) -> xr.Dataset:
-        """Everything computed so far."""
+        """Dataset of all completed steps."""
         m = self.done + 1
         columns = np.vstack([np.zeros(self.stepper.record_size), self.records[: self.done]])
         columns[0, TIP_ACCELERATION] = -base[0] * (system.probes["tip"] @ system.influence)

@@ -1,4 +1,4 @@
-"""State of a time integration as named tuples of arrays, which compiled code takes as they are."""
+"""State of a time integration as named tuples of arrays, which are passed to compiled code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = [
 
 
 class Step(NamedTuple):
-    """Step size (s) and parameters of the scheme, see `hht`."""
+    """Time step (s) and parameters of the integration scheme (see `hht`)."""
 
     dt: float
     alpha: float
@@ -31,9 +31,9 @@ class Modal(NamedTuple):
     Attributes
     ----------
     eigenvalues : (m,) rad^2/s^2
-    base : (m,) inertia force per unit base acceleration
-    tip : (m,) tip displacement per coordinate
-    probes : (p, m) displacement of the other probes per coordinate
+    base : (m,) participation factors; the load is -base per unit base acceleration, kg^(1/2)
+    tip : (m,) tip displacement per unit coordinate
+    probes : (p, m) displacement of the other probes per unit coordinate
     inverse : (m,) 1 / (1 / (beta dt^2) + (1 + alpha) eigenvalue), s^2
     """
 
@@ -51,7 +51,7 @@ class Motion(NamedTuple):
     ----------
     q, v, a : (m,) displacement, velocity, acceleration
     residual : (m,) r = K u + G^T W t - f
-    residual_change : (m,) its change over the last step
+    residual_change : (m,) change of the residual during the last step
     """
 
     q: FloatArray
@@ -62,12 +62,12 @@ class Motion(NamedTuple):
 
     @classmethod
     def zeros(cls, m: int) -> Self:
-        """Rest in ``m`` coordinates."""
+        """State of rest in ``m`` coordinates."""
         return cls(*np.zeros((5, m)))
 
 
 class ContactMemory(NamedTuple):
-    """Committed state of all contact points, total (the preload included).
+    """Committed state of all contact points, with the preload included.
 
     Attributes
     ----------
@@ -82,18 +82,18 @@ class ContactMemory(NamedTuple):
 
     @classmethod
     def of(cls, state: ContactState) -> Self:
-        """Copy of a static state."""
+        """Copy of the jump, elastic slip and traction of a static state."""
         return cls(state.jump.copy(), state.elastic_slip.copy(), state.traction.copy())
 
 
 class SlipRecord(NamedTuple):
-    """Slip since the start, per interface point.
+    """Slip of every contact point since the start of the run.
 
     Attributes
     ----------
-    path : (n,) accumulated slip, the length of the plastic slip path, m
+    path : (n,) accumulated slip (length of the slip path), m
     peak : (n,) largest tangential displacement relative to the preload state, m
-    peak_vector : (2 n,) its hoop and axial components, m
+    peak_vector : (2 n,) hoop and axial components of this displacement, m
     """
 
     path: FloatArray
@@ -102,13 +102,13 @@ class SlipRecord(NamedTuple):
 
 
 class Accumulated(NamedTuple):
-    """Energy and slip since the start.
+    """Work and slip accumulated since the start of the run.
 
     Attributes
     ----------
-    work : (5,) of the interfaces, J; entries as in `contact.kernels.interface_work`
-    flows : (3,) J; entries in `records`
-    slip : slip of the points
+    work : (5,) work of the interfaces, J; entries as in `contact.kernels.interface_work`
+    flows : (3,) work of base, scheme and dashpots, J; indices in `records`
+    slip : slip of the contact points
     """
 
     work: FloatArray
@@ -117,18 +117,18 @@ class Accumulated(NamedTuple):
 
     @classmethod
     def zeros(cls, n: int) -> Self:
-        """Nothing yet, at ``n`` points."""
+        """Zero totals for ``n`` contact points."""
         return cls(np.zeros(5), np.zeros(3), SlipRecord(np.zeros(n), np.zeros(n), np.zeros(2 * n)))
 
 
 class Newton(NamedTuple):
-    """Controls of the nonlinear solve of a step, and what it leaves.
+    """Controls of the nonlinear solution of a step, and its residuals.
 
     Attributes
     ----------
-    limit : largest residual, m
-    max_iterations : iterations before a step fails
-    history : (max_iterations + 1,) residuals of the last step
+    limit : largest residual of a converged step, m
+    max_iterations : largest number of iterations; a step that needs more fails
+    history : (max_iterations + 1,) residuals of the last step, m
     """
 
     limit: float
@@ -137,7 +137,7 @@ class Newton(NamedTuple):
 
 
 def named_arrays(state: NamedTuple, prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
-    """Arrays of a named tuple and of those in it, with the names of their fields."""
+    """Arrays of a named tuple and of the named tuples in it, with the names of their fields."""
     for name, value in state._asdict().items():
         if isinstance(value, tuple):
             yield from named_arrays(value, f"{prefix}{name}_")  # type: ignore[arg-type]  # a named tuple

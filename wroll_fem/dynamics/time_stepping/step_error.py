@@ -1,4 +1,4 @@
-r"""Error of the time step: HHT lengthens the period and damps, by closed forms for one degree of freedom.
+r"""Error of the time step, estimated for one degree of freedom: HHT lengthens the period and adds damping.
 
 With the shift operator z, Newmark's formulas and HHT's equation of motion for :math:`\ddot u + 2 \zeta \omega \dot u +
 \omega^2 u = -a_g` give
@@ -10,15 +10,16 @@ With the shift operator z, Newmark's formulas and HHT's equation of motion for :
     N_u = \beta z^2 + (\gamma + \tfrac12 - 2 \beta) z + \tfrac12 + \beta - \gamma, \quad
     N_v = \gamma z + 1 - \gamma, \quad E = (1 + \alpha) z - \alpha,
 
-a recursive filter of third order; the relative acceleration is :math:`-E (z-1)^2 a_g / D`. The same filter with a
-tenth of the step is the reference. So the error of a history follows from the frequency and the damping of the
-resonance alone: near it the period error of 0.2 % at 40 steps per cycle is a detuning, and changes a response with 1 %
-damping by some 10 %.
+which is a recursive filter of third order; the relative acceleration is :math:`-E (z-1)^2 a_g / D`. The same filter
+with a tenth of the step is the reference. The error of a history therefore follows from the frequency and the damping
+of the resonance alone. Near the resonance, the period error of 0.2 % at 40 steps per cycle acts as a detuning: it
+changes a response with 1 % damping by about 10 %.
 
-A roll that slips is not linear, and friction makes a resonance more sensitive to detuning than a dashpot does. Part of
-the spring then is a row of friction elements (Iwan 1966), of stiffness :math:`\kappa \omega^2 / M` each, which slide
-at the displacements :math:`g_j = s\, ((j - \tfrac12)/M)^q`. `fitted_oscillator` finds the oscillator whose history, at
-the run's own step, comes closest to that of the tip; its error is taken for that of the roll.
+A roll that slips is not linear, and with friction a resonance is more sensitive to detuning than with a dashpot. Part
+of the spring is then replaced by M parallel friction elements (Iwan 1966), each of stiffness
+:math:`\kappa \omega^2 / M`, which slide at the displacements :math:`g_j = s\, ((j - \tfrac12)/M)^q`.
+`fitted_oscillator` finds the oscillator whose history, at the time step of the run, is closest to the history of the
+tip. The error of this oscillator is the estimate for the roll.
 
 References
 ----------
@@ -40,44 +41,47 @@ from wroll_fem.signals.base_motion import BaseMotion
 from wroll_fem.typing import FloatArray
 
 FINER = 10
-"""Steps of the reference per step of the run."""
+"""Number of steps of the reference solution per step of the run."""
 
 TRIALS = 0.25
-"""Distance of the trial frequencies of a fit, as a phase over the whole record, cycles."""
+"""Spacing of the trial frequencies of a fit, as phase difference at the end of the record, cycles."""
 
 TRIAL_DAMPING = (0.003, 0.02, 0.1)
-"""Damping ratios of the trials of a fit."""
+"""Trial damping ratios of a fit."""
 
 BAND = 0.4, 2.5
-"""Trial frequencies of a fit, over the excitation frequency."""
+"""Lowest and highest trial frequency of a fit, divided by the excitation frequency."""
 
 MOST_TRIALS = 400
 
 FITTED_CYCLES = 100
-"""Excitation cycles from the start of a record that a fit compares: later ones repeat, or tell no more."""
+"""Largest number of excitation cycles, from the start of a record, that a fit compares. Later cycles repeat earlier
+ones or add no information."""
 
 LEAST_SHAPE = 1e-9
-"""Share of a response besides the base motion below which it tells nothing."""
+"""Part of a response that is not proportional to the base motion, relative to the response, below which it is not
+compared with the history."""
 
 ELEMENTS = 16
-"""Friction elements of an oscillator."""
+"""Number of friction elements of an oscillator."""
 
 LINEAR = 0.01
-"""Misfit up to which an oscillator without friction is good enough."""
+"""Misfit below which a fitted oscillator is accepted; an oscillator without friction is fitted first."""
 
 
 @dataclass(frozen=True)
 class Oscillator:
-    """One degree of freedom on a shaken base.
+    """Oscillator with one degree of freedom under base motion.
 
     Attributes
     ----------
     frequency_hz, zeta
-        Natural frequency while everything sticks, Hz, and viscous damping ratio.
+        Natural frequency with all friction elements stuck, Hz, and viscous damping ratio.
     friction
-        Share kappa of the stiffness in the friction elements; 0 for a linear oscillator.
+        Share kappa of the stiffness that the friction elements provide; 0 for a linear oscillator.
     slip, spread
-        Largest displacement s at which an element slides, m, and exponent q of their distribution.
+        Largest displacement s at which a friction element starts to slide, m, and exponent q of the distribution of
+        these displacements.
     """
 
     frequency_hz: float
@@ -87,7 +91,7 @@ class Oscillator:
     spread: float = 1.0
 
     def response(self, scheme: Scheme, dt: float, base: FloatArray) -> FloatArray:
-        """(n,) relative displacement, m, from rest, in steps ``dt`` (s) under the base acceleration ``base`` (n,)."""
+        """(n,) relative displacement, m, from rest in steps ``dt`` (s) under base acceleration ``base`` (n,), m/s^2."""
         if self.friction == 0.0:
             numerator, denominator = self.filter(scheme, dt)
             return np.asarray(lfilter(numerator, denominator, base))
@@ -99,7 +103,7 @@ class Oscillator:
         return out
 
     def filter(self, scheme: Scheme, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Coefficients of numerator and denominator of u / a_g while everything sticks, highest power of z first."""
+        """Numerator and denominator coefficients of u / a_g with all elements stuck, highest power of z first."""
         alpha, beta, gamma = scheme.alpha, scheme.beta, scheme.gamma
         turn = 2.0 * np.pi * self.frequency_hz * dt
         displacement = np.array([beta, gamma + 0.5 - 2.0 * beta, 0.5 + beta - gamma])
@@ -117,7 +121,7 @@ def _integrate(
     base: FloatArray, dt: float, parameters: tuple[float, float, float], stiffness: float, damping: float, share: float,
     limits: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """HHT steps of the oscillator with friction elements; fills the displacement ``out`` (n,)."""
+    """HHT integration of the oscillator with friction elements; fills the displacement ``out`` (n,), m."""
     alpha, beta, gamma = parameters
     count = limits.shape[0]
     each, rest = share * stiffness / count, (1.0 - share) * stiffness
@@ -155,7 +159,7 @@ def history_error(scheme: Scheme, dt: float, motion: BaseMotion, oscillator: Osc
     dt
         Time step, s.
     motion
-        Base motion that starts at zero.
+        Base motion; its acceleration is zero at the start.
     """
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     fine = motion.acceleration(dt / FINER * np.arange(steps * FINER + 1))
@@ -165,7 +169,10 @@ def history_error(scheme: Scheme, dt: float, motion: BaseMotion, oscillator: Osc
 
 
 def curve_error(scheme: Scheme, dt: float, oscillator: Oscillator) -> float:
-    """Largest error of |T| of a slow sweep over a resonance, relative to the peak: mainly the shift of a sharp one."""
+    """Largest error of |T| in a slow sweep through a resonance, relative to the peak.
+
+    For a sharp peak it is mainly due to the frequency shift.
+    """
     r = 1.0 + np.linspace(-5.0, 5.0, 401) * max(oscillator.zeta, 1e-4)
     frequency = oscillator.frequency_hz * r[r > 0.0]
     curves = []
@@ -180,19 +187,22 @@ def curve_error(scheme: Scheme, dt: float, oscillator: Oscillator) -> float:
 def fitted_oscillator(
     scheme: Scheme, dt: float, motion: BaseMotion, displacement: FloatArray
 ) -> tuple[Oscillator, float]:
-    """Oscillator whose history in steps ``dt`` (s), times a factor, is closest to a computed one.
+    """Oscillator whose displacement history with steps ``dt`` (s), scaled by a factor, is closest to a given history.
+
+    Parts of the histories that are proportional to the base acceleration are not compared.
 
     Parameters
     ----------
     motion
-        Base motion of the history, of about one frequency.
+        Base motion of the history, with an almost constant frequency.
     displacement
         (n,) displacement of the tip relative to the base, m.
 
     Returns
     -------
     oscillator : Oscillator
-    misfit : root mean square difference over that of the displacement, both in the first `FITTED_CYCLES` cycles
+    misfit : root mean square of the difference divided by the root mean square of the displacement, both in the first
+        `FITTED_CYCLES` cycles
     """
     driven = float(np.mean(motion.frequency(np.array([0.0, motion.duration]))))
     displacement = displacement[: 1 + int(FITTED_CYCLES / (driven * dt))]
@@ -202,7 +212,7 @@ def fitted_oscillator(
     wanted -= (rigid @ wanted) * rigid  # the part along the base motion, which any factor of it takes up
 
     def gap(oscillator: Oscillator) -> FloatArray:
-        """Least-squares residual (n,) of the response and the base motion, over the size of the displacement."""
+        """Residual (n,) of the least-squares fit by response and base motion, relative to the displacement norm."""
         shape = oscillator.response(scheme, dt, base)
         shape /= np.linalg.norm(shape)
         shape -= (rigid @ shape) * rigid
@@ -249,5 +259,5 @@ def fitted_oscillator(
 
 
 def steps_for(error: float, steps: int, wanted: float) -> int:
-    """Steps per cycle, a multiple of 10, that bring an error of second order at ``steps`` down to ``wanted``."""
+    """Number of steps per cycle, a multiple of 10, that reduces a second-order error at ``steps`` to ``wanted``."""
     return int(10 * np.ceil(steps * np.sqrt(error / wanted) / 10.0))

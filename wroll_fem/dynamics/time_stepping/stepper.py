@@ -1,4 +1,4 @@
-"""Base class of the time steppers: running totals, step cutting, snapshots."""
+"""Base class of the time steppers: running totals, cutting of steps, snapshots."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from wroll_fem.typing import FloatArray
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """Controls of the nonlinear solve of a step.
+    """Controls of the nonlinear solution of a time step.
 
     Attributes
     ----------
     tolerance
-        Largest interface residual relative to the smallest elastic slip.
+        Largest interface residual of a converged step, relative to the smallest gamma* of all points.
     max_iterations
-        Newton iterations before a step is cut.
+        Largest number of Newton iterations; a step that needs more is cut.
     max_cuts
-        Halvings of a step before `ConvergenceError`.
+        Largest number of times that a step is halved before a `ConvergenceError`.
     """
 
     tolerance: float = 1e-8
@@ -45,7 +45,7 @@ class NewtonOptions:
 
 
 class CommonState(Protocol):
-    """Fields that the state of every stepper has; it is a named tuple of arrays."""
+    """Fields that the state of every stepper has; the state is a named tuple of arrays."""
 
     @property
     def motion(self) -> Motion:
@@ -54,19 +54,19 @@ class CommonState(Protocol):
 
     @property
     def contact(self) -> ContactMemory:
-        """Committed contact."""
+        """Committed state of the contact."""
         ...
 
 
 class Stepper(ABC):
-    """Advances a system step by step from its preload state.
+    """Base class of methods that advance a system step by step from its preload state.
 
-    Motions are relative to the base and to the preload state. Subclasses keep everything that depends on the history
-    in the arrays of `state`, so that a checkpoint restores a run bit by bit.
+    Motions are relative to the base and to the preload state. Subclasses keep all data that depend on the history in
+    the arrays of `state`, so that a run can be continued bit by bit from a checkpoint.
     """
 
     name: ClassVar[str]
-    """Value of `solver.method` that chooses it."""
+    """Value of `solver.method` that selects this stepper."""
 
     state: Any
     """Named tuple of arrays with the fields of `CommonState`; its arrays are updated in place."""
@@ -82,7 +82,7 @@ class Stepper(ABC):
 
     @property
     def common(self) -> CommonState:
-        """State with its type."""
+        """`state`, typed with the fields that every stepper has."""
         return cast(CommonState, self.state)
 
     @property
@@ -102,41 +102,41 @@ class Stepper(ABC):
 
     @property
     def slip(self) -> SlipRecord:
-        """Slip of the points since the start."""
+        """Slip of the contact points since the start of the run."""
         return self.accumulated.slip
 
     @property
     def record_size(self) -> int:
-        """Columns of a step record."""
+        """Number of columns of a step record."""
         return record_size(len(self.system.named_probes))
 
     def step(self, dt: float) -> Step:
-        """Step of ``dt`` (s) with the parameters of the scheme, for compiled code."""
+        """Time step ``dt`` (s) and parameters of the integration scheme, for compiled code."""
         return Step(dt, self.scheme.alpha, self.scheme.beta, self.scheme.gamma)
 
     @abstractmethod
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
-        """Advance through ``acceleration`` (k + 1,) in m/s^2, first entry the current time's.
+        """Advance through base accelerations (k + 1,), m/s^2, of which the first belongs to the current time.
 
-        Fills ``records`` (k, record_size) and returns the number of steps done; fewer than k when a
-        step failed (`last_history` then holds its residuals).
+        Fills ``records`` (k, record_size) and returns the number of completed steps. The number is smaller than k if a
+        step fails; `last_history` then holds the residuals of this step.
         """
 
     @abstractmethod
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
-        """Influence vector i and inertia force M i of a unit base acceleration, in the coordinates of the state."""
+        """Influence vector i, and M i, the inertia force per unit base acceleration, in the stepper's coordinates."""
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k steps of size ``dt``, cutting those that do not converge.
+        """Advance k steps of size ``dt``; steps that do not converge are cut.
 
         Parameters
         ----------
         acceleration
-            (k + 1,) base acceleration at the step ends, m/s^2, the first at the current time.
+            (k + 1,) base acceleration at the ends of the steps, m/s^2, the first at the current time.
         dt
-            Step in s.
+            Time step, s.
         time
-            Current time in s, for messages.
+            Current time, s, for messages.
 
         Returns
         -------
@@ -144,8 +144,8 @@ class Stepper(ABC):
 
         Notes
         -----
-        Where ``acceleration`` does not go on from its last value (a record that starts with a step, above all),
-        displacement and velocity stay and a jumps by -i times the jump, so that M a + r balances again.
+        The base acceleration may jump before the first step, for example at the start of a record. Displacement and
+        velocity then remain, and a changes by -i times the jump, so that M a + r = 0 again.
         """
         k = len(acceleration) - 1
         jump = float(acceleration[0] - self.base_acceleration)
@@ -167,7 +167,7 @@ class Stepper(ABC):
         return records
 
     def _cut_step(self, ends: FloatArray, dt: float, time: float, record: FloatArray) -> None:
-        """One nominal step in 2, 4, ... substeps; base acceleration is linear within it."""
+        """Compute one nominal step in 2, 4, ... substeps; the base acceleration is linear within the step."""
         start, history = self.snapshot(), self.last_history
         for cut in range(1, self.options.max_cuts + 1):
             parts = 2**cut
@@ -190,21 +190,21 @@ class Stepper(ABC):
         )
 
     def report(self) -> dict[str, float]:
-        """Figures about the stepper itself, for the attributes of the results."""
+        """Numbers that describe the stepper, for the attributes of the results."""
         return {}
 
     def _arrays(self) -> Iterator[tuple[str, np.ndarray]]:
-        """Arrays on which the future depends, by name."""
+        """Arrays needed to continue the run, with their names."""
         yield from named_arrays(self.state)
         yield from named_arrays(self.accumulated)
         yield "base_acceleration", self.base_acceleration
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Copy of everything the future depends on."""
+        """Copy of the state needed to continue the run."""
         return {name: array.copy() for name, array in self._arrays()} | {"cuts": np.array(self.cuts)}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Return to a `snapshot`."""
+        """Return to the state of a `snapshot`."""
         for name, array in self._arrays():
             array[...] = state[name]
         self.cuts = int(state["cuts"])

@@ -1,12 +1,13 @@
-r"""Step uniqueness: an implicit step with velocity-weakening friction has one solution (derived in docs/theory.md).
+r"""Step uniqueness: condition for a single solution of an implicit step with velocity-weakening friction.
 
-Where the coefficient falls with the slip rate, friction acts in a step of size h as the negative spring
-:math:`p |\mu'| / h`. The solution is unique while the structure with its inertia is stiffer:
+Where the coefficient falls with the slip rate, friction acts in a step of size h like a spring of negative stiffness,
+of magnitude :math:`p |\mu'| / h`. The solution is unique if the structure with its inertia is stiffer:
 
 .. math:: (1 + \alpha)\, \lambda_{max}\!\left( C^{1/2} G S^{-1} G^T C^{1/2} \right) < 1, \qquad
           C = W p |\mu'|_{max} / h, \quad S = M / (\beta h^2) + (1 + \alpha) K
 
-with the normal contact of closed points in K. Inertia dominates S, so the left side grows with h.
+with the normal contact of closed points in K. Inertia dominates S, so the left side grows with h. The condition is
+derived in docs/theory.md.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ from wroll_fem.numerics.linear import factorise
 from wroll_fem.typing import FloatArray
 
 FEW = 40
-"""Contact degrees of freedom up to which the largest eigenvalue is found densely."""
+"""Largest number of contact degrees of freedom for which the largest eigenvalue is computed by a dense eigensolver."""
 
 MOST_STEPS = 1024
-"""Largest factor on the steps per cycle that a message advises."""
+"""Largest factor on the steps per cycle that the error message can recommend."""
 
 
 def uniqueness_ratio(system: System, state: ContactState, scheme: Scheme, dt: float) -> float:
-    """Left side of the condition at the pressures of ``state``: steps of ``dt`` (s) have one solution below 1."""
+    """Left side of the condition at the pressures of ``state``; a step ``dt`` (s) has one solution if it is below 1."""
     negative = state.pressure * system.laws.weakening / dt
     dofs = np.flatnonzero(np.repeat(negative, 2) > 0.0)
     if dofs.size == 0:
@@ -56,12 +57,12 @@ def uniqueness_ratio(system: System, state: ContactState, scheme: Scheme, dt: fl
 
 
 def check_step_uniqueness(system: System, state: ContactState, scheme: Scheme, dt: float) -> None:
-    """Refuse steps of ``dt`` (s) in which velocity-weakening friction allows more than one solution.
+    """Raise an error if velocity-weakening friction allows more than one solution of a step of ``dt`` (s).
 
     Raises
     ------
     InputError
-        With the steps per cycle that are needed.
+        If the condition is not met; the remedy names the required factor on the steps per cycle.
     """
     value = uniqueness_ratio(system, state, scheme, dt)
     if value < 1.0:
@@ -71,8 +72,8 @@ def check_step_uniqueness(system: System, state: ContactState, scheme: Scheme, d
         factor *= 2
     fall = float(system.laws.weakening.max())
     raise InputError(
-        f"the coefficient falls by up to {fall:.3g} per m/s, so fast that steps of {dt:.3g} s may have more than one "
-        f"solution ({value:.3g}, must be below 1)",
+        f"the coefficient falls by up to {fall:.3g} per m/s, so that a step of {dt:.3g} s may have more than one "
+        f"solution (uniqueness ratio {value:.3g}, must be below 1)",
         key="contact.friction.rate_table",
-        remedy=f"use {factor} times the integrator.steps_per_cycle, or a table that falls more gently",
+        remedy=f"use {factor} times the integrator.steps_per_cycle, or a table with a smaller negative slope",
     )
