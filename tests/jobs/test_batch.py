@@ -346,7 +346,7 @@ def test_nothing_is_drawn_from_nothing(tmp_path: Path) -> None:
 def test_a_figure_that_the_results_cannot_fill_says_so(finished: tuple[Path, Path, Result]) -> None:
     path, out, _ = finished
     grid = load_grid(path)
-    with pytest.raises(InputError, match=r"over preload\.pressure and coil\.layers"):
+    with pytest.raises(InputError, match=r"values of preload\.pressure and coil\.layers"):
         draw_figures(batch.Grid(path, grid.members, ["layer_count"]), out)
 
 
