@@ -64,7 +64,7 @@ def unheld(condensation: Condensation) -> bool:
 
 
 def with_cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) -> ConvergenceError:
-    """Copy of the error whose advice is the likely cause; the error itself if no cause is known."""
+    """Error with the likely cause as its advice; the unchanged error if no cause is known."""
     found = cause(error, condensation, laws)
     if not found:
         return error

@@ -161,7 +161,7 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
 
 
 def least_work(motions: Sequence[PeriodicMotion]) -> float:
-    """Smallest work per cycle, J, to which errors of the energy balance are related.
+    """Lower limit, J, of the work per cycle by which errors of the energy balance are divided.
 
     It is `LEAST_LOSS` times the largest kinetic energy of the motions. A roll that sticks dissipates no energy:
     relative to its input, the balance error would be rounding error alone.

@@ -229,7 +229,7 @@ class FrequencyCurve:
         return tip > LARGEST_GROWTH * self.balance.acceleration
 
     def ended(self, z: FloatArray) -> bool:
-        """Whether the curve ends at ``z``: it has `grown` too large, or has reached an internal resonance."""
+        """Whether the curve ends at ``z``, because of too large a response (`grown`) or an internal resonance."""
         return self.grown(z) or self.overtones(z) > LARGEST_OVERTONES
 
     def describe(self, z: FloatArray) -> str:

@@ -147,7 +147,7 @@ class ArrayFile:
         try:
             found = scipy.io.loadmat(self.path)
         except Exception as error:
-            # whatever scipy stumbles over in a damaged file (ValueError, TypeError, zlib.error, struct.error, ...)
+            # any error that scipy raises for a damaged file (ValueError, TypeError, zlib.error, struct.error, ...)
             reason = " ".join(str(error).split())[:80]
             raise self.error(f"is not a readable .mat file ({reason})", remedy=_V7) from None
         return {name: value for name, value in found.items() if not name.startswith("__")}

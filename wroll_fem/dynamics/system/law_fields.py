@@ -15,7 +15,7 @@ from wroll_fem.dynamics.system.array_file import ArrayFile
 from wroll_fem.errors import InputError
 
 FRICTION_LAWS = BY_NAME
-"""Friction laws by their name, as in `contact.friction.law`; in a file, parameters have the names of the law."""
+"""Friction laws by their name in `contact.friction.law`; parameters have the same names in a file as in the law."""
 
 
 def law_field_names(file: ArrayFile) -> list[str]:

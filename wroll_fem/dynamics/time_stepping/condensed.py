@@ -50,7 +50,9 @@ class CondensedStepper(Stepper):
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
         if system.damping is not None:
             raise InputError(
-                "condensed time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
+                "condensed time stepping has no viscous damping",
+                key="solver.method",
+                remedy="use full, or the analysis harmonic",
             )
         super().__init__(system, preload, scheme, options)
         check_step_uniqueness(system, preload, scheme, dt)

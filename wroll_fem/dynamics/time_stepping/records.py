@@ -27,7 +27,7 @@ RECORDS = (
     "viscous_energy",
     "impact_dissipation",
 )
-"""Names of the columns of a step record; energies are in J, work and dissipation since the start of the run."""
+"""Names of the columns of a step record. Energies are in J; work and dissipation are totals since the start."""
 
 (
     TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ACCELERATION, INPUT, KINETIC, STRAIN, CONTACT, FRICTION, MODULATION, NUMERICAL,

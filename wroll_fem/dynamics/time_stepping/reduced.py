@@ -106,7 +106,9 @@ class ReducedStepper(Stepper):
         super().__init__(system, preload, scheme, options)
         if system.damping is not None:
             raise InputError(
-                "reduced time stepping has no viscous damping", key="solver.method", remedy="use full, or harmonic"
+                "reduced time stepping has no viscous damping",
+                key="solver.method",
+                remedy="use full, or the analysis harmonic",
             )
         check_step_uniqueness(system, preload, scheme, dt)
         self._checked: list[FloatArray] = []
