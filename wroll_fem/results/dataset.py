@@ -97,9 +97,11 @@ FIELDS: dict[str, Field] = {
     # periodic motions
     "branch_point": Field("1", "point along the branch"),
     "probe_amplitude": Field("m", "amplitude of the displacement at the probe (fundamental, 0-peak)"),
-    "probe_transmissibility_real": Field("1", "absolute acceleration at the probe over base acceleration, real part"),
+    "probe_transmissibility_real": Field(
+        "1", "absolute acceleration at the probe divided by base acceleration, real part"
+    ),
     "probe_transmissibility_imag": Field(
-        "1", "absolute acceleration at the probe over base acceleration, imaginary part"
+        "1", "absolute acceleration at the probe divided by base acceleration, imaginary part"
     ),
     "tip_amplitude": Field("m", "amplitude of the tip's displacement (fundamental, 0-peak)"),
     "resonance_frequency": Field("Hz", "resonance frequency"),
@@ -112,15 +114,15 @@ FIELDS: dict[str, Field] = {
     "viscous_work_per_cycle": Field(_ENERGY, "energy dissipated by viscous damping per cycle"),
     "interface_work_per_cycle": Field(_ENERGY, "work done on the interfaces per cycle"),
     "slip_amplitude": Field("m", "largest relative tangential displacement in the cycle"),
-    "memory_change": Field("1", "change of the elastic slip per cycle over its largest"),
+    "memory_change": Field("1", "change of the elastic slip per cycle, relative to its largest value"),
     # modes
     "mode_frequency": Field("Hz", "natural frequency"),
-    "load_factor": Field("1", "buckling load over preload"),
+    "load_factor": Field("1", "buckling load divided by preload"),
     "critical_pressure": Field("Pa", "total external pressure at buckling"),
     "mode_kind": Field("1", "kind of the mode"),
     "mode_harmonic": Field("1", "circumferential wave number of the mode"),
     "mode_residual": Field("1", "relative residual of the eigenpair"),
-    "effective_mass_fraction": Field("1", "effective mass over total mass"),
+    "effective_mass_fraction": Field("1", "effective mass divided by total mass"),
     "mode_at_probe": Field("kg-1/2", "displacement at the probe in the mode of unit modal mass"),
     "tip_participation": Field("1", "participation of the mode in the tip motion under base motion"),
     "mode_shape": Field("1", "mode shape, largest displacement 1"),
@@ -128,9 +130,9 @@ FIELDS: dict[str, Field] = {
     "cell_nodes": Field("1", "nodes of each quadratic quad"),
     "solid_cell_nodes": Field("1", "nodes of each quadratic hexahedron of the coil"),
     # solid coil under a steady sine
-    "amplitude_g": Field("1", "base acceleration over 9.80665 m/s² (0-peak)"),
+    "amplitude_g": Field("1", "base acceleration divided by 9.80665 m/s² (0-peak)"),
     "cycle": Field("1", "cycle of the base motion"),
-    "change_per_cycle": Field("1", "change of the tip's motion over the cycle, over its steady amplitude"),
+    "change_per_cycle": Field("1", "change of the tip's motion per cycle, relative to its steady amplitude"),
     "r_m": Field("m", "distance from the axis"),
     "volume": Field("m3", "volume of a quadrature point"),
     "shear_rz": Field("Pa", "axial shear stress at 1 g (amplitude)"),
@@ -139,7 +141,7 @@ FIELDS: dict[str, Field] = {
     "shear_resultant_history": Field("Pa", "shear resultant where slip starts"),
     "friction_capacity": Field("Pa", "friction capacity"),
     "capacity_radius": Field("m", "radius of the capacity profile"),
-    "capacity_profile": Field("Pa", "friction capacity over the radius"),
+    "capacity_profile": Field("Pa", "friction capacity versus radius"),
     "slip_onset": Field("1", "base acceleration in g above which a point slips"),
     "slipping_volume_fraction": Field("1", "fraction of the coil's volume that slips"),
     "slip_zone_height": Field("m", "height above the base of the highest slipping point"),

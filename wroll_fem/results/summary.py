@@ -66,21 +66,21 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "zeta_error": _share("standard error of zeta", "of estimators that have one"),
         "zeta_lower_bound": _share("zeta, lower end of its error bar"),
-        "zeta_misfit": _share("distance of fit and curve, over the peak"),
+        "zeta_misfit": _share("distance of fit and curve, divided by the peak"),
         "zeta_reason": Entry("", "reason for this method"),
         "f_n_error_hz": _number("Hz", "standard error of f_n"),
         "peak_transmissibility": _number(
             "", "peak transmissibility", "|A_tip + A_g|/|A_g|; of the displacements with two_dof", "{:.2f}"
         ),
-        "half_power_low_hz": _number("Hz", "lower half-power frequency", "f1, where T is its peak over sqrt 2"),
+        "half_power_low_hz": _number("Hz", "lower half-power frequency", "f1, where T is its peak divided by sqrt 2"),
         "half_power_high_hz": _number("Hz", "upper half-power frequency", "f2"),
         "skewness": _number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
     },
     "Steady response of a dwell": {
-        "steady_magnitude": _number("", "steady transmissibility", "over the last whole cycles"),
+        "steady_magnitude": _number("", "steady transmissibility", "during the last whole cycles"),
         "steady_phase_rad": _number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
         "steady_amplitude_m_s2": _number("m/s²", "steady tip acceleration (0-peak)"),
-        "steady_residual": _share("residual harmonics and transients over the fundamental"),
+        "steady_residual": _share("residual harmonics and transients, relative to the fundamental"),
         "steady_drift": _share("change of the fundamental within the window"),
         "steady_doubt": Entry(
             "", "doubt about the steady response", "reason, where drift or residual exceed 2 %; else empty"
@@ -89,8 +89,8 @@ GROUPS: dict[str, dict[str, Entry]] = {
     "Energy over the whole motion (sweep, dwell)": {
         "energy_balance_error": _share(
             "energy balance error",
-            "largest violation of the energy identity over the largest input; of a period for harmonic and backbone "
-            "(input = interface + viscous work) and for two_dof",
+            "largest residual of the energy balance divided by the largest input; of a period for harmonic and "
+            "backbone (input = interface + viscous work) and for two_dof",
             "{:.2%}",
         ),
         "input_work_j": Entry("J", "work put in by the base motion"),
@@ -107,14 +107,15 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "modulation_work_per_cycle_j": Entry("J", "work of the pressure-dependent stick stiffness per cycle"),
         "work_quadrature_error": _share(
             "quadrature error of the friction work",
-            "input less friction, modulation and viscous work over the largest input; falls with `harmonic.samples`",
+            "input minus friction, modulation and viscous work, divided by the largest input; decreases with more "
+            "`harmonic.samples`",
         ),
         "viscous_work_per_cycle_j": Entry("J", "energy dissipated by viscous damping per cycle"),
-        "memory_change": _number("", "change of the elastic slip per cycle, over its largest"),
+        "memory_change": _number("", "change of the elastic slip per cycle, relative to its largest value"),
     },
     "Buckling (buckling, modal with geometric stiffness)": {
         "buckling_load_factor": _number(
-            "", "buckling load over preload", "lowest factor of the preload at which the roll buckles", "{:.4g}"
+            "", "buckling load divided by preload", "lowest factor of the preload at which the roll buckles", "{:.4g}"
         ),
         "buckling_pressure_pa": Entry("Pa", "total external pressure at buckling", console="{:.4g} Pa"),
         "buckling_wave_number": _number("", "circumferential waves of the buckling mode", console="{:d}"),
@@ -137,7 +138,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "max_accumulated_slip_m": Entry(
             "m", "largest accumulated slip",
-            "length of the plastic slip path over the motion; over one period for harmonic and backbone",
+            "length of the plastic slip path during the motion; during one period for harmonic and backbone",
         ),
         "slipping_area_fraction": _share("area that slipped", "share of the area that slipped at any time"),
     },
@@ -145,7 +146,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "bending_hz": _number("Hz", "first bending frequency"),
         "modes_hz": _number("Hz", "frequency", "natural frequencies, rising"),
         "mode_kinds": Entry("", "kind", "bending, torsion, axial, ovalling-n, ..."),
-        "effective_mass_fraction": _share("effective mass", "along the excitation, over the total mass"),
+        "effective_mass_fraction": _share("effective mass", "along the excitation, divided by the total mass"),
     },
     "Backbone": {
         "f_stuck_hz": _number("Hz", "resonance frequency with sticking contact"),
@@ -162,10 +163,10 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "capacity_mandrel_pa": Entry("Pa", "friction capacity at the mandrel", "mu x pressure", console="{:.4g} Pa"),
         "capacity_mandrel_wrap_grid_pa": Entry("Pa", "friction capacity at the mandrel, wrap grid of the thesis"),
         "mandrel_stiffness_pa": Entry(
-            "Pa", "mandrel stiffness", "pressure over hoop strain at its surface", console="{:.4g} Pa"
+            "Pa", "mandrel stiffness", "pressure divided by hoop strain at its surface", console="{:.4g} Pa"
         ),
         "pressure_mandrel_error_estimate": _share(
-            "estimated error of the pressure at the mandrel", "change by extrapolation over the pressure"
+            "estimated error of the pressure at the mandrel", "change by extrapolation, divided by the pressure"
         ),
         "hoop_bound_pa": Entry("Pa", "pressure at the mandrel if no wrap relaxed"),
         "hoop_stress_min_pa": Entry("Pa", "lowest stress along the web"),
@@ -183,7 +184,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "transmissibility": _number("", "transmissibility", "steady, exact", "{:.2f}"),
         "transmissibility_last_cycle": _number("", "transmissibility of the last simulated cycle"),
         "steady_cycles": _number("", "cycles until steady", "until the motion repeats"),
-        "amplitude_g": _number("g", "base acceleration (0-peak)", "levels, over 9.80665 m/s²"),
+        "amplitude_g": _number("g", "base acceleration (0-peak)", "levels, divided by 9.80665 m/s²"),
         "shear_resultant_max_pa": Entry("Pa", "largest shear resultant", "per level"),
         "slipping_volume_fraction": _share("volume that slips", "per level"),
         "slip_zone_height_m": Entry("m", "slip zone height", "per level, above the base"),
@@ -218,7 +219,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "omega_peak_rad_s": _number("rad/s", "frequency of the peak", "per capacity"),
         "friction_capacity_lowest_peak_n": Entry("N", "friction capacity of the lowest peak"),
         "friction_capacity_at_zeta_max_n": Entry("N", "friction capacity of the largest damping ratio"),
-        "zeta_max_over_design": _share("largest damping ratio over the design space"),
+        "zeta_max_over_design": _share("largest damping ratio in the design space"),
         "m2_at_zeta_max_kg": Entry("kg", "secondary mass there"),
         "k2_at_zeta_max_n_m": _number("N/m", "secondary stiffness there"),
     },
@@ -238,8 +239,8 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "steps_per_cycle": _number("", "steps per cycle of the highest excitation frequency"),
         "time_step_error": _share(
             "estimated error by the time step",
-            "of a dwell: largest error of the tip's history over its largest displacement; of a sweep: of |T| over its "
-            "peak; `null` where no oscillator describes the history",
+            "of a dwell: largest error of the tip's history divided by its largest displacement; of a sweep: error of "
+            "|T| divided by its peak; `null` if no oscillator describes the history",
             "{:.2%}",
         ),
         "step_cuts": _number("", "step cuts", "halvings of steps that did not converge at once"),
