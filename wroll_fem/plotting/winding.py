@@ -136,7 +136,7 @@ def plot_pressure_over_tension(members: Sequence[StudyCase], ax: Axes | None = N
     """
     grid = sorted(grid_cases(members, "winding_tension", TENSION), key=lambda m: float(m.values[TENSION]))
     for m in grid:
-        style.require(m.data, _STRESS, "figure of pressure over tension")
+        style.require(m.data, _STRESS, "figure of pressure versus tension")
     lines: list[Any] = [key for key in _varied(grid) if key != TENSION]
     ax = style.axes(ax, 4.4)
     ax.axhspan(*(1e-3 * p for p in SIMULATED), color="#E4EEF5", label="preloads simulated in the thesis")
