@@ -1,4 +1,4 @@
-"""Errors that are reported to users, each with an exit code."""
+"""Errors that are reported to users: the text of the message from its parts, and the exit code."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class ConvergenceError(WrollError):
     message
         What failed.
     time_s
-        Time (or load factor of a static step) that could not be reached; None for a periodic motion.
+        Time that could not be reached; None for a static step and for a periodic motion.
     iterations
         Newton iterations spent in the last attempt.
     residual_history

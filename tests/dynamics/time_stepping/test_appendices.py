@@ -20,7 +20,7 @@ from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.time_stepping import hht
 from wroll_fem.dynamics.time_stepping.energy_check import check_energy, rounding_energy
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
-from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, RECORDS
+from wroll_fem.dynamics.time_stepping.records import FRICTION, IMPACT, INPUT, KINETIC, NUMERICAL, RECORDS
 from wroll_fem.dynamics.time_stepping.simulate import CHUNK, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError, InputError
@@ -257,6 +257,15 @@ def test_rounding_at_the_start_of_a_slow_ramp_makes_no_energy():
     records[1:, FRICTION] = 1e-6 * stored
     with pytest.raises(ConvergenceError, match="energy balance violated"):
         check_energy(records, times, 0.0, rounding)
+
+
+def test_impacts_that_create_energy_together_are_named_as_the_cause():
+    records, times = np.zeros((4, len(RECORDS))), np.arange(4.0)
+    records[:, KINETIC] = 1.0
+    records[:, IMPACT] = [0.0, -0.4, -0.8, -1.2]
+    records[:, INPUT] = records[:, KINETIC] + records[:, IMPACT]
+    with pytest.raises(ConvergenceError, match=r"all impacts together have created 1.2 J; at most 1 J was stored"):
+        check_energy(records, times, 1.0)
 
 
 # --- the smoothed sign in the two-mass model (appendix C) -------------------------------------------------------------

@@ -76,10 +76,10 @@ def solve_static(
 
 
 def unconverged(load_factor: float, iterations: int, history: list[float]) -> ConvergenceError:
-    """Error for a static step that did not converge; ``load_factor`` is given as the time."""
+    """Error for a static step that did not converge."""
     return ConvergenceError(
         f"static step did not converge (load factor {load_factor:.4g})",
-        time_s=load_factor,
+        time_s=None,
         iterations=iterations,
         residual_history=history,
         advice="raise preload.steps, or check that friction or a support holds every body",

@@ -71,10 +71,17 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float, roundin
         (made > ABSURD * most[:-1]) & (made > least) | (-records[1:, IMPACT] > np.maximum(most[1:], rounding))
     )
     if bad.size:
+        first = int(bad[0])
+        created, stored_most = (f"{value:.2g} J" for value in (made[first], most[first]))
+        what = (
+            f"a step created {created}"
+            if made[first] > ABSURD * most[first]
+            else (f"all impacts together have created {-records[first + 1, IMPACT]:.2g} J")
+        )
         raise ConvergenceError(
-            f"energy balance violated: a step created {made[bad[0]]:.2g} J; at most {most[bad[0]]:.2g} J was stored",
-            time_s=float(times[bad[0]]),
-            iterations=int(records[bad[0] + 1, ITERATIONS]),
+            f"energy balance violated: {what}; at most {stored_most} was stored",
+            time_s=float(times[first]),
+            iterations=int(records[first + 1, ITERATIONS]),
             residual_history=[],
             advice="where surfaces open and impact, use a smaller contact.friction.elastic_slip, smaller steps "
             "(integrator.steps_per_cycle), a higher preload, or integrator.scheme: moderate_dissipation",
