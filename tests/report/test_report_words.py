@@ -98,3 +98,10 @@ def test_the_table_of_the_summary_has_the_units_of_its_names() -> None:
     for name, entry in SUMMARY.items():
         assert entry.unit == split_unit(name)[1], name
         assert entry.label, name
+
+
+@pytest.mark.parametrize(("name", "shown_sections"), [("backbone", {"Harmonic", "Backbone"}), ("dwell", set())])
+def test_a_section_with_defaults_is_shown_for_the_analyses_that_use_it(name: str, shown_sections: set[str]) -> None:
+    given = yaml.safe_load(load_case(CONFIGS / f"lab_{name}.yaml").resolved_yaml())
+    found = {row.section for row in case_rows(given)}
+    assert found & {"Modal", "Harmonic", "Backbone"} == shown_sections

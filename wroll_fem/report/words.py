@@ -19,8 +19,8 @@ from wroll_fem.report.values import quantity
 
 Plain = Mapping[str, Any]
 
-_SETTINGS = ("modal", "harmonic", "backbone")
-"""Case sections with defaults; each is shown only for the analysis of the same name."""
+_SETTINGS = {"modal": ("modal",), "harmonic": ("harmonic", "backbone"), "backbone": ("backbone",)}
+"""Case sections with defaults, and the analyses that use them; other analyses do not show them."""
 
 _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
 """Analyses without time integration and without load increments."""
@@ -64,7 +64,7 @@ def case_rows(data: Plain) -> list[CaseRow]:
     rows: list[CaseRow] = []
     known = case_sections()
     for key, value in data.items():
-        if key in ("analysis", "output") or value is None or (key in _SETTINGS and key != analysis):
+        if key in ("analysis", "output") or value is None or analysis not in _SETTINGS.get(key, (analysis,)):
             continue
         if key in ("integrator", "solver") and analysis in _WITHOUT_STEPS:
             continue
