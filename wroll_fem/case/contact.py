@@ -12,7 +12,7 @@ from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
 from wroll_fem.contact.registry import LAWS
 
-_ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)"
+_ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts"
 
 
 class PenaltyFriction(Section):

@@ -1,4 +1,4 @@
-"""Commands that compute, `wroll run` and `wroll batch`, and messages on how to continue after an interrupt."""
+"""Commands `wroll run` and `wroll batch`: progress, figures, exit code, and how to continue after an interrupt."""
 
 from __future__ import annotations
 

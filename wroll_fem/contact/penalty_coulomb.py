@@ -33,7 +33,10 @@ class PenaltyCoulomb(FrictionLaw):
     mu: Annotated[float, Parameter("coefficient of friction, dimensionless", least=0.0)]
     elastic_slip: Annotated[
         float,
-        Parameter("allowable elastic slip gamma*, m: relative displacement at which sliding starts (physics)", above=0),
+        Parameter(
+            "allowable elastic slip gamma*, m: relative displacement at which sliding starts",
+            above=0,
+        ),
     ]
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Shell meshes of the roll by gmsh: concentric mid-surfaces of order-2 quads with matching nodes.
+"""Shell meshes of the roll by gmsh, made exactly symmetric, with matching nodes; check of the geometry of any mesh.
 
 The axis of the roll is z and the base lies at z = 0. The mandrel and every coil layer are meshed as tubes on their
 mid-surfaces. All tubes have the same divisions, so the nodes of one tube are radial scalings of those of any other, in

@@ -14,7 +14,6 @@ from wroll_fem.structure.mode_shapes import main_bending
 from wroll_fem.typing import FloatArray
 
 SHEAR, MODULUS = "coil.material.G_r_theta", "coil.material.E_theta"
-_LOW_MASS = 0.1  # a mode below bending with less than this share of bending's effective mass is "discarded"
 
 
 def bending_mode(member: StudyCase) -> tuple[float, int]:

@@ -156,7 +156,7 @@ def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Ax
     )
     ax.clabel(lines, fmt="%.3g", fontsize=7)
     bar = style.figure_of(ax).colorbar(filled, ax=ax)
-    bar.set_label("Largest half-power damping over the capacities (%)")
+    bar.set_label("Largest half-power damping of all capacities (%)")
     _draw_tuned(dataset, ax)
     ax.grid(False)
     ax.set_xlabel(label("m2", "kg"))

@@ -1,4 +1,4 @@
-"""Pages and elements of a report, from Jinja2 templates.
+"""Pages of a report, their sections, table of contents and links, from Jinja2 templates.
 
 Jinja2 escapes every text that does not come from a template. Figures are embedded, and the file refers to no other
 file. A content security policy also forbids scripts and requests.

@@ -1,4 +1,4 @@
-"""Datasets of results: table of names, units and labels; reading and writing.
+"""Datasets of results: table of names, units and labels; reading, and writing with compression.
 
 Every variable and coordinate that the program stores has an entry in `FIELDS`; their units and labels are
 written nowhere else. NetCDF files are read and written by h5netcdf (h5py or netCDF4 from PyPI would load a second
@@ -169,7 +169,7 @@ FIELDS: dict[str, Field] = {
     "limit_kind": Field("1", "mode that is lower than bending in a softer coil"),
     # two masses
     "omega": Field("rad s-1", "angular frequency of the base"),
-    "transmissibility": Field("1", "largest displacement of the primary over that of the base"),
+    "transmissibility": Field("1", "largest displacement of the primary mass divided by that of the base"),
     "zeta": Field("1", "damping ratio"),
     "zeta_error": Field("1", "standard error of the damping ratio"),
     "zeta_lower_bound": Field("1", "lower end of the error bar of the damping ratio"),
@@ -178,7 +178,7 @@ FIELDS: dict[str, Field] = {
     "peak_transmissibility": Field("1", "transmissibility of the peak"),
     "omega_low": Field("rad s-1", "lower half-power frequency"),
     "omega_high": Field("rad s-1", "upper half-power frequency"),
-    "skewness": Field("1", "upper over lower half of the half-power width, minus 1"),
+    "skewness": Field("1", "upper half of the half-power width divided by the lower half, minus 1"),
     "omega_stuck": Field("rad s-1", "resonance frequency with sticking masses"),
     "reading_note": Field("1", "remark on the half-power estimate"),
     "viscous_work_primary": Field(_ENERGY, "energy lost in the primary's dashpot per cycle"),
@@ -186,10 +186,10 @@ FIELDS: dict[str, Field] = {
     "harmonics": Field("1", "highest harmonic kept"),
     "m2": Field("kg", "mass of the secondary"),
     "k2": Field("N m-1", "stiffness of the secondary"),
-    "zeta_over_design": Field("1", "half-power damping ratio over designs"),
-    "omega_peak_over_design": Field("rad s-1", "angular frequency of the peak over designs"),
-    "peak_over_design": Field("1", "transmissibility of the peak over designs"),
-    "zeta_max": Field("1", "largest half-power damping ratio over the friction capacities"),
+    "zeta_over_design": Field("1", "half-power damping ratio of each design"),
+    "omega_peak_over_design": Field("rad s-1", "angular frequency of the peak of each design"),
+    "peak_over_design": Field("1", "transmissibility at the peak of each design"),
+    "zeta_max": Field("1", "largest half-power damping ratio of all friction capacities"),
     "capacity_at_zeta_max": Field("N", "friction capacity of the largest damping"),
     # statics
     "external_pressure": Field("Pa", "external pressure on the layer outside the interface"),

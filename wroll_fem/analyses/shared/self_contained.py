@@ -1,4 +1,4 @@
-"""Self-contained results: the Dataset stores the case data for summary, fields and figures as attributes."""
+"""Self-contained results: attributes with the case data for summary and figures, added to older results."""
 
 from __future__ import annotations
 

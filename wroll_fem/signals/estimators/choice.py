@@ -1,4 +1,4 @@
-"""Choice of the estimator from prominence and symmetry of the peak (thesis, appendix D, algorithm 1)."""
+"""Estimator chosen from prominence and symmetry of the peak, or another if its fit fails (thesis, appendix D)."""
 
 from __future__ import annotations
 
