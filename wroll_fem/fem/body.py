@@ -176,7 +176,10 @@ def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
 
 
 def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:
-    """(n_nodes,) weight of each node in the mean over a ring of quadratic edges (Simpson's rule); sums to 1."""
+    """(n_nodes,) weight of each node in the mean of a nodal field along a ring of quadratic edges; sums to 1.
+
+    The mean is integrated with Simpson's rule, whose points are the nodes of an edge.
+    """
     edges = ring_edges(part.cells, ring)
     length = np.linalg.norm(part.nodes[edges[:, 2]] - part.nodes[edges[:, 0]], axis=1)
     length += np.linalg.norm(part.nodes[edges[:, 1]] - part.nodes[edges[:, 2]], axis=1)
@@ -201,7 +204,10 @@ def ring_spring(part: CylinderMesh, ring: IntArray, stiffness: float) -> sp.csr_
 
 
 def tip_probe(constraints: Constraints, part: CylinderMesh) -> sp.csr_matrix:
-    """(3, n) operator for the displacement of the tip: centre of a rigid tip, or mean over a deformable end ring."""
+    """(3, n) operator from the n unknowns to the tip displacement.
+
+    It is the displacement of the centre of a rigid tip, or the mean over a deformable end ring.
+    """
     n = constraints.expand.shape[1]
     if constraints.master is not None:
         alive = np.flatnonzero(constraints.master[:3] >= 0)
@@ -220,7 +226,7 @@ def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
 
 
 def point_mass(constraints: Constraints, mass: float) -> sp.csr_matrix:
-    """(n, n) mass matrix of a point mass (kg) at the centre of the rigid tip."""
+    """(n, n) mass matrix of a point mass (kg) at the centre of the rigid tip; n is the number of unknowns."""
     diagonal = np.zeros(constraints.expand.shape[1])
     if constraints.master is not None:
         translations = constraints.master[:3]

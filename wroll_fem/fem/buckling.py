@@ -1,4 +1,4 @@
-"""Linear buckling (K + lambda K_g) x = 0 by Lanczos iterations on the inverse of the stiffness."""
+"""Linear buckling (K + lambda K_g) x = 0 by Lanczos iterations with the operator -K^-1 K_g."""
 
 from __future__ import annotations
 

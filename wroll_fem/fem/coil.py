@@ -47,7 +47,7 @@ class CoilMatrices:
     Attributes
     ----------
     stiffness, mass
-        (n, n) sparse symmetric, N/m and kg.
+        (n, n) sparse symmetric matrices of all n unknowns, N/m and kg.
     component
         (n_coil,) component (0, 1, 2 for x, y, z) of each unknown of the coil.
     part
@@ -136,7 +136,10 @@ def in_vtk_order(nodes: FloatArray, cells: IntArray) -> IntArray:
 
 
 def wall_offset(nodes: FloatArray, height: float) -> sp.csr_matrix:
-    """(3 n, 6 n) operator for the displacement u + height theta x d at a height (m) above the shell nodes (n, 3)."""
+    """(3 n, 6 n) operator for the displacement at a height (m) above the n shell nodes.
+
+    The displacement is u + height theta x d, with the radial unit vector d.
+    """
     d, n = radial_director(nodes), len(nodes)
     cross = np.zeros((n, 3, 6))
     cross[:, :, :3] = np.eye(3)

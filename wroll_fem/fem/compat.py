@@ -166,7 +166,7 @@ def geometry_dofs(domain: mesh.Mesh) -> npt.NDArray[np.int64]:
 
 
 def cell_dofs(space: fem.FunctionSpace) -> npt.NDArray[np.int64]:
-    """(n_cells, nodes per cell) indices of the blocks of degrees of freedom of each cell."""
+    """(n_cells, nodes per cell) numbers of the dof blocks of each cell; one block contains the dofs of one node."""
     table = space.dofmap.list
     if hasattr(table, "array"):
         n_cells = space.mesh.topology.index_map(space.mesh.topology.dim).size_local

@@ -110,7 +110,7 @@ def build_constraints(
 def mirrored_values(
     nodes: FloatArray, parity: FloatArray, *, symmetric: bool
 ) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Nodal values that determine all others by symmetry about the x-z plane.
+    """Source node of the values of each node, and their signs, under symmetry about the x-z plane.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def mirrored_values(
 
     Returns
     -------
-    source : (n,) node whose values determine those of each node.
+    source : (n,) node whose values determine the values of each node.
     sign : (n, k) factor by which these values are multiplied.
     free : (n, k) False for components that vanish on the symmetry plane.
 

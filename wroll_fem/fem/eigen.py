@@ -15,7 +15,7 @@ from wroll_fem.fem import compat
 from wroll_fem.typing import FloatArray
 
 DEFAULT_SHIFT = -((2 * np.pi * 10.0) ** 2)
-"""Spectral shift, (rad/s)^2. It is negative so that K - sigma M is positive definite even for a free body."""
+"""Spectral shift sigma, (rad/s)^2. It is negative so that K - sigma M is positive definite even for a free body."""
 
 _TOLERANCE = 1e-10
 _RESIDUAL_LIMIT = 1e-6
@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class EigenPairs:
-    """Eigenpairs nearest to a spectral shift.
+    """Eigenpairs nearest to a spectral shift sigma.
 
     Attributes
     ----------
@@ -194,7 +194,7 @@ def _has_mumps() -> bool:
 
 
 def _missed(K: PETSc.Mat, M: PETSc.Mat, values: FloatArray, count: int, sigma: float) -> int:
-    """Number of eigenvalues that are missing among the lowest ones, by Sylvester's law of inertia.
+    """Number of eigenvalues that the solver has missed among the lowest modes, by Sylvester's law of inertia.
 
     The number of negative pivots of K - s M is the number of eigenvalues below s. The value s is placed in the widest
     relative gap above mode `count`. The check needs a shift below the spectrum and MUMPS; otherwise the result is 0.

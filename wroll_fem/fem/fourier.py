@@ -185,7 +185,7 @@ class FourierModel:
 
     @cached_property
     def cell_nodes(self) -> IntArray:
-        """(n_r, n_z, nodes per cell) node numbers of each cell, in basix's local order."""
+        """(n_r, n_z, nodes per cell) node numbers of the n_r cells along r and n_z along z, in basix's local order."""
         return compat.cell_dofs(self.space)[self._cell_order].reshape(*self.half_plane.shape, -1)
 
     def stiffness(self, wave_number: int) -> sp.csr_matrix:

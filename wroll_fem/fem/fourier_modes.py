@@ -30,7 +30,9 @@ _NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with
 
 @dataclass(frozen=True)
 class FourierMode:
-    """Mode of unit modal mass. For m >= 1 it stands for a degenerate pair; the other mode is rotated by pi / (2 m).
+    """Mode of unit modal mass, with circumferential wave number m.
+
+    For m >= 1 it represents a degenerate pair; the second mode is the first one rotated about the axis by pi / (2 m).
 
     Attributes
     ----------
@@ -112,7 +114,7 @@ def _kind(symmetry: SymmetryClass, value: float, vector: FloatArray, system: Sym
 
 
 def lowest_modes(roll: FourierRoll, count: int) -> list[FourierMode]:
-    """Lowest `count` modes of the whole roll, each degenerate pair listed once.
+    """Lowest `count` modes of the whole roll; each degenerate pair is listed once.
 
     Returns
     -------

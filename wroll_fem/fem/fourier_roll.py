@@ -56,7 +56,7 @@ def symmetry_classes(wave_number: int) -> tuple[SymmetryClass, ...]:
 
 @dataclass(frozen=True)
 class SymmetryClassMatrices:
-    """Stiffness and mass of a symmetry class after elimination of the supports (q = T y).
+    """Stiffness and mass of a symmetry class, for the unknowns that remain after elimination of the supports.
 
     Attributes
     ----------
@@ -212,9 +212,10 @@ def _translation(symmetry: SymmetryClass) -> FloatArray:
 
 
 def _rigid_tip(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> FloatArray:
-    """(3 n_nodes, k) rigid-body motions of the end face in a symmetry class: k = 2 for m = 1, 1 for m = 0, else 0.
+    """(3 n_nodes, k) nodal amplitudes of the k rigid-body motions of the end face in a symmetry class.
 
-    Translation along x is (U, V) = (1, -1); tilt about y, u = Omega x (x - c), is W = -r; torsion is V = r.
+    k is 2 for the wave number 1, 1 for 0, and 0 for all other wave numbers. Translation along x is
+    (U, V) = (1, -1); tilt about y, u = Omega x (x - c), is W = -r; torsion is V = r.
     """
     at = 3 * np.flatnonzero(nodes)
     if symmetry.wave_number > 1:

@@ -161,9 +161,9 @@ class _Wall:
         return sp.csr_matrix(expand.T @ total @ expand + self._tip(unbalanced.reshape(-1, 6)[:, :3], centre))
 
     def _on_cells(self, values: FloatArray, trace: Trace) -> FloatArray:
-        """(9 n_cells, 3) nodal values, cell by cell: shape functions of the contact points times ``values``.
+        """(9 n_cells, 3) tractions at the nodes of each cell: shape functions of the contact points times tractions.
 
-        The ``values`` (n_points, 3) are those at the contact points of ``trace``.
+        The ``values`` (n_points, 3) are the tractions at the contact points of ``trace``.
         """
         at = contact_points(CylinderMesh(self.body.nodes, self.body.cells, {}))
         theta = np.abs(at.points[:, 0]) if self.body.symmetric else at.points[:, 0]
@@ -193,9 +193,10 @@ class _Wall:
 def _sliding_contact(
     system: System, state: ContactState, bodies: Sequence[Body], thicknesses: Sequence[float]
 ) -> sp.csr_matrix:
-    """(n, n) geometric stiffness of the contact pressure, from the rotation of the mean director of sliding surfaces.
+    """(n_dofs, n_dofs) geometric stiffness due to the contact pressure.
 
-    The energy is pressure times area times relative tangential displacement times change of the mean director.
+    It results from the rotation of the mean director of sliding surfaces. The energy is pressure times area
+    times relative tangential displacement times change of the mean director.
     """
     n = system.n_dofs
     if not system.interfaces:
@@ -219,5 +220,5 @@ def _sliding_contact(
 
 
 def _director_turn(body: Body, thickness: float) -> sp.csr_matrix:
-    """(3 n_points, n) operator for the first-order change of the director, averaged at each contact point."""
+    """(3 n_points, n_dofs) operator for the weighted mean first-order change of the director at each contact point."""
     return sp.csr_matrix((body.traces["outer"].operator - body.traces["inner"].operator) / thickness)

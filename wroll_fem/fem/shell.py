@@ -53,10 +53,10 @@ Director = Callable[[FloatArray], FloatArray]
 
 SHEAR_FACTOR = 5.0 / 6.0
 DRILLING_FACTOR = 0.01
-"""Ratio of the drilling stiffness to G t. The drilling term is consistent, so results converge to the same values for
-any factor. A small factor stiffens coarse meshes less (lab mandrel, 12 x 4 cells: the bending frequency is 0.12 % too
-high with 1, 0.04 % with 0.01). A very small factor lowers the spurious drilling modes, near
-sqrt(12 factor G / rho) / t, into the spectrum."""
+"""Drilling stiffness divided by G t (shear modulus times thickness). The drilling term is consistent, so results
+converge to the same values for any ratio. A small ratio stiffens coarse meshes less (lab mandrel, 12 x 4 cells: the
+bending frequency is 0.12 % too high with the ratio 1, 0.04 % with 0.01). With a very small ratio, spurious drilling
+modes, near sqrt(12 ratio G / rho) / t (rho: density), appear among the physical modes."""
 _CELL = "quadrilateral"
 _FROM_GMSH = [0, 1, 3, 2, 4, 7, 5, 6, 8]  # basix's quad9 in gmsh's (and VTK's) local numbers
 _FULL, _REDUCED = 4, 2  # quadrature degrees: 3 x 3 and 2 x 2 Gauss points
@@ -203,7 +203,10 @@ class ShellModel:
         )
 
     def integral(self, mixed: Any, full: Any = None) -> Any:
-        """Mid-surface integral of membrane and shear terms (`mixed` integration) and bending terms (`full`)."""
+        """Integral over the mid-surface: `mixed` with the mixed rule, `full` with 3 x 3 Gauss points per cell.
+
+        Membrane and shear terms need the mixed rule, which is defined in the module docstring.
+        """
         dx, dx_reduced, alpha = self._dx(_FULL), self._dx(_REDUCED), self._alpha
         total = alpha * mixed * dx + (1 - alpha) * mixed * dx_reduced
         return total if full is None else total + full * dx
@@ -295,7 +298,10 @@ def split(q: Any) -> tuple[Any, Any]:
 
 
 def plane_stress(strain: Any, nu: Any) -> Any:
-    """Plane-stress law (1 - nu) strain + nu tr(strain) I, without E t / (1 - nu^2) or E t^3 / (12 (1 - nu^2))."""
+    """Plane-stress law (1 - nu) strain + nu tr(strain) I, without its stiffness factor.
+
+    The factor is E t / (1 - nu^2) for membrane strains and E t^3 / (12 (1 - nu^2)) for changes of curvature.
+    """
     return (1 - nu) * strain + nu * ufl.tr(strain) * ufl.Identity(2)
 
 

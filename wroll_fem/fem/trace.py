@@ -41,7 +41,7 @@ def cylinder_frame(x: Any) -> list[Any]:
 
 
 def cell_node_rows(model: ShellModel, space: fem.FunctionSpace) -> IntArray:
-    """Row numbers (9 n_cells,) that put values at the nodes of each cell into the order of the dof blocks of a space.
+    """Row numbers (9 n_cells,) that reorder nodal values from cell-by-cell order to the order of a function space.
 
     The space is discontinuous and quadratic. Row 9 c + a is the value at node ``model.cells[c, a]`` seen from cell c.
     """
