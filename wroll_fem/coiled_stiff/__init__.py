@@ -1,1 +1,1 @@
-"""Homogenised solid coil without slip ("coiled stiff"): modal shear stress, steady-state response, predicted slip."""
+"""Homogenised solid coil without slip ("coiled stiff"): modal shear stress, steady-state response, slip criterion."""

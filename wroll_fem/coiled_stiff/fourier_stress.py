@@ -31,7 +31,7 @@ def shear_modes(
     circumferential: int,
     probes: Mapping[str, tuple[Probe, float]] | None = None,
 ) -> ShearModes:
-    """Modes of a roll that the base motion excites, out of its lowest modes, with their shear stress in the coil.
+    """Modes that the base motion excites, among the lowest modes of a roll, with their shear stress in the coil.
 
     A lateral base motion excites only modes of circumferential wave number 1. In each degenerate pair it excites only
     the mode along the excitation. All other modes are omitted.

@@ -14,7 +14,8 @@ from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, Sym
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
-"""Lowest interlayer shear modulus of the search, Pa; the result if bending is the fundamental mode even with it."""
+"""Lowest interlayer shear modulus of the search, Pa. The search returns it if bending is the fundamental mode even
+there."""
 
 _TOLERANCE = 1e-8  # absolute tolerance of ln G
 _REACH = 2.5  # length of the first interval per gap at its start; with the slope 1/2 the zero is at 2
@@ -127,7 +128,9 @@ def softest_coil(roll: FourierRoll, material: CylindricalOrthotropic) -> Softest
 
 
 def _crossing(gap: Callable[[float], float], start: float, top: float) -> float:
-    """Zero of the increasing function ``gap`` below ``top``; ln `LOWEST_MODULUS` if ``gap`` is positive even there.
+    """Zero of the increasing function ``gap`` between ln `LOWEST_MODULUS` and ``top``.
+
+    If ``gap`` is positive at ln `LOWEST_MODULUS`, this lower end is returned.
 
     Parameters
     ----------

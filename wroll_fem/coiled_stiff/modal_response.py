@@ -27,14 +27,14 @@ from wroll_fem.typing import ComplexArray, FloatArray
 STEADY_CHANGE = 1e-4
 """Change of the tip motion per cycle, relative to its amplitude, below which the motion counts as steady.
 
-The transient decays at least as fast as e^(-zeta w_1 t), so at resonance the remaining change is about
-STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
+With the lowest natural frequency w_1, the transient decays at least as fast as e^(-zeta w_1 t), so at resonance the
+remaining change is about STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
 """
 
 SAMPLES_PER_CYCLE = 64
 """Number of samples per cycle in the stored history."""
 MOST_CYCLES = 20_000
-"""Largest number of cycles; if the motion is not steady by then, the search stops with an error."""
+"""Largest number of cycles; if the motion is not steady by then, the computation stops with an error."""
 
 
 class ModalState(NamedTuple):
@@ -130,10 +130,11 @@ class Oscillators:
     def change_per_cycle(
         self, cycles: npt.NDArray[np.int64], frequency_hz: float, amplitude: float = 1.0
     ) -> FloatArray:
-        """Change of the motion of each mode during given cycles.
+        """Change of the motion of each mode from the beginning to the end of each given cycle.
 
-        It is the amplitude of q(t) - q(t - T), computed from displacement and velocity. It decays by e^(-zeta w T) per
-        cycle and has no zeros, whatever the phase of the transient.
+        It is the amplitude of q(t) - q(t - T), where t is the end of the cycle and T its duration, computed from
+        displacement and velocity. It decays by e^(-zeta w T) per cycle and has no zeros, whatever the phase of the
+        transient.
 
         Parameters
         ----------
@@ -230,7 +231,9 @@ def run_to_steady_state(
 
 
 def steady_transmissibility(oscillators: Oscillators, tip: FloatArray, frequency_hz: float) -> complex:
-    """Steady-state ratio of absolute tip acceleration to base acceleration, 1 - W^2 sum_k tip_k Q_k / A.
+    """Steady-state absolute tip acceleration divided by base acceleration (complex).
+
+    It is 1 - W^2 sum_k tip_k Q_k / A, with the symbols of the module docstring.
 
     Parameters
     ----------
