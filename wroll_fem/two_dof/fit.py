@@ -71,9 +71,9 @@ class Fit:
     Attributes
     ----------
     model : fitted parameters
-    capacities : (c,) friction capacities, N, fitted or given
+    capacities : friction capacity of each curve, N, fitted or given
     error : root mean square of ln(model / measured)
-    errors : (s,) this error for every start, smallest first; equal values indicate a unique minimum
+    errors : error of each start, smallest first; equal values indicate a unique minimum
     at_bound : names of parameters that ended on a bound and are doubtful (`capacity k` for the k-th curve)
     """
 
@@ -135,14 +135,16 @@ def fit_curves(
     """Fit the model to transmissibility curves measured at several preloads.
 
     The residuals are differences of ln(T), so that flanks and peaks have the same weight. The unknowns are the
-    logarithms of the parameters. The first start is ``model``; the others are a Latin hypercube within the bounds.
+    logarithms of the parameters. The first start is ``model``; the other starts are a Latin hypercube within the
+    bounds.
 
     Parameters
     ----------
     measured
         Curves, in any order.
     bounds
-        Lowest and highest value of each free parameter (names in `FREE`); all others keep the values of ``model``.
+        Lowest and highest value of each free parameter (names in `FREE`); all other parameters keep the values of
+        ``model``.
     model
         Fixed values and initial values; Table 5.2 of the thesis if None.
     capacity_bounds

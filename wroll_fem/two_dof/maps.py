@@ -30,18 +30,19 @@ Report = Callable[[int], None]
 ACROSS = 12
 """Number of frequencies across the half-power width of the highest peak."""
 BRACKET = 1e-4
-"""Relative change of a maximum below which its search has converged."""
+"""Relative change of a maximum below which the search for it has converged."""
 SMALL = 0.01
 """Height of a local maximum, relative to the largest value, below which it is not refined."""
 MAP_ACCURACY = 1e-3
 """Relative accuracy of the amplitudes of a design map."""
 BAND = (0.6, 1.6)
-"""Limits of the frequency band of a design map, relative to the lowest and to the highest natural frequency."""
+"""Frequency band of a design map: lower limit divided by the lowest natural frequency, upper limit divided by the
+highest."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """Response at one friction capacity.
+    """Response of the two masses at one friction capacity.
 
     Attributes
     ----------
@@ -90,7 +91,7 @@ class _Curve:
 
 
 def peak_half_power(solver: PeriodicSolver, omegas: FloatArray, known: Sequence[PeriodicMotion] = ()) -> HalfPower:
-    """Half-power damping of the highest peak of a curve, on the grid of `refined_curve`.
+    """Half-power damping of the highest peak of a transmissibility curve, on the frequency grid of `refined_curve`.
 
     Parameters
     ----------
@@ -182,7 +183,7 @@ def _refine_peak(curve: _Curve, low: float, top: float, high: float) -> None:
 
 
 def response(model: TwoMasses, omegas: FloatArray, method: str, capacity: float) -> Response:
-    """Response at one friction capacity.
+    """Compute the response of the two masses at one friction capacity.
 
     Parameters
     ----------
@@ -307,7 +308,7 @@ def design_space(
     workers: int | None = None,
     on_done: Report | None = None,
 ) -> DesignSpace:
-    """Damping of the highest peak for all secondary masses, secondary stiffnesses and capacities (thesis, Fig. 5.7).
+    """Damping of the highest peak for each secondary mass, secondary stiffness and capacity (thesis, Fig. 5.7).
 
     Parameters
     ----------

@@ -42,10 +42,10 @@ Arrangement = Literal["both_on_base", "secondary_isolated", "secondary_on_primar
 ARRANGEMENTS: tuple[str, ...] = get_args(Arrangement)
 
 SUPPORT_COUPLING = {"both_on_base": (0.0, 1.0), "secondary_isolated": (0.0, 0.0), "secondary_on_primary": (1.0, 0.0)}
-"""Coefficients (a, b) of the support of the secondary, for each arrangement."""
+"""For each arrangement, coefficients (a, b) of the motion a x_1 + b y of the secondary mass's support."""
 
 RELATIVE_VELOCITY = np.array([1.0, -1.0])
-"""Vector d: the relative velocity at the interface is d . (v_1, v_2)."""
+"""Vector d: the relative velocity at the interface is d . (v_1, v_2), with the velocities v_1 and v_2 of the masses."""
 
 
 def regularised_sign(x: npt.ArrayLike) -> FloatArray:
@@ -64,7 +64,7 @@ class PreloadedTwoMasses:
     capacity : friction capacity F_c, N
     smoothing : scale s of the regularised sign function, s/m
     base_amplitude : amplitude Y_0 of the base displacement, 0-peak, m
-    support_coupling : coefficients (a, b) of the support of the secondary
+    support_coupling : coefficients (a, b) of the motion a x_1 + b y of the secondary mass's support
     """
 
     m1: float
@@ -99,7 +99,11 @@ class PreloadedTwoMasses:
 
     @property
     def ground_coupling(self) -> FloatArray:
-        """(2,) vector (a + b - 1) r_2, which multiplies k_2 y + c_2 y' in the equations of relative motion."""
+        """(2,) vector that multiplies k_2 y + c_2 y' in the equations of relative motion.
+
+        It is (a + b - 1) r_2 with the symbols of the module docstring, and zero unless fixed ground supports the
+        secondary mass.
+        """
         return (sum(self.support_coupling) - 1.0) * np.array([-self.support_coupling[0], 1.0])
 
     @property

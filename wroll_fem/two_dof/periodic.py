@@ -5,7 +5,7 @@ to the interface, for the constant normal force. The interface is one contact po
 Coulomb friction, a friction coefficient of 1 and the normal force F_c. `HarmonicBalance` solves it with odd harmonics
 only (see `model`).
 
-The number of harmonics is increased, H = 7, 15, 31, ..., until the last ones are negligible or the amplitude has
+The highest harmonic is raised, H = 7, 15, 31, ..., until the last two harmonics are negligible or the amplitude has
 converged.
 """
 
@@ -35,9 +35,9 @@ from wroll_fem.two_dof.model import RELATIVE_VELOCITY, PreloadedTwoMasses
 from wroll_fem.typing import FloatArray
 
 HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
-"""Numbers of harmonics tried in turn."""
+"""Orders of the highest harmonic, tried in turn."""
 ACCURACY = 1e-5
-"""Relative change of the amplitude below which it has converged, when the number of harmonics is doubled."""
+"""Relative change of the amplitude, between two successive entries of `HARMONICS`, below which it has converged."""
 NEGLIGIBLE = 1e-2
 """Size of the last two harmonics of the relative velocity, divided by the largest harmonic and by `accuracy`, below
 which the motion has converged."""
@@ -104,7 +104,10 @@ class _BaseDisplacementBalance(HarmonicBalance):
         self._wall = -preloaded.k2 * wall, preloaded.c2 * omega * wall
 
     def load(self) -> FloatArray:
-        """(R, m) force coefficients, N, for the base displacement y = -Y_0 cos(wt), whose acceleration is A cos(wt)."""
+        """(R, m) external force due to the base displacement y = -Y_0 cos(wt), whose acceleration is A cos(wt).
+
+        R is the number of Fourier coefficients, m the number of reduced coordinates.
+        """
         out = super().load()
         out[1] += self._wall[0]
         out[2] += self._wall[1]
@@ -118,7 +121,10 @@ def _sampling(harmonics: int) -> Sampling:
 
 @cache
 def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
-    """(count, size) samples of the constant and odd harmonics in half a period; derivatives with respect to phase."""
+    """(count, size) values of the odd harmonics at phases of half a period, and derivatives with respect to the phase.
+
+    Column 0, for the constant, is zero: the second half period is the first one with the opposite sign.
+    """
     phase = np.pi * np.arange(count) / count
     values, slopes = np.zeros((count, size)), np.zeros((count, size))
     for column in range(1, size, 2):
@@ -156,8 +162,8 @@ class PeriodicMotion:
     Attributes
     ----------
     omega : frequency of the base motion, rad/s
-    relative : (R, 2) coefficients of x_1 - y and x_2 - y, m, in the order (constant, cos 1, sin 1, cos 3, sin 3, ...)
-    reduced : (R, 2) coefficients in the coordinates of the harmonic balance
+    relative : (R, 2) Fourier coefficients of x_1 - y and x_2 - y, m: constant, cos 1, sin 1, cos 3, sin 3, ...
+    reduced : (R, 2) Fourier coefficients of the reduced coordinates of the harmonic balance
     preloaded : parameters of the model
     """
 
@@ -173,7 +179,7 @@ class PeriodicMotion:
 
     @cached_property
     def absolute(self) -> FloatArray:
-        """(R, 2) coefficients of x_1 and x_2, m."""
+        """(R, 2) Fourier coefficients of x_1 and x_2, m, in the order of `relative`."""
         out = self.relative.copy()
         out[1] -= self.preloaded.base_amplitude
         return out
@@ -265,7 +271,7 @@ class PeriodicSolver:
             found, guess = motion, motion.reduced
         assert found is not None
         raise ConvergenceError(
-            f"{HARMONICS[-1]} harmonics do not resolve the motion at omega = {omega:.6g} rad/s, capacity "
+            f"up to order {HARMONICS[-1]}, harmonics do not resolve the motion at omega = {omega:.6g} rad/s, capacity "
             f"{self.preloaded.capacity:g} N",
             time_s=None, iterations=0, residual_history=[_tail(found)],
             advice="reduce two_dof.smoothing",
@@ -292,7 +298,10 @@ class PeriodicSolver:
         return _BaseDisplacementBalance(self._contacts[harmonics], self.preloaded, omega, self.shapes)
 
     def _problem(self, omega: float, harmonics: int, guess: FloatArray) -> tuple[FrequencyCurve, FloatArray]:
-        """Equations at ``omega`` (rad/s), and an initial guess (R, 2) as scaled unknowns; R is arbitrary."""
+        """Equations at ``omega`` (rad/s), and the scaled unknowns of the initial guess.
+
+        The ``guess`` (R, 2) may have any number R of Fourier coefficients.
+        """
         balance = self._balance(omega, harmonics)
         first = np.zeros((len(balance.orders), self.reduced.size))
         kept = min(len(first), len(guess))
@@ -302,7 +311,7 @@ class PeriodicSolver:
         return problem, problem.scaled(first, omega)
 
     def _solve(self, omega: float, harmonics: int, guess: FloatArray) -> PeriodicMotion:
-        """Motion with a given number of harmonics; the initial guess may have any number of coefficients."""
+        """Motion with harmonics up to a given order; the initial guess may have any number of Fourier coefficients."""
         problem, z = self._problem(omega, harmonics, guess)
         try:
             solution = problem.motion(solve_at(problem, z, CONTROL))[0]
@@ -316,7 +325,10 @@ class PeriodicSolver:
         return level if MORE_THAN_ENOUGH < tail < NEGLIGIBLE * self.accuracy else max(0, level - 1)
 
     def _from_smoother(self, omega: float, harmonics: int) -> FloatArray:
-        """Coefficients (R, 2); the initial guess is the motion for half the slope of the friction law (recursively)."""
+        """Fourier coefficients (R, 2) of the motion; the initial guess is the motion for half the friction-law slope.
+
+        If that motion is not found either, the slope is halved again.
+        """
         if self.preloaded.smoothing * self.preloaded.capacity < LEAST_SLOPE:
             raise ConvergenceError(
                 f"no periodic motion found at omega = {omega:.6g} rad/s, capacity {self.preloaded.capacity:g} N",
@@ -328,7 +340,7 @@ class PeriodicSolver:
         return problem.motion(solve_at(problem, z, CONTROL))[0]
 
     def _linear(self, omega: float) -> FloatArray:
-        """(3, 2) coefficients of the motion without friction, with limited amplitudes at its resonances."""
+        """(3, 2) Fourier coefficients of the motion without friction, with limited amplitudes at its resonances."""
         balance = self._balance(omega, HARMONICS[0])
         stiffness = self.reduced.eigenvalues - omega**2
         least = 0.02 * omega**2

@@ -1,8 +1,8 @@
 """Periodic motions of the two masses by shooting: Newton's method with time-integrated variational equations.
 
-Shooting is an independent check of the harmonic balance in `periodic`: the two share only the equations of motion. The
-base displacement is y = Y_0 sin(omega t). The second half of a period is the first one with the opposite sign
-(see `model`), so Newton's method solves x(T/2) + x(0) = 0. One orbit takes some milliseconds.
+Shooting is an independent check of the harmonic balance in `periodic`: the two methods share only the equations of
+motion. The base displacement is y = Y_0 sin(omega t). The second half of a period is the first one with the opposite
+sign (see `model`), so Newton's method solves x(T/2) + x(0) = 0. One orbit takes some milliseconds.
 """
 
 from __future__ import annotations
