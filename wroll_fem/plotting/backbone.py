@@ -13,7 +13,7 @@ from wroll_fem.signals.transmissibility import magnitude
 
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| versus frequency from harmonic balance; unstable parts between folds are dashed.
+    """Plot the transmissibility |T| versus frequency from harmonic balance; unstable parts between folds are dashed.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def grid_of(dataset: xr.Dataset) -> CoilGrid:
     Raises
     ------
     InputError
-        If they form no grid (a user's own mesh).
+        If the points do not form a grid (a mesh supplied by the user).
     """
     grid = coil_grid(points_of(dataset))
     if grid is None:
@@ -127,7 +127,7 @@ def plot_shear_along(dataset: xr.Dataset, along: Literal["z", "r"], ax: Axes | N
 
 
 def _largest(dataset: xr.Dataset, along: str, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Coordinate "z" or "r" of each row of points, and the largest value in each row."""
+    """Distinct coordinates z or r (``along``) of the points, and the largest value at each coordinate."""
     grid = coil_grid(points_of(dataset))
     if grid is None:
         return largest_along(dataset[f"{along}_m"].values, values)

@@ -83,14 +83,16 @@ def _levels(dataset: xr.Dataset) -> FloatArray:
 
 
 def level_names(dataset: xr.Dataset) -> dict[str, str]:
-    """Legend of `cut_coil`: text -> colour, from the lowest level to "no slip"."""
+    """Legend of `cut_coil`: text -> colour, from the lowest excitation level to "no slip"."""
     levels = _levels(dataset)
     names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
     return dict(zip(names, [*level_colours(levels.size)[::-1], _STUCK], strict=True))
 
 
 def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
-    """Half of the roll up to height ``top`` (m); each coil cell is coloured by the lowest level at which it slips.
+    """Half of the roll up to height ``top`` (m), with the coil coloured by excitation level.
+
+    Each coil cell has the colour of the lowest excitation level at which it slips.
 
     The cutting plane contains the axis and the direction of excitation, so it shows the largest axial shear.
 

@@ -140,7 +140,7 @@ def _cell_means(nodes: FloatArray) -> FloatArray:
 def plot_slip_on_cylinder(
     dataset: xr.Dataset, path: str | os.PathLike[str], interface: int = 0, quantity: str = "cumulative_slip"
 ) -> Path:
-    """Draw the slip of an interface on the cylinder, seen along the excitation, at 45 degrees, and across it.
+    """Draw the slip of an interface on the cylinder, seen at 0, 45 and 90 degrees to the direction of excitation.
 
     Parameters
     ----------

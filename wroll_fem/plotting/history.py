@@ -51,7 +51,7 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset
-        Has `tip_acceleration` (relative to the base), `base_acceleration` and `friction_energy` over `time`. The
+        Has `tip_acceleration` (relative to the base), `base_acceleration` and `friction_energy` along `time`. The
         attributes `excitation_kind`, `f_start_hz`, `rate_oct_per_min` (or `f_end_hz`) give the frequency axis of a
         chirp.
     ax
@@ -106,7 +106,7 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ----------
     dataset
         Has the ledger (`input_work`, `friction_energy`, `numerical_dissipation`, `kinetic_energy`, `strain_energy`,
-        `contact_energy`) over `time`.
+        `contact_energy`) along `time`.
     ax
         Axes to draw in; a new figure if None.
 

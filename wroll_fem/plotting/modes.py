@@ -31,7 +31,7 @@ def plot_modes(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset
-        Has `mode_frequency` (Hz) and, where known, `mode_kind` over `mode`; `effective_mass_fraction` over `mode` or
+        Has `mode_frequency` (Hz) and, where known, `mode_kind` along `mode`; `effective_mass_fraction` along `mode` or
         (`mode`, direction) is written next to the stems when it exceeds 0.5 %.
     ax
         Axes to draw in; a new figure if None.

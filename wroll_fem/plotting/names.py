@@ -53,7 +53,7 @@ _OLD = {
     "frequency_over_shear_stiffness": "shear_stiffness",
     "frequency_over_shear_stiffness_band": "shear_stiffness_band",
 }
-"""Old name -> current name."""
+"""Old name of a figure function -> current name."""
 
 __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "jupyter_backend",

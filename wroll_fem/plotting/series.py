@@ -55,7 +55,7 @@ def _colours(count: int) -> list[Any]:
 
 
 def _base_key(members: Sequence[StudyCase]) -> str | None:
-    """Key of the end condition of the layers at the base if the study varies it, else None."""
+    """Case-file key of the end condition of the layers at the base; None if the study does not vary this condition."""
     return LAYER_BASE if any(LAYER_BASE in m.values for m in members) else None
 
 

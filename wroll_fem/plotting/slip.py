@@ -54,13 +54,13 @@ def plot_slip_map(
     Parameters
     ----------
     dataset
-        Has `theta_rad`, `z_m`, `area`, `slipped` and `quantity` over (`interface`, `point`); half a roll is mirrored.
+        Has `theta_rad`, `z_m`, `area`, `slipped` and `quantity` along (`interface`, `point`); half a roll is mirrored.
     interface
         Index of the interface; 0 is the innermost (mandrel and layer 1).
     ax
         Axes to draw in; a new figure if None.
     quantity
-        Variable over (`interface`, `point`) that is a length: "cumulative_slip" or "max_slip". The first is hatched
+        Variable along (`interface`, `point`) that is a length: "cumulative_slip" or "max_slip". The first is hatched
         grey where the interface never slipped. The second includes elastic slip and is shown everywhere.
 
     Returns
@@ -115,7 +115,7 @@ def plot_pressure_map(dataset: xr.Dataset, interface: int = 0, ax: Axes | None =
     Parameters
     ----------
     dataset
-        Has `theta_rad`, `z_m`, `area` and `pressure` over (`interface`, `point`); half a roll is mirrored.
+        Has `theta_rad`, `z_m`, `area` and `pressure` along (`interface`, `point`); half a roll is mirrored.
     interface
         Index of the interface; 0 is the innermost (mandrel and layer 1).
     ax
@@ -167,7 +167,7 @@ def plot_peak_slip_vectors(
     Parameters
     ----------
     dataset
-        Has `peak_slip_hoop`, `peak_slip_axial` over (`interface`, `point`), `theta_rad`, `z_m`, `area`.
+        Has `peak_slip_hoop`, `peak_slip_axial` along (`interface`, `point`), `theta_rad`, `z_m`, `area`.
     interface
         Index of the interface; 0 is the innermost.
     ax

@@ -34,7 +34,7 @@ _QUANTITIES: dict[str, tuple[str, str, float]] = {
     "mesh.grading": ("grading", "", 1.0),
     "mesh.radial": ("elements through the coil", "", 1.0),
 }
-"""Dotted key -> name, unit and scale factor in figures."""
+"""Dotted key of the case file, such as "coil.layers" -> name, unit and scale factor in figures."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def axis_label(key: str) -> str:
 
 
 def grid_cases(members: Sequence[StudyCase], figure: str, *keys: str) -> list[StudyCase]:
-    """Cases of the grid that have a value of each key; reference cases are left out.
+    """Cases of the grid that have a value for each of the given keys; reference cases are left out.
 
     Raises
     ------
@@ -145,14 +145,14 @@ def grid_cases(members: Sequence[StudyCase], figure: str, *keys: str) -> list[St
 
 
 def values_of(members: Sequence[StudyCase], key: str) -> list[Any]:
-    """Distinct values of a key: numbers in ascending order, others in the order of the cases."""
+    """Distinct values of a key. Numbers are in ascending order, other values in the order of the cases."""
     unique = {json.dumps(m.values[key]): m.values[key] for m in members if key in m.values}
     found = list(unique.values())
     return sorted(found) if all(isinstance(value, int | float) for value in found) else found
 
 
 def having(members: Sequence[StudyCase], key: str, value: Any) -> list[StudyCase]:
-    """Cases with this value of a key, and cases without the key."""
+    """Cases with a given value of a key, and cases without the key."""
     return [m for m in members if key not in m.values or m.values[key] == value]
 
 

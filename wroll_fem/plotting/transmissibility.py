@@ -29,12 +29,12 @@ def _box(read: Resonance) -> str:
 
 
 def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot |T| versus frequency with its peak, its half-power points and the damping estimate.
+    """Plot the transmissibility |T| versus frequency with its peak, its half-power points and the damping estimate.
 
     Parameters
     ----------
     dataset
-        Has `transmissibility_real/_imag` over `frequency`, and the estimate in its attributes (`results.resonance`);
+        Has `transmissibility_real/_imag` along `frequency`, and the estimate in its attributes (`results.resonance`);
         `transmissibility_spectrum_real/_imag` is drawn if present.
     ax
         Axes to draw in; a new figure if None.

@@ -55,7 +55,7 @@ def plot_two_dof(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        When the Dataset holds no such response.
+        If the Dataset contains no response of the two masses.
     """
     style.require(dataset, _RESPONSE, "response of the two masses")
     ax = style.axes(ax, 4.6)
@@ -95,7 +95,7 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
     Raises
     ------
     InputError
-        When the Dataset holds no such response.
+        If the Dataset contains no response of the two masses.
     """
     style.require(dataset, (*_RESPONSE, "skewness", "omega_stuck"), "damping figure of the two masses")
     _, panels = plt.subplots(2, 2, figsize=(style.WIDTH, 5.8), dpi=style.DPI, layout="constrained", sharex=True)
@@ -131,13 +131,13 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
 
 
 def _methods(dataset: xr.Dataset) -> str:
-    """Names of the damping estimators as text, each once, in the order of the capacities."""
+    """Names of the damping estimators as text, each name once, in the order of the friction capacities."""
     named = dataset["zeta_method"].values.tolist() if "zeta_method" in dataset else ["half power"]
     return " or ".join(dict.fromkeys(map(str, named)))
 
 
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot contours of the largest damping in the plane of secondary mass and secondary stiffness (thesis, Fig. 5.7).
+    """Plot the largest damping at any friction capacity versus secondary mass and stiffness (thesis, Fig. 5.7).
 
     On the dashed line the two uncoupled masses have equal natural frequencies. The line holds for the friction capacity
     that is optimal for most designs.
@@ -199,7 +199,7 @@ def plot_two_dof_arrangements(datasets: Mapping[str, xr.Dataset]) -> Axes:
     Raises
     ------
     InputError
-        When one of them holds no such response.
+        If one of the Datasets contains no response of the two masses.
     """
     for dataset in datasets.values():
         style.require(dataset, _RESPONSE, "comparison of arrangements")
