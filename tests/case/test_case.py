@@ -141,7 +141,7 @@ def test_a_wrong_value_gets_one_line_with_key_value_and_remedy(override: str, ex
         ("slip_rate: [0.01, 0.1], mu: [0.2, 0.3]", "rate_table.slip_rate: must start at 0 m/s, got [0.01, 0.1]; start"),
         ("slip_rate: [0, 0.1, 0.1], mu: [0.2, 0.3, 0.4]", "rate_table.slip_rate: must rise, got [0.0, 0.1, 0.1]; sort"),
         ("slip_rate: [0, 0.1], mu: [0.2, -0.3]", "rate_table.mu: must be 0 or more, got [0.2, -0.3]; give coefficient"),
-        ("slip_rate: [0, 0.1], mu: [0, 0.3]", "rate_table.mu: must not start at 0, got [0.0, 0.3]; give a positive on"),
+        ("slip_rate: [0, 0.1], mu: [0, 0.3]", "rate_table.mu: must not start at 0, got [0.0, 0.3]; give a positive mu"),
         ("slip_rate: [0, fast], mu: [0.2, 0.3]", "rate_table.slip_rate.1: must be a number, got 'fast'; write a plain"),
         ("slip_rate: 0, mu: [0.2, 0.3]", "rate_table.slip_rate: must be a list, got 0; give the slip rates, m/s, risi"),
     ],

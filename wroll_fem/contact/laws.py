@@ -51,10 +51,11 @@ class PointLaws(NamedTuple):
     kind : (n,) int64, index of the law in `registry.LAWS`
     stores_slip, sticks : (n,) bool, traits of the law (see `FrictionLaw`)
     weakening : (n,) velocity-weakening slope of the law, s/m
-    own : (n, c) other parameters of the law that are numbers, in the order of its parameters
+    own : (n, c) other parameters of the law that are numbers, in the order of its parameters; c is the largest number
+        of such parameters in a law
     table : (n,) int64, index of the law's table in ``tables``
-    tables : (n_tables, c, L) parameters of the laws that are sequences, in the order of their parameters; short
-        sequences repeat their last number. Shared by all points.
+    tables : (n_tables, c, L) parameters of the laws that are sequences: at most c sequences of at most L numbers per
+        law, in the order of its parameters. Short sequences repeat their last number. Shared by all points.
     """
 
     area: FloatArray
@@ -76,7 +77,7 @@ class PointLaws(NamedTuple):
         return len(self.area)
 
     def take(self, points: np.ndarray) -> PointLaws:
-        """Law parameters of the ``points`` (index array) alone; ``tables`` is kept unchanged."""
+        """Law parameters at the contact ``points`` with the given indices; ``tables`` is kept unchanged."""
         return self._replace(**{name: getattr(self, name)[points] for name in self._fields if name not in SHARED})
 
 
@@ -131,7 +132,10 @@ def stack_laws(
 
 
 def _padded(rows: Sequence[Sequence[Sequence[float]]]) -> FloatArray:
-    """(n, c, L) array from rows of unequal size: missing columns are 0, short sequences repeat their last number."""
+    """(n, c, L) array from n rows of at most c sequences of at most L numbers.
+
+    Missing sequences become 0. Short sequences repeat their last number.
+    """
     columns = max((len(row) for row in rows), default=0)
     length = max((len(values) for row in rows for values in row), default=1)
     out = np.zeros((len(rows), columns, length))
@@ -186,11 +190,12 @@ def _choose(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyp
 
 
 slip_update = _by_kind(_compiled("slip_update"))
-"""Normalised traction e (hoop, axial), m, of point ``k``, and whether the point slides.
+"""Traction divided by the stick stiffness, e (hoop, axial), m, at point ``k``, and whether the point slides.
 
-Arguments: index k; trial slip (hoop, axial), m, which is e_c plus the increment; increment of the relative displacement
-in this step (hoop, axial), m; `PointLaws`; step, s, infinite in statics.
+Arguments: index k; trial slip (hoop, axial), m, the sum of the committed elastic slip and the increment; increment of
+the relative displacement (hoop, axial), m; `PointLaws`; size of the time step, s (infinite in statics).
 """
 
 slip_derivatives = _by_kind(_compiled("slip_derivatives"))
-"""Derivatives (00, 01, 10, 11) of e: four with respect to the trial slip, then four with respect to the increment."""
+"""Derivatives of e (see `slip_update`) with respect to the trial slip, then with respect to the increment. Each is a
+2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial)."""

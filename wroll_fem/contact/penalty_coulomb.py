@@ -73,7 +73,10 @@ def slip_update(
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip, then to the increment (all zero)."""
+    """Derivatives of the elastic slip: with respect to the trial slip, then with respect to the increment (zero).
+
+    Each derivative is a 2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial).
+    """
     a00, a01, a10, a11 = clip_derivatives(trial_h, trial_z, laws.gamma[k])
     return a00, a01, a10, a11, 0.0, 0.0, 0.0, 0.0
 
@@ -88,7 +91,10 @@ def clip(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, b
 
 
 def clip_derivatives(trial_h: float, trial_z: float, radius: float) -> tuple[float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of the projected slip with respect to the trial slip."""
+    """Derivative of the projected slip with respect to the trial slip.
+
+    It is a 2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial).
+    """
     length = math.sqrt(trial_h * trial_h + trial_z * trial_z)
     if length > radius:
         mh, mz = trial_h / length, trial_z / length

@@ -133,7 +133,10 @@ def pressure(tn):
 
 @numba.njit(cache=True, inline="always")
 def squared_penalty(tn, separates):
-    """Square of the normal traction ``tn`` in the penalty energy, Pa^2; 0 for a release traction, which stores none."""
+    """Square of the normal traction ``tn`` in the penalty energy, Pa^2.
+
+    It is 0 for a release traction, because a release traction stores no energy.
+    """
     return 0.0 if separates and tn > 0.0 else tn * tn
 
 
@@ -152,7 +155,7 @@ def stick_stiffness(k, p, laws):
 
 @numba.njit(cache=True, inline="always")
 def correction(t, t_0, spring, change):
-    """Traction correction s = t - t_0 - D_0 (g - g_0), Pa: traction minus its linear model with the stiffness D_0."""
+    """Traction correction, Pa: traction ``t`` minus the traction ``t_0 + spring change`` of the stuck interface."""
     return t - t_0 - spring * change
 
 

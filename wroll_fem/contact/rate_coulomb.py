@@ -54,7 +54,7 @@ class RateCoulomb(FrictionLaw):
             raise InputError(f"{wrong.column} {wrong.problem}", key="contact.friction.rate_table", remedy=wrong.remedy)
         if self.mu != self.coefficients[0]:
             raise InputError(
-                f"coefficient of friction at rest {self.mu} differs from the first one of the table, "
+                f"coefficient of friction at rest {self.mu} differs from the first coefficient of the table, "
                 f"{self.coefficients[0]}",
                 key="contact.friction.mu",
                 remedy="give the same value in both places",
@@ -101,7 +101,10 @@ def slip_update(
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip, then to the increment."""
+    """Derivatives of the elastic slip: with respect to the trial slip, then with respect to the increment.
+
+    Each derivative is a 2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial).
+    """
     gamma, row = laws.gamma[k], laws.table[k]
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     mu, slope = coefficient(size / dt, row, laws.tables)

@@ -31,7 +31,7 @@ def table_problem(rates: Sequence[float], coefficients: Sequence[float]) -> Tabl
         return TableProblem("mu", "must be 0 or more", "give coefficients of friction, dimensionless")
     if coefficients[0] == 0.0 and any(coefficients):
         return TableProblem(
-            "mu", "must not start at 0", "give a positive one at rest: sticking takes mu p / elastic_slip"
+            "mu", "must not start at 0", "give a positive mu at rest: the stick stiffness is mu p / elastic_slip"
         )
     return None
 

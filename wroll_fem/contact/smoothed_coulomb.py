@@ -54,7 +54,7 @@ class SmoothedCoulomb(FrictionLaw):
             raise InputError(
                 f"reference speed {self.reference_speed} m/s is not positive",
                 key="contact.friction.reference_speed",
-                remedy="give a slip rate in m/s, well below those of the motion",
+                remedy="give a slip rate in m/s, well below the slip rates of the motion",
             )
 
     @property
@@ -80,7 +80,7 @@ def regularised_sign_slope(s: float) -> float:
 def slip_update(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
-    """Normalised traction e (m), parallel to the increment, and whether the slip rate exceeds the reference speed."""
+    """Traction divided by mu p / elastic_slip, e (m), and whether the slip rate exceeds the reference speed."""
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     reach = laws.own[k, REFERENCE_SPEED] * dt
     if size == 0.0:
@@ -92,7 +92,10 @@ def slip_update(
 def slip_derivatives(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives (00, 01, 10, 11) of e with respect to the trial slip (all zero), then to the increment."""
+    """Derivatives of e (see `slip_update`): with respect to the trial slip (zero), then to the increment.
+
+    Each derivative is a 2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial).
+    """
     gamma = laws.gamma[k]
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     reach = laws.own[k, REFERENCE_SPEED] * dt
