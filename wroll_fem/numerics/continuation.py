@@ -76,7 +76,7 @@ class StepControl:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, ``regular``.
+    """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, flag ``regular``.
 
     ``regular`` is False beyond a bifurcation that the curve has crossed (the determinant of the bordered Jacobian has
     changed its sign). The last entry of the tangent is negative between two folds.
@@ -157,7 +157,8 @@ def correct(
     control
         Tolerance and largest number of iterations.
     kept
-        LU factors of an earlier point, used first. Until the next factorisation their plane is used instead.
+        LU factors of an earlier point, used first. Until the next factorisation, the plane of these factors replaces
+        the plane of ``row``.
 
     References
     ----------
@@ -197,7 +198,7 @@ def correct(
 
 
 def _updated(step: FloatArray, steps: list[FloatArray]) -> FloatArray:
-    """Step (n + 1,) of Broyden's method, from the ``step`` with the old LU factors and the full ``steps`` since."""
+    """Step (n + 1,) of Broyden's method: ``step`` from old LU factors, corrected by the ``steps`` taken with them."""
     for before, after in pairwise(steps):
         step = step + after * (float(before @ step) / float(before @ before))
     if not steps:
@@ -312,7 +313,10 @@ def follow(
 
 
 def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:
-    """Unit tangent (n + 1,) with before . tangent > 0, LU factors of the bordered Jacobian, sign of its determinant."""
+    """Unit tangent (n + 1,), LU factors of the bordered Jacobian, and sign of its determinant.
+
+    The scalar product of the tangent and ``before`` is positive.
+    """
     factor = _Bordered(problem.jacobian(z), before)
     rhs = np.zeros(len(z))
     rhs[-1] = 1.0

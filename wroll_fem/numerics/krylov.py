@@ -9,7 +9,7 @@ import numpy as np
 from wroll_fem.typing import FloatArray
 
 ENOUGH = 0.5
-"""Norm of a vector after one orthogonalisation, relative to its norm before; above this a second one is not needed."""
+"""Norm of a vector after one orthogonalisation, relative to its norm before, above which a second one is not made."""
 
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:

@@ -17,14 +17,15 @@ FULL_RENEWAL = 0.1
 STATIC_RENEWAL = 0.1
 """Ratio of successive residuals above which a static step of the full model factorises a new matrix (sparse)."""
 CONDENSED_RENEWAL = 0.3
-"""Ratio of successive residuals above which a condensed time step factorises a new matrix (dense; points that slip)."""
+"""Ratio of successive residuals above which a condensed time step factorises a new matrix (dense, for the
+points that slip)."""
 REDUCED_RENEWAL = 0.12
 """Ratio of successive residuals above which a reduced time step factorises a new matrix (small and dense)."""
 CHORD_RENEWAL = 0.25
 """Ratio of successive residuals above which the corrector of a continuation factorises a new Jacobian (dense)."""
 
 STALLED = 6
-"""Number of iterations without halving the residual after which `zero_slope` damps the steps (with a potential)."""
+"""Number of iterations without halving the residual, after which `zero_slope` damps the steps if a potential exists."""
 
 PATIENCE = 6
 """Factor on the largest number of iterations if `zero_slope` damps the steps: few points change state per iteration."""
@@ -50,13 +51,14 @@ class NewtonProblem(Protocol):
 
 
 LineSearch = Callable[[Callable[[float], float], float], float]
-"""Function that returns the damping factor of a step. Arguments: residual size versus damping; current size."""
+"""Function that returns the damping factor of a step. Arguments: function from damping factor to size of the residual;
+current size of the residual."""
 
 
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
 ) -> float:
-    """First damping factor d of 1, 1/2, 1/4, ... that reduces the residual by a fraction ``least_gain`` d.
+    """First damping factor d of 1, 1/2, 1/4, ... that reduces the residual by more than the fraction ``least_gain`` d.
 
     If none of the first ``most`` factors does, the one with the smallest residual.
     """
@@ -90,7 +92,7 @@ def zero_slope(slope_at: Callable[[float], float], slope: float, *, most: int = 
         Function from the damping to the scalar product of residual and step at x - damping step. This is the slope of
         the potential, because the residual is the gradient of the potential.
     slope
-        Its value at damping 0, positive. A convex potential has one zero of the slope; the full step is taken if it
+        Slope at damping 0, positive. A convex potential has one zero of the slope; the full step is taken if it
         ends before this zero.
     most
         Largest number of iterations of the false position.
