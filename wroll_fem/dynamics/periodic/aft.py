@@ -34,7 +34,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 PERIODIC = 1e-8
-"""Change of the elastic slip over a period, relative to gamma*, below which the hysteresis counts as periodic."""
+"""Change of the elastic slip during a period, relative to gamma*, below which the hysteresis counts as periodic."""
 
 MAX_PERIODS = 8
 """Largest number of periods computed to reach a periodic hysteresis. Just above the friction limit, slip in both
@@ -101,7 +101,10 @@ class Sampling:
 
     @property
     def size(self) -> int:
-        """Number R of coefficients of a series: 2 H + 1, or with ``odd`` the constant and the odd harmonics only."""
+        """Number R of Fourier coefficients of a motion.
+
+        It is 2 H + 1 for H harmonics. With ``odd``, only the constant term and the odd harmonics have coefficients.
+        """
         return 2 * ((self.harmonics + 1) // 2 if self.odd else self.harmonics) + 1
 
     @property
@@ -112,7 +115,7 @@ class Sampling:
 
 @dataclass(frozen=True)
 class PeriodicContact:
-    """Contact of the evaluated points over one period of their hysteresis.
+    """Motion, hysteresis and traction corrections at the n evaluated contact points during one period.
 
     Attributes
     ----------
@@ -139,6 +142,8 @@ class PeriodicContact:
 
 class HarmonicContact:
     """Contact forces of a reduced model under periodic motion; arrays refer to the n evaluated contact points.
+
+    An array (R, m) contains R Fourier coefficients for each of the m reduced coordinates q.
 
     Attributes
     ----------
@@ -185,7 +190,7 @@ class HarmonicContact:
         self.groups = self._groups()
 
     def _groups(self) -> list[tuple[IntArray, IntArray]]:
-        """Index pairs of the nonzero coefficients (R, m), by group: harmonics (rows) and coordinates (columns)."""
+        """Row indices and column indices of each group of nonzero entries in the Fourier coefficients (R, m)."""
         rows, columns = np.arange(self.sampling.size), np.arange(self.model.size)
         if self.symmetry is None:
             return [(rows, columns)]
@@ -195,7 +200,7 @@ class HarmonicContact:
 
     @cached_property
     def active(self) -> IntArray:
-        """Index of every unknown in the flattened coefficients (R, m), group after group."""
+        """(k,) indices of the k unknowns in the flattened Fourier coefficients (R, m), one group after the other."""
         return np.concatenate([(rows[:, None] * self.model.size + columns).ravel() for rows, columns in self.groups])
 
     @cached_property
@@ -204,15 +209,24 @@ class HarmonicContact:
         return EveryMode(self.model.condensation, self.symmetry, self.sampling.orders)
 
     def spread(self, coefficients: FloatArray) -> FloatArray:
-        """(3 n_points, R) Fourier coefficients of all contact points from those (3 n, R) of the evaluated ones."""
+        """(3 n_points, R) Fourier coefficients of a traction or relative displacement at all contact points.
+
+        ``coefficients`` (3 n, R) belong to the n evaluated points.
+        """
         return coefficients if self.symmetry is None else self.symmetry.spread(coefficients, self.sampling.orders)
 
     def of_every_point(self, values: np.ndarray) -> np.ndarray:
-        """(n_points, ...) values of all contact points from those (n, ...) of the evaluated ones."""
+        """(n_points, ...) values at all contact points, from ``values`` (n, ...) at the evaluated points.
+
+        A point that is not evaluated takes the value of the point that represents it.
+        """
         return values if self.symmetry is None else values[self.symmetry.source]
 
     def motion(self, coefficients: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of the relative displacement, m, from those of q (R, m)."""
+        """(3 n, R) Fourier coefficients, in metres, of the relative displacement at the evaluated points.
+
+        ``coefficients`` (R, m) are the Fourier coefficients of the reduced coordinates q.
+        """
         if len(self.groups) == 1:
             return np.asarray(self.jump @ coefficients.T)
         out = np.empty((3 * self.n, self.sampling.size))
@@ -222,7 +236,7 @@ class HarmonicContact:
 
     @cached_property
     def _places(self) -> list[tuple[np.ndarray, ...]]:
-        """Index arrays of each group into the coefficients (R, m)."""
+        """Index arrays that select each group of entries in the Fourier coefficients (R, m)."""
         return [np.ix_(rows, columns) for rows, columns in self.groups]
 
     @cached_property
@@ -230,7 +244,7 @@ class HarmonicContact:
         return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
-        """Contact over a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
+        """Contact during a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
         n, s = self.n, self.sampling
         motion = np.ascontiguousarray(jump_coefficients @ s.values.T)
         rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
@@ -246,7 +260,11 @@ class HarmonicContact:
         return PeriodicContact(path, hysteresis, correction, correction @ s.project.T, is_open, pressure_change)
 
     def force(self, contact: PeriodicContact) -> FloatArray:
-        """(R, m) Fourier coefficients of the reduced contact force jump^T W s, with the correction s of ``contact``."""
+        """(R, m) Fourier coefficients of the contact forces on the reduced coordinates.
+
+        They are (G Phi)^T W s. G Phi is the relative displacement per unit coordinate, W contains the areas of the
+        contact points, and s is the traction correction in ``contact``.
+        """
         if len(self.groups) == 1:
             return np.asarray((self.force_operator @ contact.coefficients).T)
         out = np.zeros((self.sampling.size, self.model.size))
@@ -258,9 +276,9 @@ class HarmonicContact:
     def point_blocks(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        """Derivatives of the traction correction s at the points that slide, open or vary in pressure.
+        """Derivatives of the traction correction s at the points that slide or open, or whose pressure varies.
 
-        The relative change of pressure counts if it exceeds ``threshold``.
+        A pressure counts as varying if its relative change exceeds ``threshold``.
 
         Returns
         -------
@@ -281,7 +299,7 @@ class HarmonicContact:
     def jacobian(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of `force` with respect to the unknowns (k, k) and to ln(frequency) (R, m).
+        """Derivatives of `force`: (k, k) with respect to the k unknowns, and (R, m) with respect to ln(frequency).
 
         Unknowns and equations are in the order of `active`.
         """
@@ -299,7 +317,7 @@ class HarmonicContact:
                 part = blocks if len(self.groups) == 1 else blocks[:, :, rows][..., others]
                 inner = len(rows) * len(others)
                 jump = self.jump[dofs[:, :, None], shapes]  # (a, 3, m)
-                # (a, 3 R R, 3) @ (a, 3, m): what each point's traction does per reduced coordinate
+                # (a, 3 R R, 3) @ (a, 3, m): traction of each point per unit reduced coordinate
                 right = part.transpose(0, 1, 2, 4, 3).reshape(a, 3 * inner, 3) @ jump
                 full = (left @ right.reshape(3 * a, inner * len(shapes))).reshape(len(columns), len(rows), -1)
                 place = matrix[ends[g] : ends[g + 1]].reshape(len(rows), len(columns), count)

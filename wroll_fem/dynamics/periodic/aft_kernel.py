@@ -1,4 +1,4 @@
-"""Compiled part of the harmonic balance: contact laws over one period, and their exact derivatives (see `aft`).
+"""Compiled part of the harmonic balance: contact laws during one period, and their exact derivatives (see `aft`).
 
 The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The elastic
 slip starts from the preload state. In a first period the motion grows from zero (the ramp); whole periods follow until
@@ -71,7 +71,7 @@ class Hysteresis(NamedTuple):
 
 
 class Series(NamedTuple):
-    """Matrices of the Fourier series at the samples.
+    """Matrices that convert Fourier coefficients to samples, and samples to Fourier coefficients.
 
     Attributes
     ----------
@@ -135,7 +135,10 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
 
 @numba.njit(cache=True)
 def correction(path, slip, reference, laws, s, is_open, pressure_change):
-    """Traction minus the traction of the stuck interface, s = t - t_0 - D_0 (g - g_0), at the samples of the period.
+    """Compute the traction minus the traction of the stuck interface, at the samples of a period.
+
+    The difference is s = t - t_0 - D_0 (g - g_0). t: traction; g: relative displacement; index 0: preload state;
+    D_0: reference contact stiffness.
 
     Parameters
     ----------
@@ -169,7 +172,9 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
 
 @numba.njit(cache=True)
 def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_frequency):
-    """Exact derivatives of the harmonics of s with respect to the harmonics of the motion, slip history included.
+    """Derivatives of the Fourier coefficients of the traction correction s with respect to those of the motion.
+
+    They are exact and include the dependence of s on the slip history (s: see `correction`).
 
     Parameters
     ----------
@@ -266,7 +271,7 @@ def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
 
     Parameters
     ----------
-    motion, slip : (3 n, N) motion and (2 n, N) elastic slip over a period of the periodic state, m
+    motion, slip : (3 n, N) motion and (2 n, N) elastic slip during a period of the periodic state, m
     g_0 : (3 n,) relative displacement of the preload state, m
     friction : output (n,) mean traction times slip from sample to sample, summed over the period, J/m^2
     modulation : output (n,) energy exchanged between the elastic slip and the varying pressure, J/m^2

@@ -31,7 +31,7 @@ from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, fo
 from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
-"""Length of the whole range of amplitudes in the scaled curve parameter."""
+"""Scaled curve parameter at the largest amplitude; it is 0 at the smallest amplitude."""
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Relative change of the frequency, and damping ratio, that correspond to 1 in the scaled unknowns."""
 
@@ -40,11 +40,11 @@ BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
 passes from one internal resonance to the next without end."""
 
 LARGEST_STRAY = 0.5
-"""Largest share of the mean displacement, and of the higher harmonics, in the norm of a motion that still belongs to
-the mode."""
+"""Largest norm of the mean displacement, and largest norm of the higher harmonics, relative to the norm of the motion.
+Beyond either limit the motion no longer belongs to the mode."""
 
 NEAR_END = float(np.log(0.95))
-"""Logarithm of 0.95: a backbone that cannot be followed to its end is cut at this share of the largest amplitude
+"""Logarithm of 0.95. A backbone that cannot be followed to its end is cut at 0.95 times the largest amplitude
 computed."""
 
 
@@ -230,7 +230,7 @@ class BackboneCurve:
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
     ) -> BackboneCurve:
-        """Curve with these points recomputed in another model, without those that fail to converge.
+        """Curve whose points are recomputed in another model; points that fail to converge are left out.
 
         The amplitudes are kept. ``starts`` (p, R, r) are first guesses in modal coordinates. By default, the first
         guesses are the motions of this curve.
@@ -273,7 +273,7 @@ class BackboneCurve:
         )  # fmt: skip
 
     def fundamental(self, row: FloatArray) -> FloatArray:
-        """(p,) amplitude of the fundamental of the quantity ``row`` . q."""
+        """(p,) amplitude of the fundamental harmonic of ``row`` . q, a linear function of the reduced coordinates q."""
         return np.asarray(np.hypot(self.coefficients[:, 1] @ row, self.coefficients[:, 2] @ row))
 
     @property
@@ -293,7 +293,7 @@ class BackboneCurve:
         return np.asarray(self.dissipation / (np.pi * self.fundamental(self.balance.model.base)))
 
     def direction(self, k: int) -> FloatArray:
-        """(R, m) change of the coefficients along the curve at its point k, up to a factor."""
+        """(R, m) derivative of the Fourier coefficients along the curve at its point ``k``, up to a positive factor."""
         shape = self.coefficients[k] / np.linalg.norm(self.coefficients[k, 1:3])
         change = self.problem.unpacked(self.tangents[k, :-3])
         return np.asarray(change + shape * self.problem.per_unit * self.tangents[k, -1])

@@ -36,7 +36,8 @@ START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
 """Amplitudes of the motions imposed for the first basis: largest relative displacement divided by gamma*."""
 IMPOSED = 3e-3
-"""Energy norm, relative to the imposed motion, below which a principal shape of the corrections is not added."""
+"""Energy norm of a principal shape of the corrections of the imposed motions, relative to the motion. Below this limit
+the shape is not added to the first basis."""
 
 
 def first_model(
@@ -46,7 +47,7 @@ def first_model(
     sampling: Sampling,
     symmetry: HalfPeriod | None = None,
 ) -> ReducedModel:
-    """Reduced model to start from: modes, static responses, and the shapes of slip under imposed motions."""
+    """First reduced model; its basis consists of modes, static responses, and shapes of slip under imposed motions."""
     c = condensation
     count = len(c.eigenvalues)
     if count <= SMALL:

@@ -49,7 +49,7 @@ def opening(curve: HarmonicCurve | BackboneCurve) -> float:
 
 
 def end_of_backbone(curve: BackboneCurve) -> str:
-    """Text that states why a backbone ends at its largest motion."""
+    """Text that states why a backbone does not continue to larger amplitudes."""
     share = opening(curve)
     if share > SOME:
         return f"the surfaces then open at {100 * share:.0f} % of the points within a period, and the layers rattle"

@@ -98,7 +98,7 @@ def correction(
     square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
 
     def answer(z: FloatArray) -> list[FloatArray]:
-        """L^{-1} G^T W D z: modal displacements due to the tractions of a jump z (n, 3, R)."""
+        """Modal displacements L^{-1} G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
         traction = np.zeros_like(z)
         traction[own] = (square @ z[own].reshape(count, size, 1)).reshape(count, 3, len(orders))
         return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]

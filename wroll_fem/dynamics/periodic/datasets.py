@@ -102,10 +102,10 @@ def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMoti
 
 
 def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset:
-    """Complex ratio (probe, ``dim``) of absolute acceleration to base acceleration at every probe.
+    """Complex absolute acceleration of every probe divided by the base acceleration; dimensions probe and ``dim``.
 
-    The base motion has no component in the direction of a probe normal to the excitation: its ratio is zero at zero
-    frequency.
+    The base motion has no component in the direction of a probe normal to the excitation. The ratio of such a probe is
+    zero at zero frequency.
     """
     model = curve.balance.model
     rows = np.vstack([model.tip, model.probes])
@@ -170,15 +170,15 @@ def least_work(motions: Sequence[PeriodicMotion]) -> float:
 
 
 def cycle_balance_error(dataset: xr.Dataset) -> float:
-    """Error of the identity input = interface + viscous per cycle, relative to the largest input of a cycle.
+    """Error of the work balance per cycle, input = interface + viscous, relative to the largest input work of a cycle.
 
-    The identity holds as exactly as the harmonic balance itself, at any number of samples.
+    The balance holds as exactly as the harmonic balance itself, at any number of samples.
     """
     return _relative_gap(dataset, ("interface_work_per_cycle", "viscous_work_per_cycle"))
 
 
 def quadrature_error(dataset: xr.Dataset) -> float:
-    """Input minus work of friction, modulation and dashpots per cycle, relative to the largest input of a cycle.
+    """Input work minus work of friction, modulation and dashpots per cycle, relative to the largest input work.
 
     It is the error of the friction work, which is computed as traction times slip from sample to sample:
     O(1 / samples^2).

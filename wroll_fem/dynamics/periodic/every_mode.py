@@ -39,14 +39,18 @@ class Group:
     jump: FloatArray
 
     def of_modes(self, values: FloatArray, *, fill: float = 0.0) -> FloatArray:
-        """(b, d, ...) entries of an array (r, ...) for the modes of the group, padded with ``fill``."""
+        """Entries of an array (r, ...) for the modes of the group; shape (b, d, ...), padded with ``fill``.
+
+        The group has b circumferential blocks of at most d modes.
+        """
         return np.concatenate([values, np.full((1, *values.shape[1:]), fill)])[self.modes]
 
 
 class EveryMode:
     """Maps between Fourier coefficients (n, 3, R) at the n evaluated contact points and those of all modes.
 
-    Modal coefficients are lists with one array per group.
+    Modal coefficients are lists with one array (b, d, c) per group: b circumferential blocks of at most d modes, with c
+    Fourier coefficients each.
 
     Attributes
     ----------
@@ -90,18 +94,21 @@ class EveryMode:
         return Group(columns, modes, filled, around, jump)
 
     def split(self, values: FloatArray) -> list[FloatArray]:
-        """One array (b, d, c) per group with the coefficients of its modes, taken from all coefficients (r, R)."""
+        """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""
         return [group.of_modes(values[:, group.columns]) for group in self.groups]
 
     def joined(self, parts: Sequence[FloatArray]) -> FloatArray:
-        """(r, R) coefficients of all modes from the arrays (b, d, c) of the groups; the other coefficients are zero."""
+        """(r, R) Fourier coefficients of all r modes, from one array (b, d, c) per group.
+
+        Coefficients that belong to no group are zero.
+        """
         out = np.zeros((self.size, self.coefficients))
         for group, part in zip(self.groups, parts, strict=True):
             out[group.modes[group.filled][:, None], group.columns] = part[group.filled]
         return out
 
     def force(self, traction: FloatArray) -> list[FloatArray]:
-        """One array (b, d, c) per group: modal forces G^T f of forces f (n, 3, R) at the contact points, N."""
+        """Modal forces G^T f due to the forces f (n, 3, R), N, at the contact points; one array (b, d, c) per group."""
         out = []
         for group in self.groups:
             blocks, count = len(group.modes), len(group.columns)

@@ -24,7 +24,8 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 SAME = 1e-7
-"""Largest difference, relative to the largest value of all points, at which two points of a pair count as equal."""
+"""Relative tolerance of the symmetry check: values at two points that the symmetry operation maps onto each other count
+as equal if they differ by at most this fraction of the largest value at any point."""
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,17 @@ class HalfPeriod:
         return None
 
     def parts(self, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Parts of modal ``vectors`` (r, k) that change sign after half a period, and the remaining parts."""
+        """Split modal ``vectors`` (r, k) into the modes whose motion changes sign after half a period, and the rest."""
         odd = np.where(self.odd[:, None], vectors, 0.0)
         return odd, vectors - odd
 
     def spread(self, coefficients: FloatArray, orders: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of all contact points from those (3 k, R) of the evaluated ones.
+        """(3 n, R) Fourier coefficients of a traction or relative displacement at all n contact points.
+
+        ``coefficients`` (3 k, R) belong to the k evaluated points; the other points follow from the symmetry.
 
         ``orders`` (R,) is the harmonic number of each coefficient. At a point that is its own mirror image only the
-        symmetric part is kept: the rest is residual traction from the start of the motion.
+        symmetric part is kept; the rest is residual traction from the start of the motion.
         """
         n, k = len(self.source), len(self.first)
         later = np.where(orders % 2 == 1, -1.0, 1.0)
@@ -98,12 +101,15 @@ class HalfPeriod:
         return whole
 
     def reversed_ones(self, vectors: FloatArray) -> BoolArray:
-        """(m,) whether half a period reverses the sign of each of the ``vectors`` (r, m)."""
+        """(m,) for each of the modal ``vectors`` (r, m), whether its motion changes sign after half a period."""
         return np.asarray(np.einsum("rm,rm->m", vectors[self.odd], vectors[self.odd]) > 0.5)
 
 
 def _parity(profiles: FloatArray, around: IntArray, hoop: float) -> BoolArray | None:
-    """(n_blocks,) whether the map of points reverses the sign of a block; None if it mixes a block with others."""
+    """(n_blocks,) whether the symmetry operation reverses the sign of each circumferential block.
+
+    None if the operation neither keeps nor reverses a block.
+    """
     mapped = profiles[:, :, around].copy()
     mapped[:, HOOP] *= hoop
     size = np.abs(profiles).max(axis=(1, 2))
@@ -113,12 +119,12 @@ def _parity(profiles: FloatArray, around: IntArray, hoop: float) -> BoolArray | 
 
 
 def _alike(partner: IntArray, hoop: float, preload: ContactState, laws: PointLaws, springs: FloatArray) -> bool:
-    """Whether both points of each pair have the same laws, springs and preload."""
+    """Whether each contact point and its ``partner`` have the same laws, contact springs and preload."""
     for name in laws._fields:
         if name not in SHARED and not _same(getattr(laws, name), getattr(laws, name)[partner]):
             return False
     turned = np.array([hoop, 1.0])
-    # the elastic slip has no normal component: one is appended so that all three arrays read alike
+    # the elastic slip has no normal component: one is appended so that all arrays have the same order
     slip = np.concatenate([preload.elastic_slip, np.zeros(laws.n)])
     for values, signs in ((preload.jump, turned), (preload.traction, turned), (slip, turned), (springs, np.ones(2))):
         along, across = tangentials(values), normals(values)

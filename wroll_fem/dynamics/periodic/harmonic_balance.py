@@ -83,9 +83,10 @@ class HarmonicBalance:
         *,
         threshold: float = PRESSURE_CHANGE,
     ) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of the residual with respect to the unknowns (k, k) and to the frequency (k,), per rad/s.
+        """Derivatives of the residual with respect to the k unknowns (k, k), and with respect to the frequency (k,).
 
-        Unknowns and equations are in the order of `HarmonicContact.active`.
+        The derivative with respect to the frequency is per rad/s. Unknowns and equations are in the order of
+        `HarmonicContact.active`.
         """
         active = self.contact.active
         matrix, by_log = self.contact.jacobian(contact, threshold=threshold)
@@ -168,7 +169,7 @@ class FrequencyCurve:
         return np.append(y, (frequency - self.band[0]) / self.per_unit)
 
     def unpacked(self, y: FloatArray) -> FloatArray:
-        """(R, m) coefficients from scaled unknowns (n,), divided by ``size``."""
+        """(R, m) Fourier coefficients divided by ``size``, from scaled unknowns (n,)."""
         out = np.zeros(self.shape)
         out.ravel()[self.active] = y
         return out / self.root
@@ -184,7 +185,7 @@ class FrequencyCurve:
         return np.asarray((residual / (self.root * self.size)).ravel()[self.active])
 
     def contact(self, z: FloatArray) -> PeriodicContact:
-        """Contact over a period of the motion ``z`` (n + 1,)."""
+        """Contact during a period of the motion ``z`` (n + 1,)."""
         if self._seen is None or not np.array_equal(self._seen[0], z):
             self.residual(z)
         assert self._seen is not None
@@ -239,7 +240,7 @@ class FrequencyCurve:
 
 
 def _linear_start(balance: HarmonicBalance, frequency: float) -> FloatArray:
-    """(R, m) undamped response of the structure with its interfaces stuck; it is bounded near the resonances."""
+    """(R, m) undamped response with stuck interfaces; near a resonance its amplitude is limited to a finite value."""
     model = balance.model
     out = np.zeros((len(balance.orders), model.size))
     stiffness = model.eigenvalues - frequency**2

@@ -114,7 +114,7 @@ class HarmonicCurve:
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
     ) -> HarmonicCurve:
-        """Curve with these points recomputed in another model, without those that fail to converge.
+        """Curve whose points are recomputed in another model; points that fail to converge are left out.
 
         Each point is sought in the plane normal to the curve. ``starts`` (p, R, r) are first guesses in modal
         coordinates. By default, the first guesses are the motions of this curve.
@@ -158,11 +158,14 @@ class HarmonicCurve:
         return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
 
     def direction(self, k: int) -> FloatArray:
-        """(R, m) change of the coefficients along the curve at its point k, up to a factor."""
+        """(R, m) derivative of the Fourier coefficients along the curve at its point ``k``, up to a positive factor."""
         return self.problem.unpacked(self.tangents[k, :-1])
 
     def fundamental(self, row: FloatArray) -> np.ndarray:
-        """(p,) complex amplitude of the fundamental of the quantity ``row`` . q for a base acceleration A cos(wt)."""
+        """(p,) complex amplitude of the fundamental harmonic of ``row`` . q, a linear function of q.
+
+        The base acceleration is A cos(wt); its complex amplitude is A.
+        """
         return np.asarray(self.coefficients[:, 1] @ row - 1j * (self.coefficients[:, 2] @ row))
 
     @property
@@ -325,7 +328,7 @@ def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
 
 
 def _response_size(balance: HarmonicBalance, start: FloatArray, low: float, high: float) -> float:
-    """Scale of the motions in the band, J^(1/2), in the energy norm.
+    """Energy norm, J^(1/2), by which the motions in the band are scaled.
 
     It is the larger of the norm of the first motion and half of the largest resonance at 1 % damping.
     """

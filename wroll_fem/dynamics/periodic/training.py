@@ -48,7 +48,7 @@ MOST_TRAINED = 25
 """Largest number of points of a curve, besides the checked points, at which the basis is enriched."""
 
 LINEAR = 0.5
-"""Largest relative correction at which the corrected motion is more accurate than the motion itself."""
+"""Largest relative correction at which the corrected motion is more accurate than the uncorrected motion."""
 
 MOVABLE = 20.0
 """Largest error, relative to the tolerance, at which the points of a curve are recomputed in the next basis. Above it
@@ -59,19 +59,19 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 from linearised equations do not converge if they are this large."""
 
 RATTLING, MOST_OPEN = 0.5, 0.5
-"""Error, and share of contact points that open, above which the training of a response curve ends: bases for rattling
-layers have hundreds of vectors, and curves in them take minutes. From `HOPELESS_ROUNDS` curves on, the limit of the
-share is `WIDE`."""
+"""Error, and share of contact points that open. The training of a response curve ends if both are exceeded: bases for
+rattling layers have hundreds of vectors, and curves in them take minutes. From `HOPELESS_ROUNDS` curves on, the limit
+of the share is `WIDE`."""
 
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
-"""Number of curves, and error relative to the tolerance, from which the inaccurate part of a curve is cut off."""
+"""Number of curves from which, and error relative to the tolerance above which, a curve is cut to its accurate part."""
 
 UNSURE, SURE_ROUNDS = 0.1, 5
-"""Error of the motion beyond the end of a backbone above which an insufficient basis may have caused this end, and
-number of curves from which the end is accepted all the same."""
+"""Relative correction of the motion beyond the end of a backbone, above which the end is not accepted because an
+insufficient basis may have caused it. From the given number of curves on, the end is accepted in any case."""
 
 DOUBTFUL = 0.01
 """Largest error of a curve that is returned although it exceeds the tolerance; the analysis then warns. Above it the
@@ -79,7 +79,7 @@ training fails."""
 
 
 class Check(Protocol[Seen]):
-    """Function that computes corrections by the whole structure at points of a curve.
+    """Function that computes corrections at points of a curve from the equations of the whole structure.
 
     ``residual`` is the relative residual to which the linear equations of the corrections are solved.
     """
@@ -326,11 +326,14 @@ def _enriched(
 
 
 def _joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:
-    """Model whose basis also contains the shapes of the larger ones of the corrections ``found``."""
+    """Model whose basis also contains the shapes of the large corrections among ``found``.
+
+    A correction is large if its energy norm, relative to the motion, exceeds `POINT_SHARE` times the tolerance.
+    """
     large = [f.shapes for f in found if f.energy > POINT_SHARE * training.tolerance]
     return with_shapes(model, np.column_stack(large), 0.2 * training.tolerance, structure.symmetry)
 
 
 def _modal(points: Curve) -> FloatArray:
-    """(p, R, r) motions of the points in modal coordinates of the condensation."""
+    """(p, R, r) Fourier coefficients of the motions at p ``points``, in modal coordinates of the condensation."""
     return np.asarray(points.coefficients @ points.balance.model.vectors.T)
