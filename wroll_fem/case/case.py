@@ -89,7 +89,7 @@ class Case(Section):
 
     @classmethod
     def _kind(cls, sections: Mapping[Any, Any]) -> type[Self] | None:
-        """Class (this one or a subclass) for a case with these case sections, or None if no class fits."""
+        """Class for a case with the given case sections: `cls` itself or a subclass; None if no class fits."""
         if cls in _KINDS.values():
             return cls
         analysis = sections.get("analysis", cls._own_analysis())
@@ -289,7 +289,7 @@ def case_kinds() -> dict[tuple[str, bool], type[Case]]:
 
 
 def case_sections() -> dict[str, FieldInfo]:
-    """Top-level key of a case file -> its field, for all analyses together."""
+    """Top-level key of a case file -> pydantic field of this key, for the keys of all analyses."""
     kinds = list(_KINDS.values())
     names = tuple(dict.fromkeys(analysis for analysis, _ in _KINDS))
     found = {"analysis": FieldInfo(annotation=Literal[names], description=Case.model_fields["analysis"].description)}  # type: ignore[arg-type]

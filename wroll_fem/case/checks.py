@@ -301,7 +301,7 @@ def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
 
 
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
-    """Check that the softest coil is softer than the coil of the case and that all mandrels of the map are tubes.
+    """Check the coil, the mesh and the softest coil of a design map, and that every wall is thinner than every radius.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from wroll_fem.case.preload import Preload
 from wroll_fem.case.winding import Winding
 
 FIT = 0.01
-"""Largest accepted relative difference between a dimension in `winding` and the same one in `geometry` or `coil`."""
+"""Largest accepted relative difference of a dimension in `winding` from the same dimension in `geometry` or `coil`."""
 
 
 def check_winding_given(winding: Winding | None, preload: Preload | None) -> None:

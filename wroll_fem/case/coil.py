@@ -24,7 +24,10 @@ def _lab_layer() -> IsotropicMaterial:
 
 
 def _written_thickness(given: dict[str, Any]) -> float:
-    """Default of `total_thickness`, m: its alias `thickness`, or the thickness of the lab layer for `model: none`."""
+    """Default of `total_thickness`, m: the value of `thickness` if given, else the layer thickness of the lab roll.
+
+    Only `model: none`, which has no coil, may leave out both keys.
+    """
     written: float | None = given.get("thickness")
     return 1.25e-3 if written is None else written
 
@@ -70,7 +73,7 @@ class Coil(Section):
         if self.thickness is not None and self.total_thickness != self.thickness:
             raise validation_error(
                 f"differs from total_thickness = {self.total_thickness:g} m, of which it is an alias",
-                key="thickness", value=self.thickness, remedy="give one of them",
+                key="thickness", value=self.thickness, remedy="give only one of them",
             )  # fmt: skip
         for key in _NEEDED:
             if self.model != "none" and key not in given and not (key == "total_thickness" and self.thickness):
@@ -86,7 +89,8 @@ class Coil(Section):
             if self.model == "solid" and key in self.model_fields_set:
                 raise validation_error(
                     "does not apply to a solid coil", key=key, value=getattr(self, key),
-                    remedy="leave it out (mesh.radial: number of elements through the coil), or use model: layers",
+                    remedy="leave it out (in a solid coil, mesh.radial sets the number of elements through the "
+                    "thickness), or use model: layers",
                 )  # fmt: skip
         if self.base == "guided" and self.model not in SHELL_COILS:
             raise validation_error(

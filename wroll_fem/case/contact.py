@@ -107,7 +107,8 @@ WRITTEN: dict[str, type[Section]] = {
     "rate_coulomb": RateFriction,
     "smoothed_coulomb": SmoothedFriction,
 }
-"""Friction law -> its case section written here; the sections of other laws are generated from `contact.registry`."""
+"""Friction law -> its case section, for laws whose section is written in this file. The sections of all other laws are
+generated from `contact.registry`."""
 
 if TYPE_CHECKING:
     Friction = PenaltyFriction | RateFriction | SmoothedFriction

@@ -1,6 +1,6 @@
 """Case classes, one per analysis; a structural analysis has two: one for a roll, one for matrices from a file.
 
-An analysis of a roll without a case section of its own has no class here; its class is created from its name.
+A roll analysis that has no case section of its own has no class here; its class is created from its name.
 """
 
 from __future__ import annotations

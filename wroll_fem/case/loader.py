@@ -59,7 +59,7 @@ def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source
 
 
 def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
-    """Read a YAML file that contains a mapping; messages call the expected kind of file ``what``.
+    """Read a YAML file that contains a mapping; ``what`` names the expected kind of file in error messages.
 
     Raises
     ------

@@ -28,7 +28,7 @@ class IsotropicMaterial(Section):
 
 
 def _like(key: str) -> Callable[[dict[str, Any]], float]:
-    """Function that gives the default of an elastic constant: the value of the earlier key ``key``."""
+    """Function that returns the value of the elastic constant ``key`` as the default of another elastic constant."""
     return lambda given: given.get(key, math.nan)
 
 

@@ -75,7 +75,7 @@ def input_error(
 
 
 def _refused(detail: ErrorDetails, problem: str, remedy: str) -> tuple[str, str, str, str]:
-    """As `_explain`, for a case section that the model does not have."""
+    """Like `_explain`, for a top-level key that the case class refuses with its own problem and remedy."""
     value = detail["input"]
     got = "" if isinstance(value, Mapping | BaseModel) else f", got {_show(value)}"
     return str(detail["loc"][0]), f"{problem}{got}", remedy, ""
@@ -163,7 +163,7 @@ def _entries_of(annotation: Any) -> Any:
 
 
 def _field_at(keys: Sequence[str], model: type[BaseModel]) -> FieldInfo | None:
-    """Field at the end of a path of keys, or None; of several kinds of a case section, the first with this field."""
+    """Field at the end of a path of keys, or None. If several kinds of a section have it, the first kind decides."""
     models, field = [model], None
     for key in keys:
         field = next((m.model_fields[key] for m in models if key in m.model_fields), None)

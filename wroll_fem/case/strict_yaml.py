@@ -26,7 +26,7 @@ class _StrictLoader(yaml.SafeLoader):
 
 
 def parse_yaml(text: str, where: str) -> Any:
-    """Parse a YAML text; messages name its origin, ``where``.
+    """Parse a YAML text; ``where`` names the origin of the text in error messages.
 
     Raises
     ------

@@ -33,7 +33,7 @@ class Span(Section):
 
 
 class TwoDofDesignSpace(Section):
-    """Masses and stiffnesses of the secondary for the map of the largest damping (thesis, Fig. 5.7)."""
+    """Values of mass and stiffness of the secondary mass for the map of the largest damping (thesis, Fig. 5.7)."""
 
     m2: Span = Field(description="mass of the secondary, kg")
     k2: Span = Field(description="stiffness of the secondary, N/m")

@@ -1,4 +1,4 @@
-"""Case section `winding`: web, tension and wraps of the wound roll, and its mandrel if no other section has it."""
+"""Case section `winding`: web, tension, wraps and mandrel of the wound roll."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ class WindingMandrel(Section):
         if self.wall is not None and self.wall > self.outer_radius:
             raise validation_error(
                 "the wall is thicker than the radius", key="wall", value=self.wall,
-                remedy=f"use outer_radius = {self.outer_radius:g} m or less (equal: a solid core)",
+                remedy=f"use at most outer_radius = {self.outer_radius:g} m (this value describes a solid core)",
             )  # fmt: skip
         return self
 
@@ -317,7 +317,7 @@ class Winding(SparseSection):
         return self.wraps * self.wrap_thickness
 
     def on_mandrel(self, geometry: Geometry, mandrel: Mandrel) -> Winding:
-        """Return the case section with a mandrel: its own, or the given mandrel of the case if it has none."""
+        """Return this case section; if it has no mandrel, add the mandrel that `geometry` and `mandrel` describe."""
         if self.mandrel is not None:
             return self
         tube = WindingMandrel(
