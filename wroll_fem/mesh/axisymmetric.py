@@ -20,7 +20,8 @@ END_CELLS = 3
 """Number of cells added at each end of the roll by splitting the last cell; stress is concentrated there."""
 
 BOND_CELLS = 2
-"""Number of cells added at the inner surface of the coil by splitting the innermost cell; the clamp ends there."""
+"""Number of cells added at the inner surface of the coil by splitting its innermost cell. Stress is singular at the
+lower end of this surface, where the clamp of the wall ends."""
 
 BOND_RATIO = 0.3
 """Ratio of the radial sizes of adjacent cells in the refinement at the inner surface of the coil."""
@@ -78,7 +79,7 @@ class AxisymmetricMesh:
 
     @property
     def outline(self) -> FloatArray:
-        """(2 e, 2) coordinates [r, z] of ends and midpoints of the e boundary edges, m, from the inner lower corner."""
+        """(2 e, 2) coordinates [r, z], m, of ends and midpoints of the e boundary edges; inner lower corner first."""
         r, z = (_with_middles(borders) for borders in (self.radii, self.heights))
         lower = np.column_stack([r, np.full_like(r, z[0])])
         outer = np.column_stack([np.full_like(z, r[-1]), z])
@@ -99,7 +100,7 @@ def _with_middles(borders: FloatArray) -> FloatArray:
 
 
 def split_ends(heights: FloatArray, smallest: float, count: int = END_CELLS) -> FloatArray:
-    """Split the first and the last cell so that the distances of the borders from the ends grow geometrically.
+    """Split the first and the last cell; the distances of the new borders from each end form a geometric progression.
 
     Parameters
     ----------

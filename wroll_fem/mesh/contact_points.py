@@ -67,13 +67,16 @@ class ContactPoints:
 
 
 def contact_points(part: CylinderMesh) -> ContactPoints:
-    """Contact points of one shell: at the Gauss heights of each row if the cells form rows, else at the vertices."""
+    """Contact points of one shell: at the heights of Gauss points if the cells form rows, otherwise at the vertices."""
     columns = _columns(part)
     return _vertex_points(part) if columns is None else _gauss_points(part, columns)
 
 
 def has_rows(part: CylinderMesh) -> bool:
-    """Whether the cells of a shell form rows of equal angular width; the contact points are then Gauss points."""
+    """Whether the cells of a shell form circumferential rows in which all cells have the same angular width.
+
+    If so, the contact points lie at the heights of Gauss points, otherwise at the vertices.
+    """
     return _columns(part) is not None
 
 
@@ -99,7 +102,7 @@ def _columns(part: CylinderMesh) -> FloatArray | None:
 
 
 def _turn(part: CylinderMesh, theta: FloatArray) -> FloatArray:
-    """(n_cells, 9) angles of the nodes of each cell, rad, from the first column of vertices; no jumps within a cell."""
+    """(n_cells, 9) angles of the nodes of each cell from the first column of vertices, rad; continuous in a cell."""
     x, y = part.nodes[part.cells, 0], part.nodes[part.cells, 1]
     middle = np.arctan2(y[:, 8], x[:, 8])[:, None]
     offset = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))
@@ -140,9 +143,10 @@ def _gauss_points(part: CylinderMesh, theta: FloatArray) -> ContactPoints:
 
 
 def _share(size: FloatArray, step: int) -> FloatArray:
-    """(n_rows,) share of each row in the hat function on its border with the row below (step -1) or above (1).
+    """(n_rows,) fraction, assigned to each row, of the hat function at its lower (step -1) or upper (step 1) border.
 
-    The first and the last row have no share: the hat functions on their inner borders belong to the adjacent rows.
+    The rest is assigned to the row beyond the border. The first and the last row get nothing: the hat functions at
+    their inner borders are assigned to the adjacent rows.
     """
     other = np.zeros_like(size)
     if step < 0:

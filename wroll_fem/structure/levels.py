@@ -7,7 +7,8 @@ import numpy as np
 from wroll_fem.typing import FloatArray, IntArray
 
 SAME = 1e-6
-"""Largest difference of coordinates that count as equal, relative to the range of all; far below the element size."""
+"""Largest difference of coordinates that count as equal, relative to the range of all coordinates. It is far below the
+element size."""
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:

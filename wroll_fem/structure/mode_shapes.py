@@ -25,7 +25,7 @@ _AXISYMMETRIC = ("torsion", "axial", "breathing")  # dominant component of n = 0
 
 @dataclass(frozen=True)
 class ModeKind:
-    """Kind of a mode, its dominant circumferential wave number, and the share of this wave number.
+    """Kind of a mode, its dominant circumferential wave number, and the fraction of the motion with this wave number.
 
     Attributes
     ----------

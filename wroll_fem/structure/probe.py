@@ -107,7 +107,11 @@ def _locate(body: Body, probe: Probe) -> tuple[int, FloatArray]:
         if best is None or outside < best[0]:
             best = (outside, int(cell), local)
     if best is None or best[0] > _ON_CELL:
-        raise InputError(f"no element of {body.name} contains this point", key="theta", remedy="use a point on it")
+        raise InputError(
+            f"no element of {body.name} contains this point",
+            key="theta",
+            remedy="give theta and z of a point on the shell",
+        )
     return best[1], np.clip(best[2], -1.0, 1.0)
 
 
