@@ -138,7 +138,7 @@ class RateAndState:
         return np.asarray(self.mu + (self.a - self.b) * np.log(positive("rate", rate) / self.rate))
 
     def state_after(self, state: npt.ArrayLike, rate: npt.ArrayLike, time: npt.ArrayLike) -> FloatArray:
-        """Exact state after a time at constant slip rate.
+        """State after a given time at constant slip rate, from the closed-form solution.
 
         Parameters
         ----------

@@ -8,9 +8,9 @@ in series,
 .. math:: K = 2 \Big(\frac{n}{k_t A} + \frac{n - 1}{G_l A/h}\Big)^{-1}, \qquad k_t = \frac{\mu p}{\gamma^*}, \qquad
           p = F_N/A
 
-until the weakest interface of each stack slides at F_c = 2 mu F_N. Equal interfaces would all reach their limit at
-once, and the sliding one would be undetermined. In the experiment it is the one at the platen, so the friction limit of
-the others is slightly increased (`EDGE`).
+until the weakest interface of each stack slides at F_c = 2 mu F_N. If all interfaces were equal, they would reach
+their limit at once, and the interface that slides would be undetermined. In the experiment the interface at the platen
+slides. The friction limit of all other interfaces is therefore slightly increased (`EDGE`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
-"""Relative increase of the friction limit at all interfaces except those at the platen; same stick stiffness."""
+"""Relative increase of the friction limit at all interfaces except those at the platen. Their stick stiffness is not
+changed."""
 NORMAL = 1.0e11
 """Normal penalty, Pa/m; it does not affect the results, because the normal force is prescribed."""
 ELASTIC = 0.8

@@ -40,7 +40,7 @@ def increment(radius: FloatArray, inner: float, outer: float, *, ratio: float, c
 def pressure(
     radius: FloatArray, inner: float, outer: float, *, ratio: float, core: float, tension: Callable[[float], float]
 ) -> FloatArray:
-    """Pressure in a roll that grows continuously: integral of T/a times `increment` over the winding radius a.
+    """Pressure in a continuously growing roll: integral of T/a times `increment` over the radius a (T: tension stress).
 
     Parameters
     ----------
@@ -75,7 +75,9 @@ def pressure(
 def pressure_of_wraps(
     radius: FloatArray, inner: float, thickness: float, tension: FloatArray, *, ratio: float, core: float
 ) -> FloatArray:
-    """Pressure in a roll of wraps of finite thickness: sum of T h/r times `increment` over the wraps farther out.
+    """Pressure in a roll of finite wraps: sum of `increment` times the pressure T h/r of each wrap farther out.
+
+    T is the tension stress of the wrap, h its thickness and r its inner radius.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ _NEAR, _FAR = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)  # Gauss po
 
 @njit(cache=True)
 def radial_modulus(pressure, knots, moduli, slope):
-    """Radial modulus E_r at a pressure.
+    """Radial modulus E_r, Pa, at a given pressure.
 
     Parameters
     ----------
@@ -100,7 +100,10 @@ def _cell_means(P, P_next, E, knots, moduli, slope):
 
 @njit(cache=True)
 def _eliminate(Q, r, x, first, last, E, core, knots, moduli, slope, ratio, carry):
-    """Eliminate rows first to last - 1: fill ratio[i] = y[i]/y[i + 1], and carry[i + 1] with the term of cell i."""
+    """Forward elimination of a tridiagonal system: fill ratio[i] = y[i]/y[i + 1] for the rows i = first to last - 1.
+
+    y is the unknown (see the module docstring); carry[i + 1] is the term of cell i in row i + 1.
+    """
     P = Q[first] / r[first]
     for i in range(first, last):
         P_next, d = Q[i + 1] / r[i + 1], x[i + 1] - x[i]
@@ -132,9 +135,9 @@ def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
         Radial modulus, as for `radial_modulus`.
     blocks, zones
         (levels,) numbers of wraps, ascending. Nodes more than ``zones[k]`` wraps below the surface are updated only
-        every ``blocks[k]`` wraps (each a multiple of the previous one), with the modulus at the middle of the block;
-        one block changes the pressure there by about blocks[k]/zones[k]. With a zone as deep as the roll, all nodes are
-        updated with every wrap.
+        every ``blocks[k]`` wraps (each a multiple of the previous one), with the modulus at the middle of the block.
+        The relative change of the pressure there during one block is about blocks[k]/zones[k]. With a zone as deep as
+        the roll, all nodes are updated with every wrap.
 
     Returns
     -------

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)
-"""Arguments ``blocks`` and ``zones`` of `kernels.lay_wraps`; their relative error in the pressure is below 4e-5."""
+"""Arguments ``blocks`` and ``zones`` of `kernels.lay_wraps`; the relative error of the pressure due to them is below
+4e-5."""
 
 _MANY = 4000
-"""Number of wraps above which ``blocks`` are doubled; their relative error in the pressure is then below 2e-4."""
+"""Number of wraps above which all values of `_BLOCKS` are doubled; the relative error of the pressure due to `_BLOCKS`
+and `_ZONES` is then below 2e-4."""
 
 
 @dataclass(frozen=True)
