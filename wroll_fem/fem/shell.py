@@ -286,7 +286,7 @@ class ShellModel:
         return float(self._area_of_cell.sum())
 
     def reorder(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
-        """Symmetric part of a matrix, reordered from dolfinx's degrees of freedom to the node-major ones."""
+        """Symmetric part of a matrix, reordered from dolfinx's order of the degrees of freedom to node-major order."""
         ordered = matrix[self.dof_order][:, self.dof_order]
         ordered = (ordered + ordered.T) * 0.5
         return drop_small(ordered.tocsr())

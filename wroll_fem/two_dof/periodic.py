@@ -348,7 +348,7 @@ class PeriodicSolver:
 
 
 def _tail(motion: PeriodicMotion) -> float:
-    """Larger of the last two harmonics of the relative velocity, relative to its largest harmonic."""
+    """Larger of the last two harmonics of the relative velocity, divided by its largest harmonic."""
     order = np.arange(1.0, len(motion.relative), 2)
     parts = (motion.relative @ RELATIVE_VELOCITY)[1:].reshape(-1, 2)
     size = order * np.hypot(parts[:, 0], parts[:, 1])
