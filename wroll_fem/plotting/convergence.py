@@ -25,7 +25,7 @@ AXIAL, AROUND, GRADING = "mesh.axial", "mesh.circumferential", "mesh.grading"
 
 
 def plot_friction_convergence(members: Sequence[StudyCase]) -> Axes:
-    """Plot f_n, peak, zeta and friction work versus the number of axial elements, one line per mesh grading.
+    """Plot resonance, peak, damping and friction work versus the number of axial elements, one line per mesh grading.
 
     Raises
     ------

@@ -62,7 +62,7 @@ def _render(
 
 
 def _cropped(pictures: list[npt.NDArray[np.uint8]]) -> list[npt.NDArray[np.uint8]]:
-    """Crop all pictures to their common bounding box, so that they share one scale."""
+    """Crop all pictures to the common bounding box of their contents, so that they share one scale."""
     seen = np.argwhere(np.any([(picture < 250).any(axis=2) for picture in pictures], axis=0))
     if seen.size == 0:
         return pictures

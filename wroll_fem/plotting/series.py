@@ -178,7 +178,7 @@ def _agreement(grid: Sequence[StudyCase]) -> list[str]:
 def plot_damping_over_frequency(
     members: Sequence[StudyCase], ax: Axes | None = None, *, line: str | None = None
 ) -> Axes:
-    """Plot zeta versus f_n: one point per preload, one line per value of a key (thesis, Figs 4.5 and 5.8).
+    """Plot damping versus resonance frequency: one point per preload, one line per value of a key (thesis, Figs 4.5 and 5.8).
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def plot_friction_over_preload(members: Sequence[StudyCase], ax: Axes | None = N
 
 
 def plot_friction_over_damping(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the friction work of each sweep versus zeta, one point per preload (thesis, Fig 4.8).
+    """Plot the friction work of each sweep versus damping ratio, one point per preload (thesis, Fig 4.8).
 
     If the study varies the end condition of the layers at the base, only cases with a free end are drawn.
 

@@ -77,7 +77,7 @@ def natural_frequency(member: StudyCase) -> float:
 
 
 def undamped_curve(member: StudyCase, frequency: FloatArray) -> FloatArray:
-    """(n,) undamped |T| at frequencies (n,) in Hz, from the modes of a modal analysis.
+    """(n,) undamped transmissibility |T| at frequencies (n,) in Hz, from the modes of a modal analysis.
 
     Raises
     ------
