@@ -158,7 +158,7 @@ def _share(size: FloatArray, step: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Around:
-    """Circumferential position of the nodes of each cell, counted in columns of vertices.
+    """Circumferential position of the nodes of each cell: column of its first vertex, and position within the cell.
 
     Attributes
     ----------

@@ -198,7 +198,7 @@ def lay_wraps(r, T, h, cells, E, core, knots, moduli, slope, blocks, zones):
 
 @njit(cache=True)
 def accrete(r, T, E, core, knots, moduli, slope):
-    """Pressure in a roll of infinitely thin wraps that grows continuously, on a grid with a constant ratio of radii.
+    """Pressure in a roll of infinitely thin wraps that grows continuously, on a grid of radii in geometric progression.
 
     Parameters
     ----------
