@@ -178,7 +178,9 @@ def _agreement(grid: Sequence[StudyCase]) -> list[str]:
 def plot_damping_over_frequency(
     members: Sequence[StudyCase], ax: Axes | None = None, *, line: str | None = None
 ) -> Axes:
-    """Plot damping versus resonance frequency: one point per preload, one line per value of a key (thesis, Figs 4.5 and 5.8).
+    """Plot damping versus resonance frequency, one point per preload and one line per value of a key.
+
+    The figure corresponds to Figs 4.5 and 5.8 of the thesis.
 
     Parameters
     ----------
