@@ -26,21 +26,21 @@ LOW_MODES = 120
 """Number of lowest modes in the projection basis of a larger structure without rotational symmetry."""
 
 NO_MOTION = 1e-10
-"""Energy norm of the response to a load, relative to the largest such norm in the block, below which the response is
-dropped."""
+"""Energy norm of the response to a load, relative to the largest such norm in the same circumferential block, below
+which the response is dropped."""
 
 DEPENDENT = 1e-12
-"""Part of a series vector outside the span of the others, relative to the largest such part, below which the vector is
-dropped."""
+"""Tolerance of linear dependence in the series K^{-1} L, K^{-1} M K^{-1} L, ... (L: loads). A vector is dropped if its
+component orthogonal to the vectors already kept is smaller than this fraction of the largest such component."""
 
 
 @dataclass(frozen=True)
 class Condensation:
-    """Modes of the structure with its interfaces stuck, block after block; modal masses are 1.
+    """Modes of the structure with its interfaces stuck, sorted by circumferential block; modal masses are 1.
 
     Attributes
     ----------
-    eigenvalues : (r,) rad^2/s^2, block after block
+    eigenvalues : (r,) rad^2/s^2 of the r modes, block after block
     blocks : (n_blocks + 1,) index of the first mode of each block, then r
     vectors : mode shapes (n_dofs, r_b) of each block, as a pair of sparse basis and dense Ritz vectors to be multiplied
     jump : one (3 n_rows, r_b) per block: amplitudes of the hoop, axial and normal jump in each row of contact points
@@ -69,7 +69,7 @@ class Condensation:
 
     @property
     def n_theta(self) -> int:
-        """Number of contact points per row."""
+        """Number of contact points per circumferential row."""
         return int(self.profiles.shape[2])
 
     def displacement(self, q: FloatArray) -> FloatArray:
@@ -78,7 +78,7 @@ class Condensation:
         return np.sum([basis @ (ritz @ part) for (basis, ritz), part in zip(self.vectors, parts, strict=True)], axis=0)
 
     def compliance(self, inverse: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Interface compliance G V diag(inverse) V^T G^T W, for each block and assembled for all points.
+        """Interface compliance G V diag(inverse) V^T G^T W (V: mode shapes), by block and assembled for all points.
 
         Parameters
         ----------
@@ -100,7 +100,7 @@ class Condensation:
 
 
 def condense_cyclic(system: System, springs: FloatArray, moments: int = 0) -> Condensation | None:
-    """Modes of a roll with rotational symmetry, block after block; None for a structure without this symmetry.
+    """Modes of a roll with rotational symmetry, sorted by circumferential block; None without this symmetry.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
 
 
 def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, moments: int) -> FloatArray:
-    """Orthonormal basis (k, m) of the first ``moments`` terms of K^{-1} L, K^{-1} M K^{-1} L, ...; loads L (k, n)."""
+    """(k, m) orthonormal basis of the first ``moments`` terms of K^{-1} L, K^{-1} M K^{-1} L, ...; L (k, n): loads."""
     factor = spla.splu(sp.csc_matrix(stiffness))
     term, terms = factor.solve(loads), []
     for _ in range(moments):

@@ -52,19 +52,19 @@ class Blocks:
         return len(self.system.subspaces)
 
     def basis(self, block: int) -> sp.csc_matrix:
-        """(n_dofs, k) basis of the motions of a block."""
+        """(n_dofs, k) basis of the k independent motions of a block."""
         return self.system.subspaces[block].basis
 
     def stiffness(self, block: int) -> sp.csr_matrix:
-        """(k, k) stiffness of a block, with the springs."""
+        """(k, k) stiffness matrix of a block; it includes the interface springs."""
         return self._projected(self._stiffness, block)
 
     def mass(self, block: int) -> sp.csr_matrix:
-        """(k, k) mass of a block."""
+        """(k, k) mass matrix of a block."""
         return self._projected(self._mass, block)
 
     def jump(self, block: int) -> sp.csr_matrix:
-        """(3 n_rows, k) amplitudes of the hoop, axial and normal jump of a block in each row of contact points."""
+        """(3 n_rows, k) hoop, axial and normal jump amplitudes in each row of points, per unit motion of a block."""
         return (amplitudes(self.profiles[block], self.area) @ self.system.jump) @ self.basis(block).tocsr()
 
     def _projected(self, matrix: sp.csr_matrix, block: int) -> sp.csr_matrix:
@@ -90,7 +90,10 @@ def by_component(n: int) -> np.ndarray:
 
 
 def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) matrix that gives the amplitudes of a jump with ``profile`` (3, n_theta) in every row."""
+    """(3 n_rows, 3 n_points) matrix that converts the jump at all points to amplitudes of ``profile`` in each row.
+
+    ``profile`` (3, n_theta) is the shape of the hoop, axial and normal components around a row.
+    """
     rows, n = len(area), area.size
     norm = area @ (profile**2).T
     norm = np.where(norm > 1e-12 * norm.max(axis=0, initial=1e-300), norm, np.inf)  # (n_rows, 3)
@@ -137,7 +140,7 @@ def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArr
 
 
 def points_per_row(system: System) -> int:
-    """Number of contact points per row if all rows of all interfaces have the same angles; otherwise 1."""
+    """Number of contact points per circumferential row if the points of all rows have the same angles; otherwise 1."""
     theta = np.concatenate([i.points[:, 0] for i in system.interfaces] or [np.zeros(0)])
     if theta.size == 0:
         return 1

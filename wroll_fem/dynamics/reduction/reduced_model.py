@@ -22,8 +22,8 @@ from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 DEPENDENT = 1e-7
-"""Part of a vector outside the span of the others, relative to the vector, both in the energy norm, below which the
-vector is dropped as rounding error."""
+"""Tolerance of linear dependence. A vector is dropped if its component orthogonal to the vectors already kept is
+smaller than this fraction of the vector, both in the energy norm."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class ReducedModel:
 
     @classmethod
     def of_vectors(cls, condensation: Condensation, vectors: FloatArray) -> ReducedModel:
-        """Model on the span of ``vectors`` (r, k) in modal coordinates; linearly dependent vectors are dropped.
+        """Model whose basis spans ``vectors`` (r, k), in modal coordinates; linearly dependent vectors are dropped.
 
         Raises
         ------
@@ -81,7 +81,7 @@ class ReducedModel:
 
     @classmethod
     def on(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
-        """Model on mass-orthonormal ``vectors`` (r, m); they diagonalise the stiffness to ``values`` (m,)."""
+        """Model with the mass-orthonormal basis ``vectors`` (r, m), in which the stiffness is diag(``values``)."""
         return cls(
             eigenvalues=np.ascontiguousarray(values),
             jump=contact_jump(condensation, vectors),
@@ -99,11 +99,11 @@ class ReducedModel:
         return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
 
     def projection_error(self, response: FloatArray, inside: FloatArray) -> FloatArray:
-        """Displacement (r, k) outside the basis, estimated from a residual force of the whole structure.
+        """Displacement (r, k) outside the span of the basis, estimated from the residual force of the whole structure.
 
         Motion outside the basis is quasi-static because the modes that it needs lie far above the excitation. It is
-        therefore the static ``response`` K_0^{-1} r (r, k) minus the part of this response in the basis. ``inside``
-        (m, k) is the reduced residual force.
+        therefore the static ``response`` (r, k) to the residual force minus the part of this response in the basis.
+        ``inside`` (m, k) is the residual force in reduced coordinates. Displacements are in modal coordinates.
         """
         return np.asarray(response - self.vectors @ (inside / self.eigenvalues[:, None]))
 
@@ -114,7 +114,7 @@ class ReducedModel:
 
 
 def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
-    """(3 n_points, k) jump from modal vectors (r, k)."""
+    """(3 n_points, k) jump at the contact points from k displacements ``vectors`` (r, k) in modal coordinates."""
     amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
     rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
     stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows * k)
@@ -127,7 +127,7 @@ def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
 
 
 def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
-    """(r, k) modal forces G^T f from forces f (3 n_points, k) at the contact points, N."""
+    """(r, k) modal forces V^T G^T f (V: mode shapes) due to the contact forces f (3 n_points, k), N."""
     k, n_theta = force.shape[1], condensation.n_theta
     n = force.shape[0] // 3
     rows = n // n_theta
@@ -149,7 +149,7 @@ def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
     Dependent vectors are found in the energy norm, which weighs local interface shapes as much as modes.
     """
     moves = vectors.any(axis=1)
-    if not moves.all():  # vectors of one kind: the modes of the other are left out
+    if not moves.all():  # modes in which no vector has a component are left out
         part = _orthonormal(vectors[moves], eigenvalues[moves])
         whole = np.zeros((len(vectors), part.shape[1]))
         whole[moves] = part
