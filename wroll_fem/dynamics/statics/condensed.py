@@ -1,9 +1,9 @@
 r"""Static equilibrium of a roll with rotational symmetry, solved for the interface unknowns alone.
 
 The solution is exact and much faster than on the whole structure. With springs D in the interfaces,
-:math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g, so that g = g_f - F s is a dense system of interface
-size. K falls into blocks, one per circumferential harmonic and parity (`cyclic_symmetry`). A block is factorised when a
-load first acts on it.
+:math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g. The jump g follows from g = g_f - F s, a dense system
+of interface size. Here g_f is the jump due to f if s = 0, and F is the interface compliance. K falls into blocks, one
+per circumferential harmonic and parity (`cyclic_symmetry`). A block is factorised when a load first acts on it.
 
 If the load is uniform around the circumference (a pressure), so is the state. One point then represents its row, and
 only the blocks of circumferential harmonic 0 are used.
@@ -30,16 +30,19 @@ from wroll_fem.numerics.newton import NO_RENEWAL, damped_newton, first_decrease
 from wroll_fem.typing import FloatArray
 
 ROUNDING = 1e3
-"""Largest residual, relative to the tolerance, at which a condensed static step is accepted if Newton's method does not
-halve it any more."""
+"""Largest residual, relative to the tolerance, at which a condensed static step is accepted if Newton's method no
+longer halves the residual."""
 
 NO_LOAD = 1e-12
-"""Load on a block, relative to the whole load, below which it counts as rounding error."""
+"""Load on a circumferential block, relative to the total load, below which it counts as rounding error."""
 
 
 @dataclass(frozen=True)
 class _Unknowns:
-    """Interface unknowns of a static solution: all contact points, or one contact point per row."""
+    """Interface unknowns of a static solution: the jump at all points, or at one point of each circumferential row.
+
+    One point represents its row if the solution is uniform around the circumference.
+    """
 
     laws: PointLaws
     springs: FloatArray
@@ -47,7 +50,7 @@ class _Unknowns:
 
 
 class _InterfaceProblem:
-    """g - g_f + F s(g) = 0 as a `NewtonProblem` for the jump (3 n,) of the unknowns."""
+    """Equation g - g_f + F s(g) = 0 for the jump g (3 n,), as a `NewtonProblem`; see the module for the symbols."""
 
     def __init__(self, unknowns: _Unknowns, g_free: FloatArray, start: ContactState, tolerance: float):
         self.unknowns, self.g_free, self.start = unknowns, g_free, start
@@ -57,7 +60,7 @@ class _InterfaceProblem:
         self.correction = np.zeros_like(g_free)
 
     def residual(self, g: FloatArray) -> tuple[FloatArray, float]:
-        """Residual of the jump (3 n,), m, and its largest magnitude."""
+        """Residual (3 n,) of the equation for the jump ``g`` (3 n,), m, and its largest magnitude."""
         self.correction = self.trial(g, self.start) - self.unknowns.springs * g
         rho = g - self.g_free + self.unknowns.compliance @ self.correction
         return rho, float(np.abs(rho).max())
@@ -69,7 +72,7 @@ class _InterfaceProblem:
         return lambda rho: np.asarray(la.solve(matrix, rho, overwrite_a=True, check_finite=False))
 
     def converged(self, size: float, previous: float) -> bool:
-        """Whether the residual is below the limit, or is no longer halved and so small that it is rounding error."""
+        """Whether the residual is within the limit, or is no longer halved and is within `ROUNDING` times the limit."""
         return size <= self.limit or (not size < 0.5 * previous and size <= ROUNDING * self.limit)
 
 
@@ -132,14 +135,14 @@ class CondensedStatic:
         return self._factors[block]
 
     def _compliance(self, block: int) -> FloatArray:
-        """(3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N."""
+        """(3 n_rows, 3 n_rows) compliance of a block: jump amplitude per unit amplitude of the contact force, m/N."""
         if block not in self._compliances:
             jump = self.blocks.jump(block).toarray()
             self._compliances[block] = jump @ self._factor(block).solve(np.ascontiguousarray(jump.T))
         return self._compliances[block]
 
     def _loads(self, force: FloatArray) -> dict[int, FloatArray]:
-        """Load on each block, by block index; blocks on which ``force`` does not act are left out."""
+        """Load on each circumferential block, by block index; blocks on which ``force`` does not act are left out."""
         parts = {b: self.blocks.basis(b).T @ force for b in range(len(self.blocks))}
         least = NO_LOAD * np.linalg.norm(force)
         return {b: part for b, part in parts.items() if np.linalg.norm(part) > least}
@@ -155,14 +158,14 @@ class CondensedStatic:
 
     @cached_property
     def _points(self) -> _Unknowns:
-        """Unknowns of all contact points."""
+        """Unknowns at all contact points."""
         blocks = np.array([self._compliance(b) for b in range(len(self.blocks))])
         laws = self.system.laws
         return _Unknowns(laws, self.blocks.springs, spread(blocks, self.blocks.profiles, laws.area))
 
     @cached_property
     def _even_around(self) -> _Unknowns | None:
-        """Unknowns of one contact point per row; None if the laws vary around a row."""
+        """Unknowns at one contact point of each circumferential row; None if the contact laws vary around a row."""
         laws, (rows, n_theta) = self.system.laws, self.blocks.area.shape
         first = laws.take(n_theta * np.arange(rows))
         around = first.take(np.repeat(np.arange(rows), n_theta))._replace(area=laws.area)
@@ -183,14 +186,14 @@ class CondensedStatic:
         )
 
     def _rows(self, values: FloatArray) -> FloatArray:
-        """Components (tangential, or tangential and normal) of the first point of each row."""
+        """Contact components (tangential, or tangential and normal) at the first point of each circumferential row."""
         rows, n_theta = self.blocks.area.shape
         n = rows * n_theta
         tangential, normal = values[: 2 * n], values[2 * n :]
         return np.concatenate([tangential.reshape(rows, n_theta, 2)[:, 0].ravel(), normal.reshape(-1, n_theta)[:, 0]])
 
     def _repeat(self, values: FloatArray) -> FloatArray:
-        """Components of all points from those of one point per row."""
+        """Contact components at all points, from the components at one point of each circumferential row."""
         rows, n_theta = self.blocks.area.shape
         tangential = np.repeat(values[: 2 * rows].reshape(rows, 2), n_theta, axis=0).ravel()
         return np.concatenate([tangential, np.repeat(values[2 * rows :], n_theta)])

@@ -16,7 +16,7 @@ from wroll_fem.typing import FloatArray
 
 
 class _WholeStructure:
-    """K u + G^T W t(u) = force as a `NewtonProblem` for the displacement (n_dofs,)."""
+    """Equilibrium K u + G^T W t(u) = force as a `NewtonProblem` for the displacement u (n_dofs,); t: tractions."""
 
     def __init__(self, system: System, force: FloatArray, state: ContactState, tolerance: float):
         self.system, self.force, self.state, self.tolerance = system, force, state, tolerance
@@ -24,7 +24,7 @@ class _WholeStructure:
         self.floor = LEAST_TANGENT * float(system.laws.kn.max(initial=0.0))
 
     def residual(self, u: FloatArray) -> tuple[FloatArray, float]:
-        """Unbalanced force (n_dofs,), N, and its norm relative to the forces."""
+        """Unbalanced force (n_dofs,), N, and its norm relative to the sum of the norms of all forces."""
         system = self.system
         internal = system.stiffness @ u
         contact = system.jump.T @ (system.weights * self.trial(system.jump @ u, self.state))
@@ -53,7 +53,7 @@ def solve_static(
     max_iterations: int = 40,
     load_factor: float = 1.0,
 ) -> ContactState:
-    """Contact state in the equilibrium K u + G^T W t(u) = force; friction starts from ``state``.
+    """Contact state in the equilibrium K u + G^T W t(u) = force (t: tractions); friction starts from ``state``.
 
     The equations are solved by Newton's method with the consistent tangent and a backtracking line search. If this
     stalls, the line search uses the potential of the step, which is convex at fixed pressure (`newton.zero_slope`). A
@@ -63,7 +63,7 @@ def solve_static(
     Raises
     ------
     ConvergenceError
-        If Newton's method does not converge; ``load_factor`` is given as the time.
+        If Newton's method does not converge; the message states ``load_factor``.
     """
     problem = _WholeStructure(system, force, state, tolerance)
     u, history = damped_newton(
