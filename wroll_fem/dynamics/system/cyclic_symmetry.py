@@ -23,7 +23,7 @@ from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 _Entries = tuple[np.ndarray, np.ndarray, FloatArray]
-"""Column labels, row indices and values of matrix entries."""
+"""Column labels, row indices and values of entries of a basis."""
 
 _Columns = dict[tuple[int, bool], list[_Entries]]
 
@@ -98,10 +98,11 @@ def _rings(body: Body) -> np.ndarray | None:
 
 
 def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns: _Columns) -> int:
-    """Add the circumferential harmonics of one body to ``columns``; returns the next free column label.
+    """Add the basis vectors of one body to ``columns``, by wave number and parity; returns the next free column label.
 
-    Each column has a label for ring, orbit and component. Quadratic quads have two nodes per sector and ring, so the
-    nodes of a ring form two orbits.
+    Each column has a label for ring, orbit and component. An orbit consists of the nodes of a ring that a rotation by
+    whole sectors maps onto each other. Quadratic quads have two nodes per sector and ring, so the nodes of a ring form
+    two orbits.
     """
     unknown_node, unknown_component = np.asarray(body.unknown_node), np.asarray(body.unknown_component)
     row_of = np.full((len(body.nodes), 6), -1)
@@ -132,7 +133,10 @@ def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns
 def _entries(
     rows: np.ndarray, component: int, theta: FloatArray, wave: FloatArray, label: np.ndarray
 ) -> list[_Entries]:
-    """Entries of one cylindrical component of the orbits, in the Cartesian unknowns ``rows`` (n_rings, nodes, 6)."""
+    """Basis entries of one cylindrical component with the values ``wave`` (n_rings, nodes) around the circumference.
+
+    ``rows`` (n_rings, nodes, 6) are the indices of the Cartesian unknowns; -1 marks a missing unknown.
+    """
     first = 3 * (component // 3)
     along = [(0, np.cos(theta)), (1, np.sin(theta))], [(0, -np.sin(theta)), (1, np.cos(theta))], [(2, np.ones(1))]
     entries = []

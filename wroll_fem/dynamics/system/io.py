@@ -53,7 +53,7 @@ VERSION = 1
 """Version of the file format; files of a newer version are refused."""
 
 CONSISTENT = 1e-6
-"""Largest relative error of the tractions of a preload state, and of its equilibrium with load_preload."""
+"""Largest accepted relative error of the tractions of a preload state, and of its equilibrium with load_preload."""
 
 _OWN = "user_"
 _GENERAL = (
@@ -114,7 +114,7 @@ def _interface_content(interface: Interface) -> dict[str, Any]:
 
 
 def _dofs(system: System) -> list[tuple[IntArray, IntArray]]:
-    """Contact degrees of freedom of each interface: hoop and axial (n_k, 2), and normal (n_k,)."""
+    """Contact degrees of freedom of each interface, with n_k points: hoop and axial (n_k, 2), and normal (n_k,)."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     return [(part[:, :NORMAL], part[:, NORMAL]) for part in np.split(contact_dofs(system.n_points), ends)]
 
@@ -253,7 +253,7 @@ def _interface(
     silent = np.flatnonzero(np.asarray(abs(operator[::3]).sum(axis=1)).ravel() == 0.0)
     if silent.size:
         problem = f"the normal row of point {silent[0]}, counted from 0, is zero"
-        remedy = "rows 0, 3, 6, ... give the normal displacement of the outer body minus that of the inner one"
+        remedy = "rows 0, 3, 6, ... give the normal displacement of the outer body relative to the inner body"
         raise file.error(problem, key=f"{own}operator", remedy=remedy)
     points = np.full((area.size, 3), np.nan)
     if f"{own}points" in file:
@@ -266,7 +266,7 @@ def _subspaces(file: ArrayFile, n: int) -> tuple[Subspace, ...]:
     if "subspaces_basis" not in file:
         return ()
     width = file.vector("subspaces_columns", None, "columns of each subspace").astype(int)
-    harmonic = file.vector("subspaces_harmonic", width.size, "waves around of each subspace").astype(int)
+    harmonic = file.vector("subspaces_harmonic", width.size, "circumferential wave number of each subspace").astype(int)
     even = file.vector("subspaces_even", width.size, "1: even, 0: odd, of each subspace").astype(bool)
     basis = sp.csc_matrix(file.matrix("subspaces_basis", (n, n), "bases of all subspaces side by side"))
     if width.sum() != n or width.min(initial=1) < 1:
@@ -320,9 +320,10 @@ def _check_state(file: ArrayFile, system: System, state: ContactState, *, balanc
     error, scale = float(np.abs(traction - state.traction).max()), float(np.abs(state.traction).max())
     if error > CONSISTENT * scale:
         raise file.error(
-            f"the preload state does not follow from its laws: tractions differ by {error:.3g} Pa of {scale:.3g} Pa",
-            remedy="give load_preload in place of the state (normal traction is negative in compression), or solve the "
-            "preload with these laws before",
+            f"the preload state does not follow from its laws: tractions differ by up to {error:.3g} Pa "
+            f"(largest traction {scale:.3g} Pa)",
+            remedy="give load_preload in place of the state (normal traction is negative in compression), or compute "
+            "the preload state with these laws",
         )
     force = system.loads.get("preload")
     if force is None or not balanced or not np.any(force):

@@ -26,12 +26,12 @@ def symmetry_problem(matrix: sp.csr_matrix) -> tuple[str, str]:
     if gap.nnz == 0 or gap.max() <= SYMMETRY * largest:
         return "", ""
     if sp.triu(matrix, 1).count_nonzero() == 0 or sp.tril(matrix, -1).count_nonzero() == 0:
-        return "holds one triangle only", "write the whole matrix, A + A.T with the diagonal once"
+        return "holds one triangle only", "write the whole matrix: A + A.T, minus the diagonal of A"
     worst = gap.tocoo()
     k = int(np.argmax(worst.data))
     row, column = int(worst.row[k]), int(worst.col[k])
     entries = f"entries ({row}, {column}) and ({column}, {row}), counted from 0, differ by {worst.data[k]:.3g}"
-    return f"is not symmetric: {entries}", "write a symmetric matrix, for example 0.5 (A + A.T) when it is rounding"
+    return f"is not symmetric: {entries}", "write a symmetric matrix, for example 0.5 (A + A.T) if it is rounding"
 
 
 def negative_problem(matrix: sp.csr_matrix, *, pivots: bool = True) -> str:
@@ -68,7 +68,7 @@ def is_singular(matrix: sp.csr_matrix) -> bool:
 
 
 def _unit_diagonal(matrix: sp.csr_matrix, diagonal: FloatArray, stiff: np.ndarray) -> sp.csc_matrix:
-    """Rows and columns ``stiff`` of a matrix, scaled to a unit diagonal: DOFs of different units weigh the same."""
+    """Submatrix of the DOFs ``stiff``, scaled to a unit diagonal so that DOFs of different units have equal weight."""
     scale = sp.diags(1.0 / np.sqrt(diagonal[stiff]))
     return sp.csc_matrix(scale @ matrix[stiff][:, stiff] @ scale)
 

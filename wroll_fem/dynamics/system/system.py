@@ -91,7 +91,7 @@ class System:
 
     @property
     def probe_names(self) -> tuple[str, ...]:
-        """Names of the probes: the tip first, then those of the case or the file."""
+        """Names of the probes: the tip first, then the probes of the case or of the file."""
         return ("tip", *(name for name in self.probes if name != "tip"))
 
     def rigid_motion(self, probe: str) -> float:
@@ -100,7 +100,7 @@ class System:
 
     @cached_property
     def named_probes(self) -> FloatArray:
-        """(p, n) rows of all probes except the tip, in the order of `probe_names`."""
+        """(p, n) matrix whose rows give the displacements of all probes but the tip, in the order of `probe_names`."""
         return np.array([self.probes[name] for name in self.probe_names[1:]]).reshape(-1, self.n_dofs)
 
     @cached_property
