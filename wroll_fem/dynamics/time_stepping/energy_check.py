@@ -23,10 +23,10 @@ from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 
 ABSURD = 100.0
-"""Energy created in one step, relative to the largest energy stored so far, above which a run is stopped."""
+"""Energy created in one step, relative to the largest stored energy or input work so far, above which a run stops."""
 
 LEAST = 1e-6
-"""Created energy, relative to the largest stored energy, below which it is ignored (rounding at the start)."""
+"""Created energy, relative to the largest stored energy or input work, below which it is ignored as rounding."""
 
 ROUNDING = 1e-12
 """Created energy, relative to the energy that the preload stores in the contact, below which it is ignored. The terms
@@ -40,11 +40,11 @@ def rounding_energy(laws: PointLaws, preload: ContactState) -> float:
 
 
 def check_energy(records: FloatArray, times: FloatArray, largest: float, rounding: float = 0.0) -> float:
-    """Largest energy stored so far, J; raises an error if a step creates far more energy than this.
+    """Largest stored energy or input work so far, J; raises an error if steps create too much energy.
 
     A point that reverses its motion in the step after it opened gains a little energy (docs/theory.md); this is
-    accepted. A step that creates more than `ABSURD` times the stored energy solves its equations, but has no physical
-    meaning. If all impacts together have created more energy than the system ever stored, the integration is unstable.
+    accepted. A step that creates more than `ABSURD` times this largest value solves its equations, but has no physical
+    meaning. If all impacts together have created more energy than the largest value, the integration is unstable.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float, roundin
     times
         (k + 1,) times at which these steps end, s.
     largest
-        Largest energy stored before, J.
+        Largest stored energy or input work before these steps, J.
     rounding
         `rounding_energy`, J.
 

@@ -11,7 +11,8 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
 
 SAME_PLACE = 1e-6
-"""Largest difference in angle (rad), and in height relative to the length of the interfaces, of matching points."""
+"""Largest difference between matching points of two interfaces: in angle, rad, and in z relative to the length of the
+interfaces."""
 
 
 def per_interface(system: System, values: np.ndarray) -> np.ndarray:

@@ -76,7 +76,7 @@ class FullStepper(Stepper):
         return ContactState(self.state.motion.q, *self.state.contact, self.trial.status)
 
     def _solve(self, history_term: FloatArray, ag: float, dt: float) -> tuple[FloatArray, FloatArray, int] | None:
-        """New displacement (n,), residual r (n,) and number of Newton iterations; None without convergence."""
+        """New displacement (n_dofs,), m, residual r (n_dofs,), N, number of iterations; None without convergence."""
         system, s, t_0 = self.system, self.scheme, self.preload.traction
         inertia_factor, velocity_factor = 1.0 / (s.beta * dt**2), s.gamma / (s.beta * dt)
         damping = system.damping
@@ -128,7 +128,7 @@ class FullStepper(Stepper):
         return None
 
     def _coasting(self, dt: float) -> FloatArray:
-        """(n,) part of Newmark's velocity at the end of the step that is independent of the new displacement, m/s."""
+        """(n_dofs,) part of Newmark's velocity at the end of a step that the new displacement does not affect, m/s."""
         s, m = self.scheme, self.state.motion
         h = (m.q + dt * m.v + dt**2 * (0.5 - s.beta) * m.a) / (s.beta * dt**2)
         return m.v + dt * ((1.0 - s.gamma) * m.a - s.gamma * h)

@@ -26,7 +26,7 @@ drop_stale_cache(__file__, records.__file__)
 
 @numba.njit(cache=True)
 def correction(g, t, reference, s):
-    """Traction correction s = t - t_0 - D_0 (g - g_0), Pa."""
+    """Fill ``s`` with the traction correction t - t_0 - D_0 (g - g_0), Pa; index 0 denotes the preload state."""
     g_0, t_0, springs = reference.jump, reference.traction, reference.springs
     for i in range(g.shape[0]):
         s[i] = point.correction(t[i], t_0[i], springs[i], g[i] - g_0[i])
@@ -34,7 +34,7 @@ def correction(g, t, reference, s):
 
 @numba.njit(cache=True)
 def predict(motion, ag_new, step, modal):
-    """Newmark's history term h (m,), and displacement q_hat (m,) after the step for zero traction correction."""
+    """Newmark's history term h (m,), and displacement q_hat (m,) after the step if the traction correction is zero."""
     dt, alpha, beta, _ = step
     h = (motion.q + dt * motion.v + dt * dt * (0.5 - beta) * motion.a) / (beta * dt * dt)
     q_hat = (h - (1.0 + alpha) * modal.base * ag_new + alpha * motion.residual) * modal.inverse

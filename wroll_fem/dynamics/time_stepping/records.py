@@ -46,7 +46,7 @@ def record_size(probes: int) -> int:
 
 
 INPUT_FLOW, NUMERICAL_FLOW, VISCOUS_FLOW = range(3)
-"""Indices in `Accumulated.flows`: work of the base, numerical dissipation, work dissipated by the dashpots, J."""
+"""Indices of the work of the base, the numerical dissipation and the work of the dashpots in `Accumulated.flows`."""
 
 
 @numba.njit(cache=True)

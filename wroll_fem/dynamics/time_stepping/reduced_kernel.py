@@ -31,13 +31,13 @@ REBUILD = 2000
 
 
 class ReducedInterface(NamedTuple):
-    """Interfaces in reduced coordinates.
+    """Matrices that relate jump and traction of the interfaces to the m reduced coordinates.
 
     Attributes
     ----------
     jump : (3 n, m) relative displacement per unit coordinate
     force : (m, 3 n) reduced force per unit traction, the transpose of ``jump`` times the areas
-    weight : (m,) largest jump per unit coordinate, which bounds a residual in coordinates by a jump in m
+    weight : (m,) largest jump per unit coordinate; converts a residual in coordinates to an upper bound of the jump, m
     """
 
     jump: FloatArray
@@ -71,8 +71,8 @@ class ReducedState(NamedTuple):
     q_before : (m,) displacement one step before
     kept : Newton's matrix
     time_step : (1,) time step of the kept matrix, s; 0 if there is no matrix
-    projection_error, motion_norm : (1,) squared energy norms of the projection error, and of the motion (limited by the
-        contact), summed over the residual checks
+    projection_error, motion_norm : (1,) squared energy norms of the projection error, and of the motion (limited by
+        `reduced.CONTACT_SHARE`), summed over the residual checks
     largest : (1,) largest squared energy norm of the motion so far
     training : (1,) CPU time of residual checks, enrichment and repeated steps, s
     opened : (1,) largest change of the share of open points since the preload state
@@ -91,12 +91,13 @@ class ReducedState(NamedTuple):
 
 
 class ResidualChecks(NamedTuple):
-    """Data of the steps at which the residual of the whole structure is evaluated after a block.
+    """Data saved for the residual checks; from them the residual of the whole structure is evaluated later.
 
     Attributes
     ----------
-    every : number of steps between two checks; the last step of a block is checked too
-    rows : (k, 2 m + 3 n + 1) output: q, a, s and the base acceleration of each checked step
+    every : number of steps between two checked steps; the last step is checked too
+    rows : (k, 2 m + 3 n + 1) output: displacement q (m,), acceleration a (m,), traction correction s (3 n,) and base
+        acceleration of each checked step
     filled : (1,) output: number of rows filled
     """
 
@@ -117,7 +118,10 @@ class _Trial(NamedTuple):
 
 @numba.njit(cache=True)
 def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho):
-    """Residual rho = x - q_hat + scale * (G Phi)^T W s; returns an upper bound of the jump due to rho, m."""
+    """Fill ``rho`` (m,) with the residual of displacement ``x`` (m,); returns an upper bound of the jump due to rho, m.
+
+    The residual is x - q_hat + scale * (G Phi)^T W s, with q_hat from `predict` and the traction correction s at x.
+    """
     g, t, e, status, s = trial
     g[:] = reference.jump
     g += np.dot(interface.jump, x)
@@ -136,7 +140,7 @@ def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, f
 
 @numba.njit(cache=True)
 def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
-    """Update the kept matrix at the points whose ``tangent`` has changed; returns the number of these points."""
+    """Update Newton's matrix for the points whose ``tangent`` has changed; returns the number of these points."""
     held, matrix = kept.tangents, kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     changed = np.empty(n, np.int64)
@@ -265,7 +269,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
 
 @numba.njit(cache=True)
 def sum_up(kept, springs, jump, area, factor, inverse):
-    """Assemble the kept matrix from its tangents at all points; ``inverse`` (m,) as in `Modal`."""
+    """Assemble Newton's matrix from the contact tangents ``kept.tangents`` of all points; ``inverse`` as in `Modal`."""
     matrix = kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     right = np.empty((3 * n, m))

@@ -1,7 +1,7 @@
 r"""Error of the time step, estimated for one degree of freedom: HHT lengthens the period and adds damping.
 
 With the shift operator z, Newmark's formulas and HHT's equation of motion for :math:`\ddot u + 2 \zeta \omega \dot u +
-\omega^2 u = -a_g` give
+\omega^2 u = -a_g` give for a step h
 
 .. math::
     D(z)\, u = -h^2 N_u(z) E(z)\, a_g, \qquad
@@ -44,29 +44,29 @@ FINER = 10
 """Number of steps of the reference solution per step of the run."""
 
 TRIALS = 0.25
-"""Spacing of the trial frequencies of a fit, as phase difference at the end of the record, cycles."""
+"""Spacing of the trial frequencies when an oscillator is fitted: phase difference at the end of the record, cycles."""
 
 TRIAL_DAMPING = (0.003, 0.02, 0.1)
-"""Trial damping ratios of a fit."""
+"""Trial damping ratios when an oscillator is fitted."""
 
 BAND = 0.4, 2.5
-"""Lowest and highest trial frequency of a fit, divided by the excitation frequency."""
+"""Lowest and highest trial frequency when an oscillator is fitted, divided by the excitation frequency."""
 
 MOST_TRIALS = 400
 
 FITTED_CYCLES = 100
-"""Largest number of excitation cycles, from the start of a record, that a fit compares. Later cycles repeat earlier
-ones or add no information."""
+"""Largest number of excitation cycles, from the start of a record, to which an oscillator is fitted. Later cycles
+repeat earlier cycles or add no information."""
 
 LEAST_SHAPE = 1e-9
-"""Part of a response that is not proportional to the base motion, relative to the response, below which it is not
-compared with the history."""
+"""Norm of the part of an oscillator's response that is not proportional to the base acceleration, relative to the whole
+response, below which this part counts as zero."""
 
 ELEMENTS = 16
 """Number of friction elements of an oscillator."""
 
 LINEAR = 0.01
-"""Misfit below which a fitted oscillator is accepted; an oscillator without friction is fitted first."""
+"""Misfit below which the fit of an oscillator ends. An oscillator without friction is fitted first."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,10 @@ class Oscillator:
         return out
 
     def filter(self, scheme: Scheme, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Numerator and denominator coefficients of u / a_g with all elements stuck, highest power of z first."""
+        """Numerator and denominator of the transfer function u / a_g in z with all friction elements stuck.
+
+        The coefficient of the highest power of z is first.
+        """
         alpha, beta, gamma = scheme.alpha, scheme.beta, scheme.gamma
         turn = 2.0 * np.pi * self.frequency_hz * dt
         displacement = np.array([beta, gamma + 0.5 - 2.0 * beta, 0.5 + beta - gamma])
@@ -212,7 +215,10 @@ def fitted_oscillator(
     wanted -= (rigid @ wanted) * rigid  # the part along the base motion, which any factor of it takes up
 
     def gap(oscillator: Oscillator) -> FloatArray:
-        """Residual (n,) of the least-squares fit by response and base motion, relative to the displacement norm."""
+        """Difference (n,) between the scaled oscillator response and the history, relative to the norm of the history.
+
+        The parts along the base acceleration are removed from both.
+        """
         shape = oscillator.response(scheme, dt, base)
         shape /= np.linalg.norm(shape)
         shape -= (rigid @ shape) * rigid
@@ -259,5 +265,8 @@ def fitted_oscillator(
 
 
 def steps_for(error: float, steps: int, wanted: float) -> int:
-    """Number of steps per cycle, a multiple of 10, that reduces a second-order error at ``steps`` to ``wanted``."""
+    """Number of steps per cycle, a multiple of 10, that reduces a second-order ``error`` to ``wanted``.
+
+    ``steps`` is the number of steps per cycle with this error.
+    """
     return int(10 * np.ceil(steps * np.sqrt(error / wanted) / 10.0))

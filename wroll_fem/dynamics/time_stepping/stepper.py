@@ -145,7 +145,7 @@ class Stepper(ABC):
         Notes
         -----
         The base acceleration may jump before the first step, for example at the start of a record. Displacement and
-        velocity then remain, and a changes by -i times the jump, so that M a + r = 0 again.
+        velocity are then unchanged. The acceleration a changes by -i times the jump, so that M a + r = 0 again.
         """
         k = len(acceleration) - 1
         jump = float(acceleration[0] - self.base_acceleration)

@@ -1,7 +1,7 @@
 r"""Step uniqueness: condition for a single solution of an implicit step with velocity-weakening friction.
 
-Where the coefficient falls with the slip rate, friction acts in a step of size h like a spring of negative stiffness,
-of magnitude :math:`p |\mu'| / h`. The solution is unique if the structure with its inertia is stiffer:
+Where the friction coefficient falls with the slip rate, friction acts in a step of size h like a spring of negative
+stiffness, of magnitude :math:`p |\mu'| / h`. The solution is unique if the structure with its inertia is stiffer:
 
 .. math:: (1 + \alpha)\, \lambda_{max}\!\left( C^{1/2} G S^{-1} G^T C^{1/2} \right) < 1, \qquad
           C = W p |\mu'|_{max} / h, \quad S = M / (\beta h^2) + (1 + \alpha) K
@@ -28,11 +28,14 @@ FEW = 40
 """Largest number of contact degrees of freedom for which the largest eigenvalue is computed by a dense eigensolver."""
 
 MOST_STEPS = 1024
-"""Largest factor on the steps per cycle that the error message can recommend."""
+"""Largest factor on the number of steps per cycle that the error message can recommend."""
 
 
 def uniqueness_ratio(system: System, state: ContactState, scheme: Scheme, dt: float) -> float:
-    """Left side of the condition at the pressures of ``state``; a step ``dt`` (s) has one solution if it is below 1."""
+    """Uniqueness ratio at the pressures of ``state``; a step ``dt`` (s) has a single solution if the ratio is below 1.
+
+    The ratio is the left side of the condition in the docstring of this module.
+    """
     negative = state.pressure * system.laws.weakening / dt
     dofs = np.flatnonzero(np.repeat(negative, 2) > 0.0)
     if dofs.size == 0:
@@ -62,7 +65,7 @@ def check_step_uniqueness(system: System, state: ContactState, scheme: Scheme, d
     Raises
     ------
     InputError
-        If the condition is not met; the remedy names the required factor on the steps per cycle.
+        If the condition is not met; the remedy names the required factor on the number of steps per cycle.
     """
     value = uniqueness_ratio(system, state, scheme, dt)
     if value < 1.0:
@@ -72,8 +75,8 @@ def check_step_uniqueness(system: System, state: ContactState, scheme: Scheme, d
         factor *= 2
     fall = float(system.laws.weakening.max())
     raise InputError(
-        f"the coefficient falls by up to {fall:.3g} per m/s, so that a step of {dt:.3g} s may have more than one "
-        f"solution (uniqueness ratio {value:.3g}, must be below 1)",
+        f"the friction coefficient falls by up to {fall:.3g} per m/s, so that a step of {dt:.3g} s may have more than "
+        f"one solution (uniqueness ratio {value:.3g}, must be below 1)",
         key="contact.friction.rate_table",
         remedy=f"use {factor} times the integrator.steps_per_cycle, or a table with a smaller negative slope",
     )
