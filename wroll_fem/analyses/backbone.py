@@ -80,7 +80,7 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
 
 
 def range_remark(dataset: xr.Dataset) -> str:
-    """Warning if the damping is largest at the largest amplitude and may rise beyond it; empty otherwise."""
+    """Warning if the damping is largest at the end of the curve, so that it may rise further; empty otherwise."""
     damping = dataset["modal_damping"].values
     if not damping.max() > 0.0 or int(np.argmax(damping)) < len(damping) - 1:
         return ""

@@ -48,7 +48,7 @@ class Design:
 
 
 class _Models:
-    """Finite-element models with and without coil; all designs reuse them, so that the forms are compiled only once."""
+    """Finite-element models with and without coil, reused so that their variational forms are compiled only once."""
 
     def __init__(self) -> None:
         self._with: FourierModel | None = None

@@ -51,8 +51,8 @@ def run_dwell(
         history.attrs |= {f"steady_{key}": value for key, value in response.items()} | {"steady_doubt": doubt}
         if doubt:
             progress.warning(
-                f"the dwell is not steady: during the last {cycles} cycles {doubt}; steady_magnitude is doubtful: "
-                "raise excitation.cycles; a residual that does not decrease is due to harmonics"
+                f"the dwell is not steady, and steady_magnitude is doubtful: during the last {cycles} cycles {doubt}; "
+                "raise excitation.cycles (a steady_residual that remains with more cycles is due to harmonics)"
             )
     error, text = dwell_step_error(case, history)
     if text:

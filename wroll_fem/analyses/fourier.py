@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def run_fourier_modal(case: RollModalCase, *, progress: Progress) -> xr.Dataset:
-    """Compute the lowest modes of the whole roll; the variables are the same as for the three-dimensional model.
+    """Compute the lowest modes of the whole roll; the variables are named as in a three-dimensional analysis.
 
     Modes of wave numbers m >= 1 come in degenerate pairs, the one along x first. Shapes are given on the outer surface
     of the revolved half plane, with `mesh.circumferential` cells along the circumference.

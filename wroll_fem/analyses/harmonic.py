@@ -39,8 +39,9 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
-"""Criteria of the warning about a mode near a neglected harmonic: highest odd order; largest relative distance of the
-mode from that multiple of the resonance frequency; least tip participation, relative to the main mode."""
+"""Criteria of the warning about a mode near a neglected harmonic: highest odd order of the harmonic; largest relative
+difference between the natural frequency of the mode and the frequency of the harmonic; least tip participation of the
+mode, relative to the main mode."""
 
 DRIFT = 10.0
 """Mean relative displacement of the interfaces, divided by its oscillating part, above which the run warns."""
@@ -54,7 +55,7 @@ MEMORY_WARNING = 0.02
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
-    """Reduce the structure with stuck interfaces to modes that interface forces, base motion or tip force excite."""
+    """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force."""
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
         moments = MOMENTS if _held(system, springs) else 0
@@ -173,10 +174,10 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
 
 
 def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
-    """Estimate damping from the response curve by a method of `ESTIMATORS`; of a folded curve, use the highest branch.
+    """Estimate damping from the response curve, or from the upper envelope of a folded curve.
 
-    Between the folds of a curve that leans over, several motions have the same frequency. The largest of them is used
-    at every frequency. The resulting envelope has no phase.
+    ``method`` is a key of `ESTIMATORS`. Between the folds of a curve that leans over, several motions have the same
+    frequency. The largest of them is used at every frequency. The resulting envelope has no phase.
     """
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
@@ -195,7 +196,7 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
 
 
 def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
-    """Estimate of f_n, without peak and damping, if the resonance is practically undamped; None for other curves."""
+    """Estimate with f_n, but without peak and damping, if the resonance is practically undamped; None otherwise."""
     if curve.gap is None:
         return None
     low, high = (w / (2.0 * np.pi) for w in curve.gap)

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 
 LARGE_REDUCTION_ERROR = 0.01
-"""Estimated relative error of the reduced model above which the run falls back to `condensed`, or only warns if that
-would take too long. Five times `solver.reduction_tolerance` is the limit if it is larger. The lab roll at 10 to 300 kPa
-stays below 0.004."""
+"""Estimated relative error of the reduced model above which the run falls back to `condensed`, or only warns if
+`condensed` would take too long. The limit is five times `solver.reduction_tolerance` if this product is larger. The
+estimated error of the lab roll at 10 to 300 kPa is below 0.004."""
 
 FALLBACK_SIZE = 2000
 """Largest number of contact degrees of freedom for which a run falls back from `reduced` to `condensed`. With more, a

@@ -107,7 +107,7 @@ class SlipModel:
         return cls(case, modes, roll)
 
     def run(self, case: Case | None = None, *, progress: Progress | None = None) -> xr.Dataset:
-        """Compute the result of a case with the same modes, or, if None is given, of the case that was solved.
+        """Compute the result of ``case`` from the stored modes; None means the case for which they were computed.
 
         Parameters
         ----------

@@ -118,7 +118,7 @@ def _curves(
 
 
 def design_dataset(space: DesignSpace) -> xr.Dataset:
-    """Map of the design space: damping ratio, its largest value per design, and the capacity at which it occurs."""
+    """Map of the design space: damping ratio, its largest value per design, and the friction capacity at this value."""
     dims, flat = ("m2", "k2", "friction_capacity"), ("m2", "k2")
     known = np.where(np.isfinite(space.zeta), space.zeta, -np.inf)
     best = known.argmax(axis=2)

@@ -102,7 +102,7 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
     if law.law == "table" and roll.pressure[0] > law.pressure[-1]:
         found.append(
             f"the pressure at the mandrel, {roll.pressure[0]:.3g} Pa, exceeds the last row of "
-            "winding.web.radial_modulus, whose modulus is used"
+            "winding.web.radial_modulus; the modulus of this row is used"
         )
     return found
 

@@ -97,7 +97,10 @@ def interface_pressures(case: OnRoll) -> list[float]:
 
 
 def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
-    """Shear-lag length in m of the transfer of axial force between layer and mandrel, sqrt((E t)_series / k_t).
+    """Shear-lag length in m of the transfer of axial force between layer and mandrel.
+
+    It is sqrt(s / k_t). s is the series connection of the axial stiffnesses E t of mandrel and layer; k_t is the stick
+    stiffness. The length is infinite if the friction law has no stick stiffness.
 
     Parameters
     ----------
@@ -137,7 +140,7 @@ def scheme_warnings(case: StructuralCase) -> list[str]:
 
 
 def structure_warnings(case: StructuralCase) -> list[str]:
-    """Warn about load, influence vector and tip probe of matrices from a file.
+    """Warn if matrices from a file have no preload, a zero influence vector or a wrongly scaled tip probe.
 
     Raises
     ------

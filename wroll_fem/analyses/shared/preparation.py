@@ -137,7 +137,8 @@ def _check_pressing(system: System, file: str) -> None:
     if np.all(jump[2 * system.n_points :] >= 0.0):
         raise InputError(
             "the preload opens every contact point", key="load_preload", file=file,
-            remedy="reverse the sign of the load, or of the normal rows: outer minus inner body, positive outwards",
+            remedy="reverse the sign of the load, or of the normal rows of the operators "
+            "(outer minus inner body, positive outwards)",
         )  # fmt: skip
 
 

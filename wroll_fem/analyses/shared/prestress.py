@@ -62,9 +62,8 @@ def body_pressures(case: OnRoll, system: System) -> list[float]:
 def contact_state(case: OnRoll, roll: PrestressedRoll, system: System) -> tuple[System, ContactState]:
     """System with its preload, and its static state with frictional or bonded interfaces.
 
-    Interfaces are bonded if the case has no `contact`, or has `coil.model: bonded`. The
-    external pressure of a case without
-    layers acts on the mandrel.
+    Interfaces are bonded if the case has no `contact`, or has `coil.model: bonded`. The external pressure
+    of a case without layers acts on the mandrel.
     """
     if not system.interfaces:
         force = body_pressures(case, system)[0] * roll.bodies[0].pressure_force

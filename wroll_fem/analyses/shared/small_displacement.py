@@ -96,6 +96,7 @@ def _of_slip(slip: float | None, case: OnRoll) -> list[str]:
     if slip <= limit:
         return []
     return [
-        f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points are "
-        f"matched only once, enough up to {1e3 * limit:.2g} mm; lower the base acceleration or raise the preload"
+        f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points "
+        f"are matched only once, which is accurate up to {1e3 * limit:.2g} mm; lower the base acceleration or raise "
+        "the preload"
     ]

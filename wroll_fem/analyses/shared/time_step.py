@@ -40,8 +40,9 @@ MARGIN = 0.05
 """Relative error of the resonance frequencies estimated by `preflight.beam_frequency`."""
 
 ORDERS, NEAR_MULTIPLE, LEAST_SHARE = (3, 5, 7), 0.06, 0.02
-"""Criteria of `detuned_harmonic`: orders of the harmonics of the friction force; largest relative distance of a mode
-from that multiple of the excitation frequency; least tip participation, relative to the main mode."""
+"""Criteria of `detuned_harmonic`: orders of the harmonics of the friction force; largest relative difference between
+the natural frequency of a mode and the frequency of the harmonic; least tip participation of the mode, relative to the
+main mode."""
 
 PERIOD_ERROR = 0.01
 """Relative period error, of a mode near a harmonic of the excitation, above which a dwell warns."""
@@ -103,7 +104,7 @@ def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
 
 
 def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) -> str:
-    """Warning if the time step of a dwell detunes a mode that harmonics of friction can excite; empty otherwise.
+    """Warning if the time step of a dwell detunes a mode that harmonics of the friction force excite; empty otherwise.
 
     The friction force is odd in the motion, so its odd harmonics dominate. `dwell_step_error` does not include them.
     """
