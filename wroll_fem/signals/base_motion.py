@@ -184,7 +184,7 @@ class Chirp:
         return self.amplitude * _ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Times 0, dt, ... (s) up to the first at or after `duration`, and the accelerations (m/s^2) then; (n,) each.
+        """Times 0, dt, ... (s) up to or just beyond `duration`, and base accelerations (m/s^2) at these times, (n,).
 
         Raises
         ------
@@ -196,7 +196,7 @@ class Chirp:
 
 @dataclass(frozen=True, init=False)
 class Dwell:
-    """Sine of constant frequency, made by `Dwell(amplitude, frequency, cycles, ramp_cycles=5.0)`.
+    """Sinusoidal base motion at one frequency; constructor: `Dwell(amplitude, frequency, cycles, ramp_cycles=5.0)`.
 
     Attributes
     ----------
@@ -248,7 +248,7 @@ class Dwell:
         return self.amplitude * _ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Times 0, dt, ... (s) up to the first at or after `duration`, and the accelerations (m/s^2) then; (n,) each.
+        """Times 0, dt, ... (s) up to or just beyond `duration`, and base accelerations (m/s^2) at these times, (n,).
 
         Raises
         ------

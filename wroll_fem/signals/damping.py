@@ -14,14 +14,14 @@ from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.typing import FloatArray
 
 LEAST_PROMINENCE = 0.01
-"""Prominence below which the highest point counts as a ripple. The prominence is the height above the higher foot,
-divided by the height of the point; a foot is the lowest point on one side. If a half-power point lies inside the band,
-the highest point is no ripple: the band then ends close to the resonance."""
+"""Prominence below which the highest point of a curve counts as a ripple. The feet of this point are the lowest points
+to its left and to its right. Its prominence is its height above the higher foot, divided by its height above zero. If
+the band contains a half-power point, the highest point is not counted as a ripple."""
 
 LARGEST_PARTICIPATION = 3.0
 """Largest product of the height of a peak and twice its damping ratio; a larger product indicates ringing. The product
-is 1 for a single mass and 1.6 for the first mode of a cantilever. It is up to 2 for random rolls with friction, whose
-peaks do not have the width of a linear resonance."""
+is 1 for a single mass and 1.6 for the first mode of a cantilever. It is up to 2 for randomly chosen rolls with
+friction, whose peaks do not have the width of a linear resonance."""
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,9 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
         )
     f_n, peak, k = _peak(f, m)
     if not peak > 0.0:
-        raise InputError("the curve is zero everywhere", remedy="check that the base moves in this direction")
+        raise InputError(
+            "the curve is zero everywhere", remedy="check that the base moves in the direction of the response"
+        )
     level = peak / sqrt(2.0)
     f_low, f_high = _crossing(f, m, level, k, -1), _crossing(f, m, level, k, +1)
     problem = _no_maximum(f, m, k, beside=bool(np.isfinite([f_low, f_high]).any()))
@@ -243,7 +245,7 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
 
 
 def likely_damping(read: HalfPower) -> tuple[float, str]:
-    """Damping ratio of a resonance, for criteria that need one, and its origin as text (empty: the half-power width).
+    """Damping ratio for the checks of sweep rate and time step, and its origin as text (empty: the half-power width).
 
     A single mode with the participation p has a peak of height p / (2 zeta). If the half-power damping gives a p above
     `LARGEST_PARTICIPATION`, the peak is too high for its width, because the response rings. The damping ratio is then

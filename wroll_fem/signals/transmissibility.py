@@ -110,7 +110,7 @@ def spectrum_ratio(
     frequency: npt.ArrayLike | None = None,
     taper: float = 0.05,
 ) -> xr.Dataset:
-    """Fourier transform of the tip acceleration divided by that of the base acceleration, for the whole record.
+    """Transmissibility of a whole record: ratio of the Fourier transforms of tip and base acceleration.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def spectrum_ratio(
     if grid.size < 2 or grid[0] < 0.0 or grid[-1] > 0.5 / dt or np.ptp(np.diff(grid)) > 1e-6 * (grid[1] - grid[0]):
         raise InputError(
             f"the frequencies must form a uniform grid of 2 or more below half the sampling rate ({0.5 / dt:g} Hz)",
-            remedy=f"use a band wider than 2/T = {2.0 / length:.3g} Hz below half the sampling rate",
+            remedy=f"use a band below half the sampling rate that is wider than {2.0 / length:.3g} Hz (2 / duration)",
         )
     step = (grid[-1] - grid[0]) / (grid.size - 1)
     fade = max(1, round(taper * tip.size))
@@ -171,7 +171,7 @@ def spectrum_ratio(
 
 
 def _kernel(window: int) -> FloatArray:
-    """Smoothing kernel 2 K - K*K, (6 window + 1,); `window` is the number (even) of samples of each moving average."""
+    """(6 window + 1,) smoothing kernel 2 K - K*K; K is three successive moving averages of `window` (even) samples."""
     box = np.full(window + 1, 1.0 / window)
     box[[0, -1]] *= 0.5
     single = np.convolve(np.convolve(box, box), box)
@@ -287,7 +287,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """Magnitude of a complex curve versus frequency; ``stem`` is the prefix of its real and imaginary part."""
+    """Magnitude of a complex curve versus frequency, stored in the variables ``stem``_real and ``stem``_imag."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]
@@ -369,7 +369,9 @@ def unsteadiness(response: Mapping[str, float]) -> str:
 
 
 def undamped(frequency: FloatArray, natural: FloatArray, participation: FloatArray) -> FloatArray:
-    """Magnitude of the transmissibility of undamped modes, |1 + sum of p f^2 / (f_n^2 - f^2)|.
+    """Magnitude of the transmissibility of undamped modes: |1 + sum of p f^2 / (f_n^2 - f^2)| at frequency f.
+
+    p is the participation and f_n the natural frequency of a mode.
 
     Parameters
     ----------

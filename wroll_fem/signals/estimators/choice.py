@@ -1,4 +1,4 @@
-"""Estimator chosen from prominence and symmetry of the peak, or another if its fit fails (thesis, appendix D)."""
+"""Damping by half power or by a fit, depending on prominence and symmetry of the peak (thesis, appendix D)."""
 
 from __future__ import annotations
 

@@ -36,13 +36,13 @@ FEWEST_POINTS = 8
 """Smallest number of points for an estimator with error bars; half power without error bars needs five."""
 
 LEAST_QUADRATURE = 0.2
-"""Smallest |Im T| / |T| at which the highest point counts as a resonance. For one degree of freedom it is 0.25 at a
-damping ratio of 1, and 0.9 at 0.2. Away from resonances the response is in phase or in antiphase with the base, and
-maxima are ripples."""
+"""Smallest |Im T| / |T| at which the highest point counts as a resonance. At the peak of one degree of freedom this
+ratio is 0.27 for a damping ratio of 1, and 0.85 for a damping ratio of 0.2. Away from resonances the response is in
+phase or in antiphase with the base, and maxima are ripples."""
 
 LARGEST_RIPPLE = 10.0
-"""|T| above which the highest point counts as a resonance whatever its phase. Without damping |T| = 1/|1 - r^2| is that
-high only within 5 % of f_n, and the ringing after a sweep through a sharp resonance can have any phase."""
+"""|T| above which the highest point counts as a resonance whatever its phase. Without damping, |T| exceeds this
+value only at frequencies within 5 % of f_n. The ringing after a sweep through a sharp resonance can have any phase."""
 
 LOOSE_FIT = 0.05
 """Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""

@@ -49,7 +49,7 @@ _FEWEST_POINTS = 5  # smallest number of data points in the window
 
 @dataclass(frozen=True)
 class Bell:
-    """Gaussian bell a exp(-((f - b) / c)^2), fitted between f_pk - d and f_pk + d.
+    """Gaussian bell a exp(-((f - b) / c)^2), fitted at frequencies f within d of the frequency of the peak.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ def _fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float, centre: C
 
 
 def _held_fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float) -> Bell:
-    """Best fit of a bell with centre f_pk and the value T_pk / sqrt 2 at both ends of the window."""
+    """Best fit of a bell centred at the peak, with the half-power value of the peak at both ends of the window."""
     values = curve(f_pk + d * _GRID) / peak
 
     def square(q: float) -> float:  # q = (d / c)^2
@@ -185,7 +185,10 @@ def gaussian_fit(
 def _search(
     f: FloatArray, magnitude: FloatArray, centre: Centre, window: Window, reach: float | None = None
 ) -> tuple[Bell, float, float, bool] | str:
-    """Bell, T_pk, f_pk and whether the constraint determines the window; or the reason why there is no fit."""
+    """`Bell`, height and frequency of the peak, and whether the half-power constraint determines the window.
+
+    If there is no fit, the reason is returned instead.
+    """
     read = half_power(f, magnitude)
     k = int(np.argmax(magnitude))
     if k in (0, f.size - 1):

@@ -106,7 +106,7 @@ def rational_fraction(
 
 
 def _within(band: tuple[float, float], estimate: DampingEstimate) -> DampingEstimate:
-    """The estimate if its mode lies inside the band; otherwise none, because the peak is not on the curve."""
+    """Unchanged estimate if its natural frequency lies inside the band; otherwise a result without damping ratio."""
     if not estimate.found or band[0] <= estimate.f_n <= band[1]:
         return estimate
     return no_estimate(METHOD, f"the fitted mode, {estimate.f_n:.5g} Hz, lies outside the band")
@@ -118,7 +118,7 @@ def _inside(estimate: DampingEstimate, f: FloatArray) -> bool:
 
 
 def _basis(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
-    """(n, 2 k) basis functions; their real coefficients are the real and imaginary parts of the residues."""
+    """(n, 2 k) basis functions of k poles at n points ``s``; coefficients: real and imaginary parts of the residues."""
     first, second = 1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())
     return np.stack([first + second, 1j * (first - second)], axis=2).reshape(s.size, -1)
 
@@ -131,7 +131,7 @@ def _solve(columns: ComplexArray, right: ComplexArray) -> FloatArray:
 
 
 def _vector_fit(s: ComplexArray, T: ComplexArray, poles: ComplexArray, iterations: int = 20) -> ComplexArray:
-    """Poles (k,) from vector fitting: in the upper half plane, and made stable."""
+    """(k,) poles by vector fitting from k starting ``poles``; imaginary parts positive, unstable poles mirrored."""
     background = np.stack([np.ones_like(s), s**2], axis=1)
     for _ in range(iterations):
         basis = _basis(s, poles)
@@ -169,7 +169,9 @@ def _complex_fit(f: FloatArray, T: ComplexArray, count: int, f_pk: float, peak: 
     poles = q[:count] + 1j * q[count : 2 * count]
     size, zeta = np.abs(poles), -poles.real / np.abs(poles)
     if np.any(zeta <= 0.0) or np.any(zeta >= 1.0) or not np.isfinite(q).all():
-        return no_estimate(METHOD, f"the fit of {count} modes has a pole without damped vibration", f_pk)
+        return no_estimate(
+            METHOD, f"the fit of {count} modes has a mode whose damping ratio is not between 0 and 1", f_pk
+        )
     fitted = _model(q, s, count)
     residual = np.abs(fitted - T)
     misfit = sqrt(float(np.mean(residual**2))) / peak
@@ -200,7 +202,11 @@ def _split(values: ComplexArray) -> FloatArray:
 
 
 def _model(q: FloatArray, s: ComplexArray, count: int) -> ComplexArray:
-    """T for the parameters q = (Re p, Im p, [Re R, Im R] per mode, d, e)."""
+    """(n,) transmissibility at ``s`` for the parameters q of the fit.
+
+    q contains Re p and Im p of all poles p, Re R and Im R of the residue R of each mode, and the coefficients d and e
+    of the residual term (docstring of the module).
+    """
     poles = q[:count] + 1j * q[count : 2 * count]
     return np.asarray(_basis(s, poles) @ q[2 * count : 4 * count] + q[-2] + q[-1] * s**2)
 
@@ -216,7 +222,7 @@ def _jacobian(q: FloatArray, s: ComplexArray, count: int) -> FloatArray:
 
 
 def _magnitude_fit(f: FloatArray, magnitude: FloatArray, f_pk: float, zeta: float) -> DampingEstimate:
-    """Fit of one mode to |T|; the residual (|T|^2 - model) / (2 |T|) equals the residual of |T| to first order."""
+    """Fit of one mode to |T|. To first order the residual (|T|^2 - fitted |T|^2) / (2 |T|) is the residual of |T|."""
     if f.size < 3 * 5:
         return no_estimate(METHOD, f"{f.size} points around the peak are too few", f_pk)
     x, peak = (f / f_pk) ** 2, float(magnitude.max())

@@ -123,7 +123,7 @@ def _gaussian_bias(centre: Centre) -> tuple[tuple[float, ...], tuple[float, ...]
 
 
 def lower_bound(estimate: DampingEstimate) -> float:
-    """Lower end of the error bar defined in the thesis: zeta minus the bias for a single degree of freedom (Fig. D.1).
+    """Lower end of the error bar defined in the thesis: zeta minus the bias of the method for one mass (Fig. D.1).
 
     The bias is the difference between the estimate and the damping ratio of the exact curve that gives this estimate
     (half power: closed form; Gaussian fit: fits to exact curves; rational fraction: no bias). For estimates beyond the
