@@ -255,7 +255,7 @@ def _cell(value: Any) -> Any:
 
 
 def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
-    """Write batch.csv (one row per case) and batch.nc (the same data over `case`, with units)."""
+    """Write batch.csv (one row per case) and batch.nc (the same data with units and the dimension `case`)."""
     rows = table_rows(outcomes, out)
     columns = list(dict.fromkeys(key for row in rows for key in row))
     with replacing(out / "batch.csv") as file, file.open("w", newline="", encoding="utf-8") as stream:
@@ -267,7 +267,7 @@ def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
 
 
 def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
-    """Table as a Dataset over `case`: numbers with units (nan if missing), all other values as text."""
+    """Table as a Dataset with the dimension `case`: numbers with units (nan if missing), all other values as text."""
     import xarray as xr
 
     data = {}

@@ -209,7 +209,7 @@ _on_this_worker: set[subprocess.Popen[str]] = set()
 
 
 def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ended:
-    """Execute `wroll run` on a Dask worker, after processes of dead workers have released its folder.
+    """Execute `wroll run` on a Dask worker, after processes of dead workers have released the run folder.
 
     Parameters
     ----------

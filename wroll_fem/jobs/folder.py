@@ -158,7 +158,7 @@ class RunFolder:
             yield
 
     def record(self, status: Status, **entries: Any) -> None:
-        """Write provenance.json: versions, git revision, machine, status, entries; a new run drops earlier entries."""
+        """Write provenance.json: versions, git revision, machine, status, `entries`; a new run deletes old entries."""
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
 

@@ -42,7 +42,7 @@ def energy_ledger(dataset: xr.Dataset) -> Markup:
 
 
 def _by_curve(dataset: xr.Dataset) -> Markup:
-    """Table of energies per cycle at the largest response of each curve, from variables over (curve, frequency)."""
+    """Table of energies per cycle at the largest response of each curve, from variables (curve, frequency)."""
     given = dataset["input_work_per_cycle"]
     curve, along = given.dims
     taken = [

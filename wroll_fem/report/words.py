@@ -20,7 +20,7 @@ from wroll_fem.report.values import quantity
 Plain = Mapping[str, Any]
 
 _SETTINGS = {"modal": ("modal",), "harmonic": ("harmonic", "backbone"), "backbone": ("backbone",)}
-"""Case sections with defaults, and the analyses that use them; other analyses do not show them."""
+"""Case section with defaults -> analyses that use it; reports of other analyses omit the section."""
 
 _WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "two_dof")
 """Analyses without time integration and without load increments."""
@@ -102,7 +102,7 @@ def _name(name: str, words: str) -> str:
 
 
 def _model(models: list[type[BaseModel]], value: Plain) -> type[BaseModel] | None:
-    """First model that has all keys of the value and accepts its tags; otherwise, the first model."""
+    """First of the section classes that has all keys of ``value`` and allows its kind; else the first class."""
     for model in models:
         if not set(value) <= set(model.model_fields):
             continue

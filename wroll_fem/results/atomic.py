@@ -10,7 +10,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context manager that yields the path NAME.partial; the file there replaces `path` at the end of the block.
+    """Context manager that yields a path NAME.partial; after its block, the file at that path replaces `path`.
 
     If the block fails, the partial file is removed and `path` is unchanged.
 

@@ -116,7 +116,7 @@ def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def wrapped(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]:
-    """Angle, height and original index, (m,) each, of the points and of periodic copies half a turn on each side."""
+    """Angle, height and point index, (m,) each, on the surface extended periodically by half a turn on each side."""
     number = np.arange(theta.size)
     left, right = theta < 0.0, theta >= 0.0
     angle = np.concatenate([theta, theta[left] + 2.0 * np.pi, theta[right] - 2.0 * np.pi])

@@ -46,7 +46,7 @@ class Resonance:
 
     @property
     def rings(self) -> bool:
-        """Whether the curve exceeds half power again, as after a fast sweep through a lightly damped resonance.
+        """Whether the curve exceeds half power again beside the peak, as after a fast sweep through a sharp resonance.
 
         The damping ratio then measures the width of the highest ripple.
         """
