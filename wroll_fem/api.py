@@ -43,7 +43,7 @@ class _Quiet(TerminalProgress):
 
 
 def _warn(text: str) -> None:
-    """Issue a Python warning for the calling line outside this package."""
+    """Issue a Python warning attributed to the line that calls this package."""
     frame, level = sys._getframe(1), 2  # level 1 is this function
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] == "wroll_fem":
         frame, level = frame.f_back, level + 1
@@ -210,7 +210,7 @@ def slip_model(case: Case, *, progress: ShowProgress = None) -> SlipModel:
 def run_series(
     case: Case, keys: Mapping[str, Sequence[Any]], *, reference: Case | None = None, progress: ShowProgress = None
 ) -> list[StudyCase]:
-    """Run every combination of the values of dotted keys in memory, one by one, for the figures of a study.
+    """Run a case in memory for every combination of key values, one run after another, for the figures of a study.
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ class ReductionError(ConvergenceError):
 
 
 def require_positive(owner: object, names: Sequence[str], *, section: str = "") -> None:
-    """Refuse attributes that are not finite and positive.
+    """Raise an `InputError` unless all named attributes of an object are finite and positive.
 
     Parameters
     ----------
