@@ -251,7 +251,7 @@ _TEXTS = ("description", "fields[left]", "fields[note]")  # of a bar
 
 
 class _Stage:
-    """Stage that draws a bar, if there is one, and prints or logs a plain line at intervals."""
+    """Stage that updates its bar, if it has one, and prints or logs a plain line at intervals."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Names of the figures of a grid file; the functions are in `plotting.series.FIGURES`.
+"""Names of the figures that a grid file can request; the functions are in `plotting.series.FIGURES`.
 
 They are listed separately, so that reading a grid file does not load matplotlib. A test compares both lists.
 """

@@ -42,7 +42,7 @@ def _environment() -> Environment:
 
 
 def _block(name: str, *arguments: Any) -> Markup:
-    """Element from a macro of blocks.html.j2."""
+    """HTML element, made by a macro of the template blocks.html.j2."""
     made: Markup = getattr(_environment().get_template("blocks.html.j2").module, name)(*arguments)
     return made
 

@@ -84,9 +84,9 @@ def stiffened(system: System, geometric: sp.csr_matrix, state: ContactState) -> 
 
 
 def held_springs(system: System, state: ContactState, *, sticks: bool = True) -> FloatArray:
-    """(3 n_points,) spring stiffness of sticking contact, Pa/m; each spring has at least a negligible stiffness.
+    """(3 n_points,) spring stiffness of sticking contact, Pa/m; at least `LEAST_TANGENT` times the normal stiffness.
 
-    If `sticks` is False, the tangential springs have the negligible stiffness alone.
+    If `sticks` is False, the tangential springs have this smallest stiffness.
     """
     springs, least = stick_springs(system, state), LEAST_TANGENT * system.laws.kn
     along = np.maximum(tangentials(springs)[:, 0], least) if sticks else least

@@ -16,7 +16,7 @@ from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
 
 PROMINENCE, SYMMETRY, MISFIT = 0.5, 0.5, 0.1
-"""Thresholds of `choose`; the thesis does not specify them."""
+"""Thresholds of `choose` for prominence and symmetry of the peak and misfit of the fit; the thesis gives no values."""
 
 Alternative = Literal["gaussian", "rational_fraction"]
 
