@@ -65,11 +65,11 @@ def point_blocks(d: FloatArray) -> sp.csr_matrix:
 
 
 class WithLaws(Protocol):
-    """Object with friction laws of contact points: a system, or a part of its points."""
+    """Object that holds the contact-law parameters of its points: a system, or some of its contact points."""
 
     @property
     def laws(self) -> PointLaws:
-        """Friction-law parameters of the contact points."""
+        """Areas and contact-law parameters of the contact points."""
         ...
 
 
@@ -90,7 +90,7 @@ class TrialContact:
         return self.traction
 
     def stiffness(self, jump: FloatArray, state: ContactState, floor: float = 0.0, dt: float = np.inf) -> sp.csr_matrix:
-        """Consistent tangent (3 n, 3 n), Pa/m; ``floor`` is its smallest stiffness at any point that does not stick."""
+        """(3 n, 3 n) consistent tangent, Pa/m; its diagonal is at least ``floor`` where a point does not stick."""
         kernels.consistent_tangent(jump, state.jump, state.elastic_slip, self.laws, dt, self.tangent)
         if floor > 0.0:
             # weak friction that sticks is what holds a layer: a floor in its place would stall Newton's method

@@ -4,7 +4,8 @@ With a fixed step the HHT matrix S is constant and the jump is linear in the int
 
 .. math:: g_{n+1} = \hat g_{n+1} - F\, s(g_{n+1}), \qquad F = (1+\alpha)\, G S^{-1} G^T W,
 
-so only a dense system of interface size is nonlinear. It is kept small and fast as follows:
+where :math:`\hat g` is the jump without the traction correction s. Only a dense system of interface size is nonlinear.
+It is kept small and fast as follows:
 
 * The sticking interface of the preload state (springs :math:`D_0`) is part of the linear structure. The traction
   correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload pressure. Newton's

@@ -26,7 +26,7 @@ included in Newton's dense matrix."""
 
 
 class InterfaceOperator(NamedTuple):
-    """Jump of the interfaces per unit modal coordinate and per unit traction, for each circumferential block.
+    """Matrices for the interface jump per unit modal coordinate and per unit traction, by circumferential block.
 
     Attributes
     ----------
@@ -102,7 +102,10 @@ def _scatter(amplitudes, profiles, out):
 
 @numba.njit(cache=True)
 def _residual(g_hat, interface, reference, contact, laws, dt, trial, amplitudes):
-    """Evaluate the contact at ``trial.g`` and the residual rho = g - g_hat + F s; returns max |rho|, m."""
+    """Evaluate tractions and residual rho = g - g_hat + F s of the trial jump g; returns max |rho|, m.
+
+    g_hat is the jump without traction correction s, F the interface compliance.
+    """
     g, t, e, status, s, rho = trial
     trial_traction(g, contact.jump, contact.elastic_slip, laws, dt, t, e, status)
     correction(g, t, reference, s)
@@ -133,7 +136,7 @@ def _free_jump(q, interface, amplitudes, out):
 
 @numba.njit(cache=True)
 def _modal_force(s, area, interface, amplitudes, force):
-    """Modal force (r,) of the traction correction s: G^T W s in modal coordinates."""
+    """Fill ``force`` (r,) with the modal force of the traction correction s: G^T W s in modal coordinates."""
     _gather(s, area, interface.profiles, amplitudes)
     size, starts = amplitudes.shape[1], interface.starts
     for b in range(amplitudes.shape[0]):
@@ -165,7 +168,10 @@ def _active_dofs(tangent, springs, status, everything):
 
 @numba.njit(cache=True)
 def _factor(active, tangent, springs, compliance):
-    """Rows of Delta D (m, 3), and inverse (m, m) of I + Delta D F, both for the active contact degrees of freedom."""
+    """Rows (m, 3) of Delta D and the inverse (m, m) of I + Delta D F, both for the m active contact degrees of freedom.
+
+    Delta D is the contact tangent minus the reference contact stiffness, F the interface compliance.
+    """
     m, n = active.shape[0], tangent.shape[0]
     change = np.empty((m, 3))
     matrix = np.empty((m, m))
@@ -186,7 +192,7 @@ def _factor(active, tangent, springs, compliance):
 
 @numba.njit(cache=True)
 def _newton_step(active, change, inverse, interface, area, rho, amplitudes, delta):
-    """Newton step delta = -(I + F Delta D)^{-1} rho, where Delta D has only the active rows."""
+    """Fill ``delta`` with the Newton step -(I + F Delta D)^{-1} rho; symbols and active rows as in `_factor`."""
     m, n = active.shape[0], area.shape[0]
     rhs = np.empty(m)
     for i in range(m):

@@ -48,20 +48,20 @@ from wroll_fem.errors import InputError, ReductionError
 from wroll_fem.typing import FloatArray
 
 BLOCK = 50
-"""Number of steps in a block; a block is repeated when the basis is enriched."""
+"""Number of time steps in a block. A block of steps is repeated when the basis is enriched."""
 
 CHECK_EVERY = 17
 """Number of steps between two residual checks. It does not divide the usual numbers of steps per cycle, so that all
 phases of a cycle are checked.
 
-The last step of a block is checked as well: a growing motion is largest there."""
+The last step of a block of time steps is checked as well: a growing motion is largest there."""
 
 SHAPE_SHARE = 0.3
-"""Energy norm, relative to the tolerance, above which a principal shape of the projection error is added to the
-basis."""
+"""Energy norm of a principal shape of the projection error, relative to the tolerance, above which the shape is added
+to the basis."""
 
 CONTACT_SHARE = 2.0
-"""Upper limit of the motion that enters the error estimate, as a multiple of the energy norm that corresponds to
+"""Upper limit of the energy norm of the motion in the error estimate, divided by the energy norm of
 `contact_energy_limit`. A loose contact slides and opens under forces that are small compared with those of the
 motion."""
 
@@ -81,12 +81,12 @@ START_MODES = 12
 
 
 class ReducedStepper(Stepper):
-    """Time stepping in a basis that is enriched during the run; used like `CondensedStepper`.
+    """Time stepping in reduced coordinates, whose basis is enriched during the run; used like `CondensedStepper`.
 
     Parameters
     ----------
     tolerance
-        Largest projection error of a block, relative to the largest motion so far, both in the energy norm.
+        Largest projection error in a block of steps, relative to the largest motion so far, both in the energy norm.
     largest_error
         Error estimate above which a run stops with `ReductionError`; not checked by default.
 
@@ -222,7 +222,7 @@ class ReducedStepper(Stepper):
         return int(done)
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k steps, block by block.
+        """Advance k time steps, in blocks of `BLOCK` steps.
 
         If the basis is insufficient for a block, it is enriched and the block is repeated.
 
@@ -264,9 +264,9 @@ class ReducedStepper(Stepper):
             redone += clock.process_time() - began
 
     def _check_residuals(self) -> tuple[FloatArray, FloatArray]:
-        """Squared energy norms (k,) of the projection error, and of the motion, at the residual checks.
+        """Squared energy norms of the projection error (k,) and of the motion (k,) at the k residual checks, J.
 
-        The static response to the residual r is the sum of its part in the basis and of the projection error, which
+        The static response to the residual is the sum of its part in the basis and the projection error. These two
         are orthogonal in the energy inner product. The elastic force of the motion has no part outside the basis.
         """
         q, response, inside = self._at_checks()
@@ -277,7 +277,10 @@ class ReducedStepper(Stepper):
         )
 
     def _at_checks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """At the checks: coordinates q (m, k), static response (r, k) to the residual force, reduced force (m, k)."""
+        """Data at the k residual checks: displacement, static response to the residual force, and this force, reduced.
+
+        The shapes are (m, k), (r, k) and (m, k) with m reduced and r modal coordinates.
+        """
         m, n = self.model.size, self.system.n_points
         rows = np.vstack(self._checked) if self._checked else np.zeros((0, 2 * m + 3 * n + 1))
         q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
@@ -285,7 +288,7 @@ class ReducedStepper(Stepper):
         return q, self._static_response(a, s, base), inside
 
     def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
-        """(r, k) static response K_0^{-1} r to the forces of inertia, interfaces and base motion."""
+        """(r, k) static response in modal coordinates to the forces of inertia, interfaces and base motion."""
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
