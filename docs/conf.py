@@ -144,6 +144,7 @@ TITLES = {
     "tables/coiled_stiff": "Claims of the roll without slip",
     "tables/harmonic": "Harmonic balance against slow chirps",
     "tables/low_pressure": "Reduced against exact at low pressure",
+    "tables/opening_error": "Error of reduced where points open",
     "tables/random_rolls": "Random rolls through every analysis",
     "tables/mesh": "Lab roll: mesh",
     "tables/reduced": "Reduced against exact",

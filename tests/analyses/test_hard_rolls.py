@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.paths import CONFIGS
 
-from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses import history, run_analysis, summarise
 from wroll_fem.analyses.shared.preflight import beam_frequency
 from wroll_fem.case import load_case
 from wroll_fem.errors import ConvergenceError
@@ -68,3 +68,29 @@ def test_a_roll_that_rattles_from_the_first_frequency_is_told_so() -> None:
     """With most BLAS no point of the curve is found: the opening is then that of the last iterate."""
     with pytest.raises(ConvergenceError, match=r"the surfaces open at \d+ % of the points"):
         run("harmonic", COARSE, "preload.pressure=1e3", "excitation.amplitude=20", "excitation.f_start=130")
+
+
+@pytest.mark.parametrize(("pressure", "level"), [(30.0, 0.5), (1e3, 5.0), (3e3, 20.0)])
+def test_the_error_of_reduced_is_below_its_estimate_where_points_open(pressure, level, monkeypatch) -> None:
+    monkeypatch.setattr(history, "FALLBACK_SIZE", -1)  # without the fallback to condensed
+    words = [f"preload.pressure={pressure}", f"excitation.amplitude={level}", "output.fields=none"]
+    found = [
+        run_analysis(load_case(CONFIGS / "tiny.yaml", [*words, f"solver.method={method}"]), progress=SilentProgress())
+        for method in ("condensed", "reduced")
+    ]
+    assert 0.05 < float(found[0]["open_fraction"].max()) < 0.3
+    tip, work = (np.array([dataset[name].values for dataset in found]) for name in ("tip_displacement", "input_work"))
+    error = np.sqrt(np.mean((tip[1] - tip[0]) ** 2) / np.mean(tip[0] ** 2))
+    spent = np.abs(work[1] - work[0]).max() / np.abs(work[0]).max()
+    assert 1e-3 < max(error, spent) < found[1].attrs["reduction_error_estimate"]
+
+
+def test_a_backbone_begins_where_the_preload_leaves_points_at_their_slip_limit() -> None:
+    """At 1 MPa such points slip once, by about the amplitude: the mean motion is half of it, and the roll sticks on."""
+    mesh = "mesh={circumferential: 16, axial: 8, grading: 9}"
+    ends = "backbone={tip_smallest: 1.0e-6, tip_largest: 1.0e-4}"
+    _, found, progress = run("backbone", mesh, ends, "preload.pressure=1.0e6", "harmonic.harmonics=1")
+    assert float(found["tip_amplitude"][-1]) == pytest.approx(1e-4, rel=0.05)
+    assert not [text for text in progress.warnings if "the backbone ends" in text]
+    assert float(found["resonance_frequency"][0]) == pytest.approx(found.attrs["f_stuck_hz"], rel=2e-3)
+    assert abs(float(found["modal_damping"][0])) < 1e-9

@@ -22,10 +22,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
+from wroll_fem.contact.point import normals
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, PeriodicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
 from wroll_fem.typing import FloatArray
@@ -41,7 +42,9 @@ passes from one internal resonance to the next without end."""
 
 LARGEST_STRAY = 0.5
 """Largest norm of the mean displacement, and largest norm of the higher harmonics, relative to the norm of the motion.
-Beyond either limit the motion no longer belongs to the mode."""
+Beyond either limit the motion no longer belongs to the mode. The mean displacement counts only if it stores more energy
+than the preloaded contact can hold: contact points that the preload leaves at the slip limit slip once, by about the
+amplitude, and stick from then on."""
 
 NEAR_END = float(np.log(0.95))
 """Logarithm of 0.95. A backbone that cannot be followed to its end is cut at 0.95 times the largest amplitude
@@ -65,6 +68,9 @@ class ModalMotion:
         self.unit = float(self.root[mode])
         self.first = float(np.log(amplitudes[0]))
         self.per_unit = float(np.log(amplitudes[1] / amplitudes[0])) / LENGTH
+        contact = balance.contact
+        pressure = np.maximum(-normals(contact.reference.traction), 0.0)
+        self.held = float(np.sqrt(2.0 * contact_energy_limit(contact.laws, pressure)))
         self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float, float, float]:
@@ -143,11 +149,15 @@ class ModalMotion:
         return out
 
     def strays(self, z: FloatArray) -> tuple[float, float]:
-        """Norms of the mean displacement and of the higher harmonics, each divided by the norm of the motion."""
+        """Norms of the mean displacement and of the higher harmonics, each divided by the norm of the motion.
+
+        The first is zero for a mean displacement that the preloaded contact can hold.
+        """
         y = np.zeros(self.shape)
         y.ravel()[self.active] = z[:-3]
-        size = max(float(np.linalg.norm(y)), 1e-300)
-        return float(np.linalg.norm(y[0])) / size, float(np.linalg.norm(y[3:])) / size
+        size, mean = max(float(np.linalg.norm(y)), 1e-300), float(np.linalg.norm(y[0]))
+        held = self.motion(z)[3] * self.unit * mean <= self.held
+        return 0.0 if held else mean / size, float(np.linalg.norm(y[3:])) / size
 
     def strayed(self, z: FloatArray) -> bool:
         """Whether a motion no longer belongs to the mode; the backbone ends there."""

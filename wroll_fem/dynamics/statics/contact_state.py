@@ -55,6 +55,11 @@ class ContactState:
         return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
 
 
+def contact_energy_limit(laws: PointLaws, pressure: FloatArray) -> float:
+    """Energy, J, stored in the contact when every point is about to slip under the ``pressure`` (n,), Pa."""
+    return float(laws.area @ (0.5 * pressure**2 / laws.kn + 0.5 * laws.mu * pressure * laws.gamma))
+
+
 def point_blocks(d: FloatArray) -> sp.csr_matrix:
     """(3 n, 3 n) sparse tangent in contact degrees of freedom from point tangents (n, 3, 3) (hoop, axial, normal)."""
     n = len(d)
