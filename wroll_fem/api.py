@@ -28,7 +28,7 @@ ShowProgress = bool | Progress | None
 
 
 class CaseWarning(UserWarning):
-    """Warning about a case or its results, with a remedy; issued if progress is not shown."""
+    """Python warning about a case or its results, with a remedy. A run that shows progress prints it instead."""
 
 
 class _Quiet(TerminalProgress):

@@ -84,7 +84,7 @@ def check_direction_of_file(excitation: Excitation | None) -> None:
     if excitation is not None and "direction" in excitation.model_fields_set:
         raise validation_error(
             "the direction is set by the influence vector in structure.file", key="excitation.direction",
-            value=excitation.direction, remedy="leave it out (`wroll export` stores the direction of the case)",
+            value=excitation.direction, remedy="leave it out here; set it in the case that `wroll export` reads",
         )  # fmt: skip
 
 

@@ -47,7 +47,7 @@ class Coil(Section):
     total_thickness: Real = Field(
         default_factory=_written_thickness,
         gt=0,
-        description="thickness of all layers together, m (each is total / layers)",
+        description="thickness of all layers together, m (each layer has total_thickness divided by layers)",
     )
     material: Material = Field(
         default_factory=_lab_layer,

@@ -184,7 +184,7 @@ class ModalTransientCase(OnRoll):
 
     @property
     def wound(self) -> Winding:
-        """Case section `winding`; a missing mandrel is taken from `geometry` and `mandrel`."""
+        """Case section `winding`; a missing key `winding.mandrel` is filled in from `geometry` and `mandrel`."""
         return self.winding.on_mandrel(self.geometry, self.mandrel)
 
 

@@ -14,7 +14,7 @@ class Solver(Section):
 
     method: Literal["reduced", "condensed", "full"] = Field(
         default="reduced",
-        description="reduced: adaptive basis, with residual checks against the whole structure; "
+        description="reduced: adaptive basis, with residual checks against the full model; "
         "condensed: exact condensation on the interface; full: sparse Newton on all DOFs (reference)",
     )
     reduction_tolerance: Real = Field(

@@ -35,8 +35,8 @@ class Span(Section):
 class TwoDofDesignSpace(Section):
     """Values of mass and stiffness of the secondary mass for the map of the largest damping (thesis, Fig. 5.7)."""
 
-    m2: Span = Field(description="mass of the secondary, kg")
-    k2: Span = Field(description="stiffness of the secondary, N/m")
+    m2: Span = Field(description="secondary mass, kg")
+    k2: Span = Field(description="spring stiffness of the secondary mass, N/m")
     points: Whole = Field(
         default=48, ge=24, le=2000, description="frequencies per curve before its peaks are refined (count)"
     )
@@ -45,12 +45,12 @@ class TwoDofDesignSpace(Section):
 class TwoDof(SparseSection):
     """Masses, springs, dashpots, friction and base motion in SI or any consistent units."""
 
-    m1: Real = Field(default=1.0, gt=0, description="mass of the primary (mandrel), kg")
-    k1: Real = Field(default=1.0, gt=0, description="stiffness of the primary, N/m")
-    c1: Real = Field(default=0.002, gt=0, description="dashpot of the primary, N s/m")
-    m2: Real = Field(default=0.85, gt=0, description="mass of the secondary (roll), kg")
-    k2: Real = Field(default=1.15, gt=0, description="stiffness of the secondary, N/m")
-    c2: Real = Field(default=0.0025, gt=0, description="dashpot of the secondary, N s/m")
+    m1: Real = Field(default=1.0, gt=0, description="primary mass (mandrel), kg")
+    k1: Real = Field(default=1.0, gt=0, description="spring stiffness of the primary mass, N/m")
+    c1: Real = Field(default=0.002, gt=0, description="dashpot of the primary mass, N s/m")
+    m2: Real = Field(default=0.85, gt=0, description="secondary mass (roll), kg")
+    k2: Real = Field(default=1.15, gt=0, description="spring stiffness of the secondary mass, N/m")
+    c2: Real = Field(default=0.0025, gt=0, description="dashpot of the secondary mass, N s/m")
     Y0: Real = Field(default=1.5, gt=0, description="displacement of the base, m, 0-peak")
     friction_capacity: list[float] = Field(description="friction capacities mu F_N, N, ascending")
     omega: Span = Field(description="frequencies of the base, rad/s")
@@ -58,11 +58,12 @@ class TwoDof(SparseSection):
         default=1.0, gt=0, description="parameter s of the regularised sign S(s v), s/m, with v the relative velocity"
     )
     arrangement: Literal["both_on_base", "secondary_isolated", "secondary_on_primary"] = Field(
-        default="both_on_base", description="support of the secondary's spring: the base, a wall at rest or the primary"
+        default="both_on_base",
+        description="support of the secondary spring: the base, a wall at rest or the primary mass",
     )
     preload_dependent: Switch = Field(
         default=True,
-        description="mass and stiffness of the secondary depend on the friction capacity (equations 5.6 and 5.7 "
+        description="secondary mass and its stiffness depend on the friction capacity (equations 5.6 and 5.7 "
         "of the thesis)",
     )
     method: Literal["periodic", "time"] = Field(

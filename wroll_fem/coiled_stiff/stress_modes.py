@@ -1,4 +1,4 @@
-"""Modes of a roll with the interlayer shear stress in its solid coil, independent of the finite-element model."""
+"""Data of modes and of the modal shear stress between the wraps of a solid coil, the same for all finite elements."""
 
 from __future__ import annotations
 

@@ -59,7 +59,10 @@ class SmoothedCoulomb(FrictionLaw):
 
     @property
     def elastic_slip(self) -> float:  # type: ignore[override]
-        """Length, m, that normalises the traction, tau = (mu p / elastic_slip) e; this law has no elastic slip."""
+        """Reference length, m, of the normalised traction e in tau = (mu p / elastic_slip) e.
+
+        The law has no elastic slip: the length scales e and has no other effect.
+        """
         return self.reference_speed * REFERENCE_TIME
 
     def rest_length(self, dt: float) -> float:

@@ -1,1 +1,1 @@
-"""Systems with frictional interfaces: statics and time integration; knows no finite elements."""
+"""Statics and dynamics of systems with frictional interfaces, without finite elements."""

@@ -31,7 +31,7 @@ PATIENCE = 6
 """Factor on the largest number of iterations if `zero_slope` damps the steps: few points change state per iteration."""
 
 NO_RENEWAL = 0.0
-"""Renewal threshold with which a solver factorises a new matrix in every iteration."""
+"""Renewal threshold of a full Newton iteration: a new matrix is factorised in every iteration."""
 
 
 class NewtonProblem(Protocol):

@@ -131,7 +131,7 @@ def plot_two_dof_readings(dataset: xr.Dataset) -> Axes:
 
 
 def _methods(dataset: xr.Dataset) -> str:
-    """Names of the damping estimators as text, each name once, in the order of the friction capacities."""
+    """Names of the damping estimators that were used, joined by "or", without repetition."""
     named = dataset["zeta_method"].values.tolist() if "zeta_method" in dataset else ["half power"]
     return " or ".join(dict.fromkeys(map(str, named)))
 

@@ -97,11 +97,11 @@ class WoundRoll:
         return self._mu * self.pressure
 
     def pressure_at(self, radius: FloatArray) -> FloatArray:
-        """(k,) pressure at radii (k,) in m, Pa; inside the mandrel the value at its surface, 0 outside the roll."""
+        """(k,) pressure, Pa, at radii (k,), m: 0 beyond the last wrap; below the first wrap, the value at this wrap."""
         return np.interp(radius, self.radius, self.pressure, right=0.0)
 
     def capacity_at(self, radius: FloatArray) -> FloatArray:
-        """(k,) friction capacity at radii (k,) in m, Pa; inside the mandrel the value at its surface, 0 outside.
+        """(k,) friction capacity, Pa, at radii (k,), m: 0 beyond the last wrap; below the first, its value.
 
         Raises
         ------

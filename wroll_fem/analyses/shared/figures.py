@@ -78,7 +78,7 @@ def _mode_values(dataset: xr.Dataset) -> tuple[list[float], list[int], list[str]
 
 
 def mode_shapes(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the first ten mode shapes; matrices from a file have none."""
+    """Draw the first ten mode shapes; nothing is drawn for matrices from a file, which come without a mesh."""
     from wroll_fem.plotting.names import mode_shapes as draw
 
     if "mode_shape" not in dataset or find_spec("pyvista") is None:

@@ -1,4 +1,4 @@
-r"""Correction of a motion of a reduced model by the harmonic balance of the whole structure.
+r"""Correction of a motion of a reduced model by the harmonic balance of the full model.
 
 The harmonic balance of the *whole* structure (all modes of `condensation`) has a residual r at this motion. It is
 linearised there as in Newton's method, with every contact point and every mode:
@@ -32,7 +32,7 @@ estimate could not fall below 1e-3."""
 
 @dataclass(frozen=True)
 class Correction:
-    """Correction of a motion of a reduced model by the harmonic balance of the whole structure.
+    """Correction of a motion of a reduced model by the harmonic balance of the full model.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ def correction(
     *,
     tolerance: float = KRYLOV_TOLERANCE,
 ) -> Correction:
-    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) from the residual of the whole structure.
+    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) from the residual of the full model.
 
     ``along`` (k, R, m) are directions whose components are removed from the correction. One is the direction of the
     curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear mode, the

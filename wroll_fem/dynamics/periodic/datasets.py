@@ -19,7 +19,8 @@ SLIP_SHARE = 1e-9
 
 
 LEAST_LOSS = 6e-4
-"""Dissipation per cycle divided by the amplitude of the kinetic energy, 4 pi zeta, at a damping ratio of 5e-5."""
+"""Least dissipation per cycle, divided by the peak kinetic energy, that energy errors are related to: 4 pi zeta at a
+damping ratio of 5e-5."""
 
 
 class PeriodicMotion:

@@ -24,7 +24,7 @@ FEWEST_POINTS = 5
 """Smallest number of points of a backbone that ends before its largest amplitude."""
 
 BACKBONE_POINTS = 15
-"""Number of points of a backbone at which the whole structure is evaluated to check the basis."""
+"""Number of points of a backbone at which the full model is evaluated to check the basis."""
 
 
 def checked_points(curve: HarmonicCurve) -> list[int]:
@@ -53,7 +53,7 @@ def trained_response(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[HarmonicCurve]:
-    """Response curve of the whole structure, accurate to ``tolerance`` in the energy norm; see `response_curve`.
+    """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def trained_backbone(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
 ) -> Trained[BackboneCurve]:
-    """Backbone of the whole structure; see `solve_backbone`. Other arguments and errors as for `trained_response`."""
+    """Backbone of the full model; see `solve_backbone`. Other arguments and errors as for `trained_response`."""
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps = control or BACKBONE_STEPS
 

@@ -29,7 +29,8 @@ from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
 
 BAND_SCALE = 3.0
-"""Length of the frequency band in scaled frequency; the resonance circle of a response has a length of about pi."""
+"""Length that the whole frequency band adds to the arc length of a response curve. For comparison: the resonance circle
+of a response adds about pi."""
 
 
 LARGEST_GROWTH = 500.0

@@ -1,4 +1,4 @@
-r"""Training of a basis for periodic motions: it is enriched by corrections from the equations of the whole structure.
+r"""Training of a basis for periodic motions: it is enriched by corrections from the equations of the full model.
 
 A first curve is computed in a small basis with large steps and few harmonics. At some of its points the harmonic
 balance of the *whole* structure, with all modes, is evaluated (`correction`). The principal shapes of the corrected
@@ -42,7 +42,7 @@ POINT_ROUNDS, POINT_SHARE = 4, 0.5
 enrichment at a point ends."""
 
 FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
-"""Largest number of harmonics of the first curve, and of the motions at its points that form the next basis."""
+"""Two limits of the number of harmonics: in the first curve, and in the motions that the next basis is built from."""
 
 MOST_TRAINED = 25
 """Largest number of points of a curve, besides the checked points, at which the basis is enriched."""
@@ -59,9 +59,9 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 from linearised equations do not converge if they are this large."""
 
 RATTLING, MOST_OPEN = 0.5, 0.5
-"""Error, and share of contact points that open. The training of a response curve ends if both are exceeded: bases for
-rattling layers have hundreds of vectors, and curves in them take minutes. From `HOPELESS_ROUNDS` curves on, the limit
-of the share is `WIDE`."""
+"""Limits of the relative correction and of the fraction of contact points that open. If both are exceeded, the training
+of the basis ends: bases for rattling layers have hundreds of vectors, and each curve takes minutes. After
+`HOPELESS_ROUNDS` curves the limit of the fraction is `WIDE` instead."""
 
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
@@ -79,7 +79,7 @@ training fails."""
 
 
 class Check(Protocol[Seen]):
-    """Function that computes corrections at points of a curve from the equations of the whole structure.
+    """Function that computes corrections at points of a curve from the equations of the full model.
 
     ``residual`` is the relative residual to which the linear equations of the corrections are solved.
     """

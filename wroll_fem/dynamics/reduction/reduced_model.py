@@ -5,7 +5,7 @@ The reduced equation of motion in mass-orthonormal coordinates q, relative to th
 .. math:: \ddot q + \Lambda q + C q' + (G \Phi)^T W\,[t(g) - t_0 - D_0 (g - g_0)] = -b\,a_g, \qquad g = g_0 + G \Phi q
 
 is the exact equation of `condensed` with the basis :math:`\Phi` in place of all modes. The projection is the only
-approximation. The part of the motion outside the basis is therefore found from the residual of the whole structure
+approximation. The part of the motion outside the basis is therefore found from the residual of the full model
 (`ReducedModel.projection_error`), and can be added to the basis.
 """
 
@@ -99,7 +99,7 @@ class ReducedModel:
         return ReducedModel.of_vectors(self.condensation, np.column_stack([self.vectors, vectors]))
 
     def projection_error(self, response: FloatArray, inside: FloatArray) -> FloatArray:
-        """Displacement (r, k) outside the span of the basis, estimated from the residual force of the whole structure.
+        """Displacement (r, k) outside the span of the basis, estimated from the residual force of the full model.
 
         Motion outside the basis is quasi-static because the modes that it needs lie far above the excitation. It is
         therefore the static ``response`` (r, k) to the residual force minus the part of this response in the basis.

@@ -1,6 +1,6 @@
 r"""Static equilibrium of a roll with rotational symmetry, solved for the interface unknowns alone.
 
-The solution is exact and much faster than on the whole structure. With springs D in the interfaces,
+The solution is exact and much faster than on the full model. With springs D in the interfaces,
 :math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g. The jump g follows from g = g_f - F s, a dense system
 of interface size. Here g_f is the jump due to f if s = 0, and F is the interface compliance. K falls into blocks, one
 per circumferential harmonic and parity (`cyclic_symmetry`). A block is factorised when a load first acts on it.
@@ -193,7 +193,7 @@ class CondensedStatic:
         return np.concatenate([tangential.reshape(rows, n_theta, 2)[:, 0].ravel(), normal.reshape(-1, n_theta)[:, 0]])
 
     def _repeat(self, values: FloatArray) -> FloatArray:
-        """Contact components at all points, from the components at one point of each circumferential row."""
+        """Vector over the contact degrees of freedom of all points; the points of a row get the same values."""
         rows, n_theta = self.blocks.area.shape
         tangential = np.repeat(values[: 2 * rows].reshape(rows, 2), n_theta, axis=0).ravel()
         return np.concatenate([tangential, np.repeat(values[2 * rows :], n_theta)])

@@ -1,4 +1,4 @@
-"""Static equilibrium of the whole structure with friction, by sparse Newton steps."""
+"""Static equilibrium of the full model with friction, by sparse Newton steps."""
 
 from __future__ import annotations
 

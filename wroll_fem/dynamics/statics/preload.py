@@ -1,4 +1,4 @@
-"""Preload: quasi-static load paths with friction, solved on the interfaces alone or on the whole structure."""
+"""Preload: quasi-static load paths with friction, solved on the interfaces alone or on the full model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def solve_load_path(
     """Contact states on a quasi-static path with friction through a sequence of force vectors (n_dofs,), N.
 
     A step that does not converge is halved up to ``max_cuts`` times. The solver ``condensed`` works on the interfaces
-    alone; without it the whole structure is solved.
+    alone; without it the full model is solved.
 
     Returns
     -------
@@ -59,12 +59,12 @@ def solve_load_path(
 def _step(
     system: System, force: FloatArray, state: ContactState, load_factor: float, condensed: CondensedStatic | None
 ) -> ContactState:
-    """Contact state in equilibrium with ``force``; the whole structure is solved if the condensed step fails."""
+    """Contact state in equilibrium with ``force``; the full model is solved if the condensed step fails."""
     if condensed is None:
         return solve_static(system, force, state, load_factor=load_factor)
     try:
         return condensed(force, state, load_factor=load_factor)
-    except ConvergenceError:  # only the whole structure has the line search on the potential
+    except ConvergenceError:  # only the full model has the line search on the potential
         return solve_static(system, force, state, load_factor=load_factor)
 
 
@@ -81,7 +81,7 @@ def solve_preload(
     Parameters
     ----------
     condensed
-        Solve on the interfaces alone if the symmetry of the roll allows it; False solves the whole structure.
+        Solve on the interfaces alone if the symmetry of the roll allows it; False solves the full model.
     """
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):

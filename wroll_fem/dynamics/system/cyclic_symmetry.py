@@ -48,7 +48,7 @@ class Subspace:
     basis: sp.csc_matrix
 
     def profile(self, theta: FloatArray) -> FloatArray:
-        """(3, n) shape of the hoop, axial and normal components at the circumferential angles ``theta`` (n,), rad."""
+        """(3, n) circumferential variation of hoop, axial and normal components at the angles ``theta`` (n,), rad."""
         cosine, sine = np.cos(self.harmonic * theta), np.sin(self.harmonic * theta)
         return np.array([sine, cosine, cosine] if self.even else [cosine, sine, sine])
 

@@ -1,4 +1,4 @@
-"""The reference stepper: the whole structure is solved in every step by sparse Newton iterations."""
+"""The reference stepper: the full model is solved in every step by sparse Newton iterations."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ class ReducedState(NamedTuple):
 
 
 class ResidualChecks(NamedTuple):
-    """Data saved for the residual checks; from them the residual of the whole structure is evaluated later.
+    """Data saved for the residual checks; from them the residual of the full model is evaluated later.
 
     Attributes
     ----------

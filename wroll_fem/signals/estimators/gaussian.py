@@ -68,7 +68,7 @@ class Bell:
     rmse: float
 
     def __call__(self, frequency: npt.ArrayLike) -> FloatArray:
-        """Value of the bell at frequencies (Hz), in the same shape."""
+        """Value of the Gaussian curve at the given frequencies (Hz): an array of the same shape as the frequencies."""
         return np.asarray(self.a * np.exp(-(((np.asarray(frequency) - self.b) / self.c) ** 2)))
 
     @property
