@@ -287,7 +287,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """Magnitude of a complex curve versus frequency, stored in the variables ``stem``_real and ``stem``_imag."""
+    """Magnitude of a complex curve versus frequency, stored in the variables ``<stem>_real`` and ``<stem>_imag``."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]

@@ -125,9 +125,10 @@ def _gaussian_bias(centre: Centre) -> tuple[tuple[float, ...], tuple[float, ...]
 def lower_bound(estimate: DampingEstimate) -> float:
     """Lower end of the error bar defined in the thesis: zeta minus the bias of the method (Fig. D.1).
 
-    The bias is that for a single-degree-of-freedom oscillator: the difference between the estimate and the damping ratio
-    of the exact curve that gives this estimate (half power: closed form; Gaussian fit: fits to exact curves; rational fraction: no bias). For estimates beyond the
-    range of the exact curves the bias at the end of the range is used. One standard error is subtracted as well.
+    The bias is that for a single-degree-of-freedom oscillator: the difference between the estimate and the damping
+    ratio of the exact curve that gives this estimate (half power: closed form; Gaussian fit: fits to exact curves;
+    rational fraction: no bias). For estimates beyond the range of the exact curves the bias at the end of the range is
+    used. One standard error is subtracted as well.
 
     Returns
     -------
