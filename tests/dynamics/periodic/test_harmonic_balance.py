@@ -328,7 +328,7 @@ def test_a_bounded_resonance_has_no_gap() -> None:
 def test_wrong_bands_and_samples_are_refused() -> None:
     model, preload = complete(coulomb_oscillator())
     laws = coulomb_oscillator().laws
-    with pytest.raises(InputError, match="rising"):
+    with pytest.raises(InputError, match="not positive and increasing"):
         solve_response(model, preload, laws, amplitude=1.0, frequencies=(20.0, 10.0))
     with pytest.raises(InputError, match="amplitude"):
         solve_response(model, preload, laws, amplitude=0.0, frequencies=(10.0, 20.0))
