@@ -173,7 +173,7 @@ def test_wrong_input_is_one_line(tmp_path: Path, dwell: wf.Case) -> None:
         (lambda: wf.run("configs/tiny.yaml"), "case: is not a case but a str; load it first: run(load_case(path))"),
         (lambda: wf.Case(analysis="modal"), "geometry: required section is missing"),
         (lambda: dwell.changed({"preload.presure": 1}), "preload.presure: unknown key, got 1; did you mean pressure?"),
-        (lambda: dwell.changed(3), "cannot change a case by 3; give"),
+        (lambda: dwell.changed(3), "cannot change a case with 3; give"),
         (lambda: wf.load_result(tmp_path), "results file not found"),
         (lambda: wf.case_of(bare), "result: does not contain its case"),
         (lambda: wf.transmissibility(bare), "result: has no transmissibility versus frequency"),

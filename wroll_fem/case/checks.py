@@ -209,7 +209,7 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
 
 
 def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None = None) -> None:
-    """Refuse damping estimators other than half_power for analyses and maps that cannot use them.
+    """Refuse damping estimators other than half_power if the analysis or `two_dof.design_space` cannot use them.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
 
 
 def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
-    """Refuse `preload.geometric_stiffness` for a solid coil, for Fourier elements, and for layers without `contact`.
+    """Refuse `preload.geometric_stiffness` for solid coils, Fourier elements, and layers without a section `contact`.
 
     Raises
     ------
@@ -301,7 +301,7 @@ def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
 
 
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
-    """Check the coil, the mesh and the softest coil of a design map, and that every wall is thinner than every radius.
+    """Require an orthotropic solid coil and Fourier elements for design_map; check its softest coil, radii and walls.
 
     Raises
     ------

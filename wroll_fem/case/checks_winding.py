@@ -25,13 +25,13 @@ def check_winding_given(winding: Winding | None, preload: Preload | None) -> Non
     if winding is None and preload is not None and preload.kind == "winding_tension":
         raise validation_error(
             "required section is missing", key="winding", show_value=False,
-            remedy="add it (winding of the roll: tension, wraps, mandrel, web): preload.kind: winding_tension "
-            "needs it",
+            remedy="add it (winding of the roll: tension, wraps, mandrel, web), because "
+            "preload.kind: winding_tension needs it",
         )  # fmt: skip
 
 
 def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
-    """Require the coefficient of friction between wraps; it must be above zero if ``positive``.
+    """Require the coefficient of friction between wraps; if ``positive``, refuse zero as well.
 
     Raises
     ------

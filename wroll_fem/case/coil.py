@@ -33,7 +33,7 @@ def _written_thickness(given: dict[str, Any]) -> float:
 
 
 class Coil(Section):
-    """Model of the wound web: concentric layers, a homogenised solid, or a simpler reference."""
+    """Model of the wound web: layers with or without slip, a homogenised solid, mass without stiffness, or no coil."""
 
     model: Literal["layers", "solid", "bonded", "nonstructural_mass", "none"] = Field(
         description="layers: concentric shells with friction between them; solid: homogenised solid bonded to the "
@@ -72,7 +72,7 @@ class Coil(Section):
         given = self.model_fields_set
         if self.thickness is not None and self.total_thickness != self.thickness:
             raise validation_error(
-                f"differs from total_thickness = {self.total_thickness:g} m, of which it is an alias",
+                f"differs from total_thickness = {self.total_thickness:g} m, although both keys set the same thickness",
                 key="thickness", value=self.thickness, remedy="give only one of them",
             )  # fmt: skip
         for key in _NEEDED:

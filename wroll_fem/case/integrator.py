@@ -53,7 +53,7 @@ class Integrator(Section):
 
     @property
     def steps(self) -> int:
-        """Number of time steps per cycle; `DEFAULT_STEPS` for auto, which the analysis of a dwell may raise."""
+        """Number of time steps per cycle. For `auto` it is `DEFAULT_STEPS`; the analysis of a dwell may use more."""
         return DEFAULT_STEPS if self.steps_per_cycle == "auto" else self.steps_per_cycle
 
     @model_validator(mode="after")

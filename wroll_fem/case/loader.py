@@ -38,7 +38,7 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
 
 
 def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source: Path | None = None) -> Case:
-    """Build a case from a mapping with overrides.
+    """Build a validated case from the content of a case file, changed by overrides.
 
     Parameters
     ----------

@@ -75,14 +75,14 @@ def input_error(
 
 
 def _refused(detail: ErrorDetails, problem: str, remedy: str) -> tuple[str, str, str, str]:
-    """Like `_explain`, for a top-level key that the case class refuses with its own problem and remedy."""
+    """Same values as `_explain`, for a top-level key for which the case class gives problem and remedy."""
     value = detail["input"]
     got = "" if isinstance(value, Mapping | BaseModel) else f", got {_show(value)}"
     return str(detail["loc"][0]), f"{problem}{got}", remedy, ""
 
 
 def _explain(detail: ErrorDetails, model: type[BaseModel], known: Sequence[str]) -> tuple[str, str, str, str]:
-    """Return (dotted key, problem with value, remedy, dotted key that was probably meant)."""
+    """Explain a validation error: (dotted key, problem with value, remedy, dotted key that was probably meant)."""
     kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
     keys, parent = _walk(detail["loc"], model)
     key = ".".join(keys)

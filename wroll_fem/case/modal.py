@@ -10,7 +10,7 @@ from wroll_fem.case.base import Section, Whole
 
 
 class Modal(Section):
-    """Number of modes and condition of the interfaces."""
+    """Number of modes, and whether the interfaces are stuck, bonded or frictionless."""
 
     count: Whole = Field(default=12, ge=1, le=500, description="number of modes (count)")
     interface: Literal["stuck", "bonded", "frictionless"] = Field(

@@ -30,7 +30,7 @@ def override_texts(*overrides: str | Mapping[str, Any]) -> list[str]:
             texts.append(given)
         elif not isinstance(given, Mapping):
             remedy = 'give "dotted.key=value", or a dict of dotted keys and values'
-            raise InputError(f"cannot change a case by {given!r}", remedy=remedy)
+            raise InputError(f"cannot change a case with {given!r}", remedy=remedy)
         else:
             texts += [f"{key}={json.dumps(json_types(value))}" for key, value in given.items()]
     return texts

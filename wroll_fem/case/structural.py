@@ -139,7 +139,7 @@ class OnRoll(StructuralCase, RollSections):
 
 
 class OnStructure(StructuralCase):
-    """Structural case of matrices from a file; the file also contains interfaces, preload and influence vector."""
+    """Structural case whose matrices are read from a file, together with interfaces, preload and influence vector."""
 
     structure: Structure = Field(
         description="matrices from a file, in place of geometry, mandrel, coil, mesh and preload"

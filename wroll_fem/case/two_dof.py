@@ -33,7 +33,7 @@ class Span(Section):
 
 
 class TwoDofDesignSpace(Section):
-    """Values of mass and stiffness of the secondary mass for the map of the largest damping (thesis, Fig. 5.7)."""
+    """Secondary masses and spring stiffnesses for which the largest damping ratio is computed (thesis, Fig. 5.7)."""
 
     m2: Span = Field(description="secondary mass, kg")
     k2: Span = Field(description="spring stiffness of the secondary mass, N/m")

@@ -50,8 +50,8 @@ class PfeifferModulus(Section):
             unit = "a number without a unit" if math.isnan(number) else "dimensionless, not a modulus in Pa"
             raise validation_error(
                 f"K2 must be {unit}", value=value,
-                remedy=f"give the K2 of E_r = K2 (K1 + P), at most {LARGEST_K2:g}; K1 alone is in Pa "
-                "(Table 2.3 of the thesis prints 40 GPa where 40 is meant)",
+                remedy=f"give K2 of E_r = K2 (K1 + P) as a number up to {LARGEST_K2:g}; only K1 is in Pa "
+                "(Table 2.3 of the thesis prints K2 = 40 GPa where 40 is meant)",
             )  # fmt: skip
         return number
 
@@ -191,7 +191,7 @@ class WindingMandrel(Section):
 
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Serialise either the keys of the tube or the stiffness."""
+        """Serialise the outer radius, and either the stiffness, if given, or the other keys of the tube."""
         used = ("outer_radius", "stiffness") if self.stiffness is not None else ("outer_radius", "wall", "E", "nu")
         return {key: value for key, value in dict(plain(self)).items() if key in used}
 
