@@ -215,7 +215,7 @@ class TerminalProgress:
 
     @contextmanager
     def _bar(self, name: str, total: float, unit: str) -> Iterator[Callable[[float, str, str], None]]:
-        """Progress bar of a stage; returns a function that redraws it with finished amount, remaining time and note."""
+        """Show a progress bar during a stage; yield a function that redraws it with amount, remaining time and note."""
         from rich.console import Console
         from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bars
@@ -298,7 +298,10 @@ class _Shown(logging.Handler):
 
 
 class _LogFile(logging.FileHandler):
-    """Log file handler that raises write errors, for example of a full disk; `logging` would only print them."""
+    """Log file handler that raises an error if it cannot write, for example because the disk is full.
+
+    The handler of `logging` would only print the error.
+    """
 
     def handleError(self, record: logging.LogRecord) -> None:
         raise  # called while the error is handled

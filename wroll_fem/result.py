@@ -42,7 +42,7 @@ class Result:
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Read a result from a run folder or a file of `save`.
+        """Read a result from a run folder, or from a file written by `save`.
 
         Raises
         ------
@@ -141,7 +141,10 @@ class Result:
         return self._plot("steady_response", ax)
 
     def plot_design_map(self, ax: Axes | None = None) -> Axes:
-        """Draw the frequency disparity versus radius and wall of the mandrel."""
+        """Draw the difference of the bending frequency between the stiffest and the softest coil for each mandrel.
+
+        The horizontal axis is the radius of the mandrel. There is one line per wall thickness.
+        """
         return self._plot("design_map", ax)
 
     def plot(self, figure: str, *args: Any, **options: Any) -> Any:

@@ -285,7 +285,7 @@ class Roll:
     def run_design_map(
         self, design_map: DesignMap, *, out: str | Path | None = None, progress: ShowProgress = None
     ) -> Result:
-        """Compute the bending frequencies with softest and stiffest coil versus radius and wall of the mandrel.
+        """Compute the bending frequency with softest and with stiffest coil for each radius and wall of the mandrel.
 
         Parameters
         ----------

@@ -20,7 +20,7 @@ _RESPONSE = ("transmissibility", "omega_peak", "peak_transmissibility", "omega_l
 
 
 def _line(dataset: xr.Dataset, k: int) -> tuple[FloatArray, FloatArray]:
-    """Frequencies (rad/s) and transmissibility at the k-th capacity, with the refined peak and half-power points."""
+    """Frequencies (rad/s) and transmissibility at friction capacity k; refined peak and half-power points are added."""
     one = dataset.isel(friction_capacity=k)
     x, y = dataset["omega"].values, one["transmissibility"].values
     peak = float(one["peak_transmissibility"])
@@ -137,7 +137,7 @@ def _methods(dataset: xr.Dataset) -> str:
 
 
 def plot_two_dof_design_space(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Plot the largest damping at any friction capacity versus secondary mass and stiffness (thesis, Fig. 5.7).
+    """Plot the damping of each design (secondary mass, stiffness) at its optimal friction capacity (thesis, Fig. 5.7).
 
     On the dashed line the two uncoupled masses have equal natural frequencies. The line holds for the friction capacity
     that is optimal for most designs.

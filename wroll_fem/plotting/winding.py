@@ -127,7 +127,7 @@ def _law(member: StudyCase) -> str:
 
 
 def plot_pressure_over_tension(members: Sequence[StudyCase], ax: Axes | None = None) -> Axes:
-    """Plot the pressure at the mandrel versus winding tension, with its upper bound (thesis, Fig 4.3).
+    """Plot the pressure at the mandrel and the upper bound of this pressure versus winding tension (thesis, Fig 4.3).
 
     The upper bound is the pressure at the mandrel if no wrap lost any of its tension (hoop equilibrium).
 

@@ -22,7 +22,11 @@ _METHODS = {
 
 
 def damping_table(dataset: xr.Dataset) -> Markup:
-    """Table of damping by half power, Gaussian fit and rational fraction; empty unless the frequencies increase."""
+    """Table of the damping estimates by half power, Gaussian fit and rational fraction.
+
+    Empty if the results do not contain exactly one complex transmissibility curve, or if the curve has fewer than 8
+    points or frequencies that do not increase.
+    """
     if "transmissibility_real" not in dataset or dataset["transmissibility_real"].dims != ("frequency",):
         return Markup()
     frequency = dataset["frequency"].values

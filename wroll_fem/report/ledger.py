@@ -42,7 +42,7 @@ def energy_ledger(dataset: xr.Dataset) -> Markup:
 
 
 def _by_curve(dataset: xr.Dataset) -> Markup:
-    """Table of energies per cycle at the largest response of each curve, from variables (curve, frequency)."""
+    """Table of the energies per cycle at the highest point of each curve; variables have shape (curve, frequency)."""
     given = dataset["input_work_per_cycle"]
     curve, along = given.dims
     taken = [

@@ -53,7 +53,7 @@ class CaseRow(NamedTuple):
 
 
 def analysis_words(data: Plain) -> str:
-    """Name of the analysis and, if the name is known, its description."""
+    """Name of the analysis, followed by its description if the program has an analysis of this name."""
     name = str(data.get("analysis", "unknown"))
     return f"{name}. {find_analysis(name).sentence}" if name in MODULES else f"{name}."
 
@@ -76,7 +76,10 @@ def case_rows(data: Plain) -> list[CaseRow]:
 def _rows(
     fields: Mapping[str, FieldInfo], name: str, value: Any, key: str, unit_around: str
 ) -> Iterator[tuple[str, str, str]]:
-    """Label, value and dotted key of a key, or of all keys of a case section."""
+    """Table rows (label, value with unit, dotted key) of a single key, or of all keys in a case section.
+
+    Keys without a value and keys without influence on results are omitted from a case section.
+    """
     field = fields.get(name)
     words = (field.description or "") if field is not None else ""
     unit = unit_around if _AS_AROUND in words else unit_of(words)
@@ -102,7 +105,7 @@ def _name(name: str, words: str) -> str:
 
 
 def _model(models: list[type[BaseModel]], value: Plain) -> type[BaseModel] | None:
-    """First of the section classes that has all keys of ``value`` and allows its kind; else the first class."""
+    """First class of ``models`` that has all keys of ``value`` and allows its kind; if none fits, the first class."""
     for model in models:
         if not set(value) <= set(model.model_fields):
             continue

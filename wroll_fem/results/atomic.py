@@ -10,7 +10,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context manager that yields a path NAME.partial; after its block, the file at that path replaces `path`.
+    """Context manager that yields the path of a temporary file NAME.partial, which replaces `path` after the block.
 
     If the block fails, the partial file is removed and `path` is unchanged.
 

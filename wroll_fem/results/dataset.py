@@ -229,7 +229,7 @@ def field(name: str) -> Field:
 
 
 def label(name: str, unit: str | None = None) -> str:
-    """Axis label "long name (unit)"; `unit` replaces the SI unit for a scaled axis, "" or "1" omits it."""
+    """Axis label "long name (unit)". A scaled axis needs `unit`, otherwise the unit is SI; "" or "1" omits the unit."""
     entry = field(name)
     shown = (entry.units if unit is None else unit).replace("m s-2", "m/s²").replace("m s-1", "m/s")
     text = entry.long_name[0].upper() + entry.long_name[1:]
@@ -323,7 +323,7 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
 
 def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Dataset:
-    """Load a file of `save_dataset` into memory and close it.
+    """Load a file written by `save_dataset` into memory, and close the file.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tuned secondary mass in the design space of the two-mass model."""
+"""Stiffness of the secondary mass that tunes it to the primary mass (two-mass model)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wroll_fem.typing import FloatArray
 
 
 def tuned_stiffness(dataset: xr.Dataset) -> tuple[float, FloatArray] | None:
-    """Stiffness of the secondary mass for which both uncoupled masses have the same natural frequency.
+    """Stiffness k_2 of the secondary spring at which both uncoupled masses have the same natural frequency.
 
     Equations 5.6 and 5.7 of the thesis give the masses and stiffness at a friction capacity: k_2'/m_2' = k_1/m_1'.
 

@@ -46,9 +46,12 @@ class Resonance:
 
     @property
     def rings(self) -> bool:
-        """Whether the curve exceeds half power again beside the peak, as after a fast sweep through a sharp resonance.
+        """Whether there is a damping ratio and also a non-empty `reason`.
 
-        The damping ratio then measures the width of the highest ripple.
+        With half-power damping, the reason is that the curve rises above the half-power level again outside the
+        half-power points. This happens when the response rings after a fast sweep through a sharp resonance. The
+        damping ratio then measures the width of the highest ripple. With a fit, the reason can also name a missing
+        half-power point or explain why the fit was chosen.
         """
         return self.damped and bool(self.reason)
 

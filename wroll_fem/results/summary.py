@@ -260,7 +260,7 @@ _SUFFIXES = {
     "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
     "n": "N", "rad": "rad", "g": "g",
 }  # fmt: skip
-"""Suffix of a name -> unit, longest first; `_g` is an acceleration divided by 9.80665 m/s²."""
+"""Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 
 _NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
 """Unit -> its spelling in NetCDF, where this differs."""

@@ -83,7 +83,11 @@ class HalfPower:
 
 
 def _peak(frequency: FloatArray, magnitude: FloatArray) -> tuple[float, float, int]:
-    """Vertex (frequency, height) of the parabola through the highest point and its neighbours; index of that point."""
+    """Frequency, height and index of the highest point.
+
+    Frequency and height are those of the vertex of the parabola through this point and its neighbours, unless the point
+    is at an end of the curve or the top is flat.
+    """
     k = int(np.argmax(magnitude))
     if k == 0 or k == magnitude.size - 1:
         return float(frequency[k]), float(magnitude[k]), k
@@ -119,7 +123,7 @@ def _crossing(frequency: FloatArray, magnitude: FloatArray, level: float, start:
 
 
 def _no_maximum(f: FloatArray, m: FloatArray, k: int, *, beside: bool) -> str:
-    """Reason why the highest point, of index k, is no maximum inside the band; empty if it is one.
+    """Text that says that the highest point (index k) is an end of the band or a ripple; empty if it is neither.
 
     ``beside`` tells whether one of its half-power points is inside the band.
     """
@@ -245,7 +249,9 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
 
 
 def likely_damping(read: HalfPower) -> tuple[float, str]:
-    """Damping ratio for the checks of sweep rate and time step, and its origin as text (empty: the half-power width).
+    """Damping ratio for the checks of sweep rate and time step, and a text about its origin.
+
+    The text is empty if the damping ratio is the half-power damping.
 
     A single mode with the participation p has a peak of height p / (2 zeta). If the half-power damping gives a p above
     `LARGEST_PARTICIPATION`, the peak is too high for its width, because the response rings. The damping ratio is then

@@ -29,16 +29,16 @@ ESTIMATORS: dict[str, Estimator] = {
     "rational_fraction": rational_fraction,
     "choose": choose,
 }
-"""Estimator for each value of `output.damping`. The Gaussian fit has the narrowest window, so that the result does not
-depend on the band."""
+"""Estimator for each value of `output.damping`. The Gaussian fit uses the narrowest window that its half-power
+constraint allows, so that the result does not depend on the frequency band of the curve."""
 
 FEWEST_POINTS = 8
 """Smallest number of points for an estimator with error bars; half power without error bars needs five."""
 
 LEAST_QUADRATURE = 0.2
-"""Smallest |Im T| / |T| at which the highest point counts as a resonance. At the peak of one degree of freedom this
-ratio is 0.27 for a damping ratio of 1, and 0.85 for a damping ratio of 0.2. Away from resonances the response is in
-phase or in antiphase with the base, and maxima are ripples."""
+"""Smallest |Im T| / |T| at which the highest point counts as a resonance. At the peak of a system with one degree of
+freedom this ratio is 0.27 for a damping ratio of 1, and 0.85 for a damping ratio of 0.2. Away from resonances the
+response is in phase or in antiphase with the base, and maxima are ripples."""
 
 LARGEST_RIPPLE = 10.0
 """|T| above which the highest point counts as a resonance whatever its phase. Without damping, |T| exceeds this
@@ -149,7 +149,10 @@ def estimate_damping(
 
 
 def _in_quadrature(shape: HalfPower, f: npt.NDArray[np.float64], values: npt.NDArray[Any]) -> HalfPower:
-    """Shape of a curve; no resonance if the response at the highest point is in phase or in antiphase with the base."""
+    """Return `shape`, marked as no resonance if the highest point is about in phase or in antiphase with the base.
+
+    A highest point with |T| above `LARGEST_RIPPLE` always counts as a resonance.
+    """
     at = values[int(np.argmin(np.abs(f - shape.f_n)))]
     if abs(at.imag) >= LEAST_QUADRATURE * abs(at) or abs(at) > LARGEST_RIPPLE:
         return shape
