@@ -55,7 +55,7 @@ class RunFolder:
         self.figures = self.path / "figures"
 
     def check(self, case: Case, *, resume: bool = False) -> Start:
-        """Determine how a run of `case` can start in this folder; writes nothing.
+        """Determine how a run of `case` can start in this folder, without writing to it.
 
         Returns
         -------
@@ -65,7 +65,9 @@ class RunFolder:
         Raises
         ------
         InputError
-            If the folder contains another case, foreign files, or, without `resume`, an unfinished run of this case.
+            If the path is a file; if the folder is neither empty nor a run folder; if it contains results, a summary or
+            a checkpoint of another case; or if `resume` is False and it contains the checkpoint of an unfinished run of
+            this case.
         """
         if self.path.exists() and not self.path.is_dir():
             raise self._refuse("is a file, not a folder", "choose another --out")
@@ -158,7 +160,10 @@ class RunFolder:
             yield
 
     def record(self, status: Status, **entries: Any) -> None:
-        """Write provenance.json: versions, git revision, machine, status, `entries`; a new run deletes old entries."""
+        """Write `status`, `entries`, versions, git revision and machine to provenance.json.
+
+        Older entries are kept, except at the start of a run (status "running").
+        """
         kept = self.provenance() if status != "running" else {}
         self.write_json(self.provenance_file, {**kept, **provenance(), **entries, "status": status})
 

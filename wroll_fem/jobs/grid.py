@@ -1,4 +1,4 @@
-"""Grid file of `wroll batch`: case files, dotted keys with values or sampled ranges, expanded into cases."""
+"""Grid file of `wroll batch` (case files; dotted keys with values or sampled ranges), and its expansion into cases."""
 
 from __future__ import annotations
 
@@ -225,7 +225,7 @@ def load_grid(path: str | Path) -> Grid:
 def _case(
     file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base", sampled: Collection[str] = ()
 ) -> tuple[Case, list[str]]:
-    """Case from a file with changed keys, and the changes as `--set` arguments."""
+    """Case read from ``file`` with the keys in ``chosen`` changed, and these changes as `--set` arguments."""
     if not file.is_file():
         remedy = "give a case file, its path relative to the grid file"
         raise InputError(f"case file not found: {file}", key=key, file=str(source), remedy=remedy)

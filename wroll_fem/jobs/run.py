@@ -142,7 +142,7 @@ def _save(
 
 
 def with_provenance(dataset: xr.Dataset, case: Case, *, complete: bool = True) -> xr.Dataset:
-    """Copy of a Dataset with provenance in the attributes: analysis, case text and hash, versions, completeness.
+    """Copy of a Dataset with its origin as attributes: analysis, case, hash, versions, and whether the run is complete.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Names of the figures that a grid file can request; the functions are in `plotting.series.FIGURES`.
+"""Names of the figures that a grid file can request; `plotting.series.FIGURES` has the functions that draw them.
 
-They are listed separately, so that reading a grid file does not load matplotlib. A test compares both lists.
+The names are listed separately, so that reading a grid file does not load matplotlib. A test compares both lists.
 """
 
 STUDY_FIGURES = (

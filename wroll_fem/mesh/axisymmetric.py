@@ -21,7 +21,7 @@ END_CELLS = 3
 
 BOND_CELLS = 2
 """Number of cells added at the inner surface of the coil by splitting its innermost cell. Stress is singular at the
-lower end of this surface, where the clamp of the wall ends."""
+lower end of this surface, which is the outer edge of the clamped base of the wall."""
 
 BOND_RATIO = 0.3
 """Ratio of the radial sizes of adjacent cells in the refinement at the inner surface of the coil."""

@@ -102,7 +102,7 @@ def _columns(part: CylinderMesh) -> FloatArray | None:
 
 
 def _turn(part: CylinderMesh, theta: FloatArray) -> FloatArray:
-    """(n_cells, 9) angles of the nodes of each cell from the first column of vertices, rad; continuous in a cell."""
+    """(n_cells, 9) angles of the nodes, rad, from the first vertex column; without a jump of 2 pi inside a cell."""
     x, y = part.nodes[part.cells, 0], part.nodes[part.cells, 1]
     middle = np.arctan2(y[:, 8], x[:, 8])[:, None]
     offset = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))
@@ -129,7 +129,7 @@ def _gauss_points(part: CylinderMesh, theta: FloatArray) -> ContactPoints:
     around = _Around(first, local, count)
     linear = {
         (0, gauss): (along - _GAUSS[1 - gauss]) / (_GAUSS[gauss] - _GAUSS[1 - gauss]) for gauss in (0, 1)
-    }  # row of points, from this row of cells, and Gauss point: value
+    }  # (row of the point minus row of the cell, Gauss point): values at the nodes
     # the hat of the lower vertex belongs to the first point of this row and to the second one of the row below
     below, above = (_share(size, step)[row][:, None] for step in (-1, 1))
     end = ((row == 0) | (row == len(size) - 1))[:, None]
@@ -143,10 +143,13 @@ def _gauss_points(part: CylinderMesh, theta: FloatArray) -> ContactPoints:
 
 
 def _share(size: FloatArray, step: int) -> FloatArray:
-    """(n_rows,) fraction, assigned to each row, of the hat function at its lower (step -1) or upper (step 1) border.
+    """Divide the hat function of a vertex between the contact points above and below, in proportion to row height.
 
-    The rest is assigned to the row beyond the border. The first and the last row get nothing: the hat functions at
-    their inner borders are assigned to the adjacent rows.
+    Returns
+    -------
+    (n_rows,) fraction for the contact point in each row, if the vertex is on the lower (step -1) or upper (step 1)
+    border of the row. The contact point in the adjacent row gets the rest. If the adjacent row is the first or the last
+    one, the fraction is 1. The fractions of the first and the last row themselves are not used.
     """
     other = np.zeros_like(size)
     if step < 0:
@@ -158,16 +161,16 @@ def _share(size: FloatArray, step: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Around:
-    """Circumferential position of the nodes of each cell: column of its first vertex, and position within the cell.
+    """Circumferential position of each node: the vertex column at which its cell begins, and its place in the cell.
 
     Attributes
     ----------
     first
-        (n_cells, 1) column of the first vertex of each cell.
+        (n_cells, 1) number of the vertex column (vertices at one angle) at which each cell begins.
     local
-        (n_cells, 9) 0 at this vertex, 1 at the middle, 2 at the next vertex.
+        (n_cells, 9) 0 for nodes on this column, 1 in the middle of the cell, 2 on the next column.
     count
-        Number of columns.
+        Number of vertex columns.
     """
 
     first: IntArray
@@ -175,9 +178,10 @@ class _Around:
     count: int
 
     def shapes(self, row: IntArray, along: dict[tuple[int, int], FloatArray], n_points: int) -> sp.csr_matrix:
-        """(9 n_cells, n_points) shape functions: cubic around the circumference, times `along` (n_cells, 9) in z.
+        """(9 n_cells, n_points) shape functions: cubic functions of the angle multiplied by the functions `along` of z.
 
-        The keys of `along` are the row of the contact point relative to the row of the cell, and the Gauss point.
+        The keys of `along` are the row of the contact point minus the row of the cell, and the Gauss point. The values
+        of `along` (n_cells, 9) are the values of the function of z at the nodes of each cell.
         """
         entries: list[tuple[IntArray, IntArray, FloatArray]] = []
         nodes = np.arange(self.local.size).reshape(self.local.shape)

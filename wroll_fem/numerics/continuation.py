@@ -41,14 +41,15 @@ class CurveProblem(Protocol):
 
 @dataclass(frozen=True)
 class StepControl:
-    """Step control of the continuation; lengths are in the scaled unknowns.
+    """Step control of the continuation; step lengths are measured in the scaled unknowns z.
 
     Attributes
     ----------
-    first, smallest, largest : step lengths along the arc; ``largest`` is multiplied by the norm of y where it exceeds 1
+    first, smallest, largest : step lengths along the arc; ``largest`` is multiplied by the norm of y if this
+        norm is above 1
     angle : target rotation of the tangent per step, rad
     blunt : step length up to which a step is accepted at any rotation (the onset of slip is a kink); multiplied by the
-        norm of y where it exceeds 1
+        norm of y if this norm is above 1
     tolerance : largest Newton correction at convergence
     max_iterations : largest number of corrector iterations; a step that needs more is shortened
     max_points : largest number of points on a curve; beyond it the continuation stops with an error
@@ -76,10 +77,10 @@ class StepControl:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, flag ``regular``.
+    """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, bifurcation flag.
 
     ``regular`` is False beyond a bifurcation that the curve has crossed (the determinant of the bordered Jacobian has
-    changed its sign). The last entry of the tangent is negative between two folds.
+    changed its sign). The last entry of the tangent changes its sign at each fold.
     """
 
     z: FloatArray
@@ -198,13 +199,13 @@ def correct(
 
 
 def _updated(step: FloatArray, steps: list[FloatArray]) -> FloatArray:
-    """Step (n + 1,) of Broyden's method: ``step`` from old LU factors, corrected by the ``steps`` taken with them."""
+    """Correct ``step`` (n + 1,), solved with old LU factors, by Broyden updates from the ``steps`` taken with them."""
     for before, after in pairwise(steps):
         step = step + after * (float(before @ step) / float(before @ before))
     if not steps:
         return step
     last = steps[-1]
-    # the last step reduced the residual to CHORD_RENEWAL or less: the share is small, and the bound excludes a reversal
+    # the last step cut the residual to CHORD_RENEWAL or less, so the quotient is small; the bound prevents a reversal
     return step / max(1.0 - float(last @ step) / float(last @ last), LEAST_STEP)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from wroll_fem.typing import FloatArray
 
 ENOUGH = 0.5
-"""Norm of a vector after one orthogonalisation, relative to its norm before, above which a second one is not made."""
+"""Norm of a vector after orthogonalisation, divided by its norm before. At or below this ratio the orthogonalisation is
+repeated once."""
 
 
 def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:

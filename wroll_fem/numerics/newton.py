@@ -1,4 +1,4 @@
-"""Damped Newton iteration that reuses the factorised Jacobian, and the renewal thresholds of all solvers.
+"""Damped Newton iteration that reuses the factorised Jacobian, and the thresholds at which each solver renews it.
 
 A solver keeps its factorised matrix from one iteration to the next. It factorises a new one if the residual after an
 iteration, divided by the residual before, exceeds the renewal threshold. The more expensive a factorisation is relative
@@ -25,10 +25,12 @@ CHORD_RENEWAL = 0.25
 """Ratio of successive residuals above which the corrector of a continuation factorises a new Jacobian (dense)."""
 
 STALLED = 6
-"""Number of iterations without halving the residual, after which `zero_slope` damps the steps if a potential exists."""
+"""Number of iterations. If the residual is not halved during them and is the gradient of a potential, `zero_slope`
+damps the following steps."""
 
 PATIENCE = 6
-"""Factor on the largest number of iterations if `zero_slope` damps the steps: few points change state per iteration."""
+"""Factor by which the largest number of iterations is multiplied if `zero_slope` damps the steps. Many iterations are
+then needed, because only few contact points change state in each of them."""
 
 NO_RENEWAL = 0.0
 """Renewal threshold of a full Newton iteration: a new matrix is factorised in every iteration."""

@@ -72,7 +72,7 @@ _READINGS = (("shear_capacity_n", 1.0), ("shear_stiffness_n_m", 1e-3), ("shear_m
 
 
 def _first(tests: Sequence[xr.Dataset], one: xr.Dataset) -> xr.Dataset:
-    """First of the tests at the same pressure as test ``one``."""
+    """First test in ``tests`` that has the same pressure as the test ``one``."""
     return next(d for d in tests if np.isclose(d.attrs["pressure_pa"], one.attrs["pressure_pa"]))
 
 
