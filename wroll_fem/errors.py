@@ -1,4 +1,4 @@
-"""Errors that are reported to users: the text of the message from its parts, and the exit code."""
+"""Errors that are reported to users, with their messages and exit codes."""
 
 from __future__ import annotations
 

@@ -224,7 +224,7 @@ def bond_coil(body: Body, coil: CoilMatrices) -> Body:
 
 
 def pad(matrix: sp.spmatrix, columns: int, *, rows: bool = False) -> sp.csr_matrix:
-    """Append zero columns for the unknowns of the coil.
+    """Append zero columns for the unknowns of the coil to a matrix of the shell.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
 
 
 def skin_quads(cells: IntArray) -> IntArray:
-    """Free faces of the coil, without the face on the mandrel.
+    """Cell faces on the free surface of the coil. Faces on the mandrel are left out.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ def build_constraints(
 def mirrored_values(
     nodes: FloatArray, parity: FloatArray, *, symmetric: bool
 ) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Source node of the values of each node, and their signs, under symmetry about the x-z plane.
+    """Symmetry about the x-z plane: for each node, the source node of its values, their signs, and the free components.
 
     Parameters
     ----------

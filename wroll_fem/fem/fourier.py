@@ -53,7 +53,10 @@ _CELL = "quadrilateral"
 
 
 def angular_weight(wave_number: int) -> float:
-    """Integral of cos^2 m theta over the circumference, rad: pi for m >= 1, 2 pi for m = 0 (torsion included)."""
+    """Integral of cos^2 m theta over the circumference, rad: pi for m >= 1, 2 pi for m = 0.
+
+    For m = 0 it also applies to torsion, whose amplitude does not vary with theta.
+    """
     return np.pi if wave_number else 2 * np.pi
 
 

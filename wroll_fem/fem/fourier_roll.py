@@ -107,7 +107,7 @@ class FourierRoll:
     def __init__(self, sections: RollSections, model: FourierModel | None = None):
         if sections.coil.model not in (*MESHED_COILS, "nonstructural_mass", "none"):
             raise InputError(
-                "Fourier elements exclude friction between layers: it couples the circumferential harmonics",
+                "Fourier elements cannot model friction between layers, which couples the circumferential harmonics",
                 key="coil.model",
                 remedy="use solid, bonded, nonstructural_mass or none, or mesh.discretisation: three_dimensional",
             )  # fmt: skip

@@ -161,7 +161,7 @@ class _Wall:
         return sp.csr_matrix(expand.T @ total @ expand + self._tip(unbalanced.reshape(-1, 6)[:, :3], centre))
 
     def _on_cells(self, values: FloatArray, trace: Trace) -> FloatArray:
-        """(9 n_cells, 3) tractions at the nodes of each cell: shape functions of the contact points times tractions.
+        """(9 n_cells, 3) tractions at the nodes of each cell, interpolated with the contact points' shape functions.
 
         The ``values`` (n_points, 3) are the tractions at the contact points of ``trace``.
         """

@@ -154,7 +154,10 @@ class ShellModel:
         self.dof_order = (6 * block_of_node[:, None] + np.arange(6)).ravel()
 
     def _numbering(self, dofs: IntArray, nodes_of_cell: IntArray) -> IntArray:
-        """Index of the block of degrees of freedom at each input node (quadratic space on a quadratic mesh)."""
+        """(n_nodes,) index of the block of degrees of freedom at each input node.
+
+        Every node has one block, because space and mesh are both quadratic.
+        """
         block = np.full(len(self.nodes), -1, np.int64)
         block[nodes_of_cell.ravel()] = dofs.ravel()
         if (block < 0).any():
@@ -203,7 +206,7 @@ class ShellModel:
         )
 
     def integral(self, mixed: Any, full: Any = None) -> Any:
-        """Integral over the mid-surface: `mixed` with the mixed rule, `full` with 3 x 3 Gauss points per cell.
+        """Integral of `mixed` (mixed rule) plus `full` (3 x 3 Gauss points per cell) over the mid-surface.
 
         Membrane and shear terms need the mixed rule, which is defined in the module docstring.
         """

@@ -222,7 +222,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     step, modal, interface, reference, laws : `Step`, `Modal`, `InterfaceOperator`, `Reference`, `PointLaws`
     state, accumulated : `CondensedState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
-    records : (k, len(RECORDS)) output
+    records : (k, record_size) output
     """
     area, springs, dt = laws.area, reference.springs, step.dt
     motion, contact, history = state.motion, state.contact, newton.history

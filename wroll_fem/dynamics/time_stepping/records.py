@@ -1,4 +1,4 @@
-"""Columns of a step record and entries of the running totals; their indices are named constants for compiled code."""
+"""Columns of a step record and entries of `Accumulated.flows`, with a named constant for the index of each."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ RECORDS = (
 """Index of each column of `RECORDS`."""
 
 FIRST_PROBE, OF_PROBE = len(RECORDS), 3
-"""Index of the first column after those of `RECORDS`, and number of columns (displacement, velocity, acceleration) of
-each probe other than the tip."""
+"""Index of the first probe column of a step record, and number of columns per probe (displacement, velocity,
+acceleration). The probe columns follow the columns of `RECORDS`; the tip is not one of these probes."""
 
 
 def record_size(probes: int) -> int:

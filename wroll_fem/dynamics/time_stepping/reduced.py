@@ -61,14 +61,17 @@ SHAPE_SHARE = 0.3
 to the basis."""
 
 CONTACT_SHARE = 2.0
-"""Upper limit of the energy norm of the motion in the error estimate, divided by the energy norm of
-`contact_energy_limit`. A loose contact slides and opens under forces that are small compared with those of the
-motion."""
+"""Largest energy norm of the motion that enters the error estimate at a residual check, divided by sqrt(2 E), where
+E (J) is `contact_energy_limit`. A larger norm is replaced by this limit, because a loose contact slides and opens under
+forces that are small compared with those of the motion."""
 
 OPENING, CLOSED_PART, OPENED_PART = 30.0, 2.0, 1.2
 """Error estimate once contact points have opened: the smaller of ``OPENING`` e and ``CLOSED_PART`` e + ``OPENED_PART``
-f, where e is the estimate without opening and f the largest fraction of points that opened. It bounds the measured
-errors of tip motion and input work of random rolls and of rolls at 30 to 10000 Pa (docs/tables/opening_error.md)."""
+f. Here e is the estimate without opening, and f the largest change of the fraction of open points since the preload
+state.
+
+In docs/tables/opening_error.md (random rolls, and rolls at 30 to 10000 Pa) this estimate exceeds the measured errors of
+tip motion and input work for every roll."""
 
 FLOATING = 1e-12
 """Lowest eigenvalue of the structure with its interfaces stuck, relative to the highest eigenvalue, below which a part
@@ -128,7 +131,11 @@ class ReducedStepper(Stepper):
         self._adopt(self._first_model())
 
     def _first_model(self) -> ReducedModel:
-        """Model of the modes that the base excites most and of the static responses to base motion and tip force."""
+        """Reduced model at the start of the run.
+
+        Its basis contains all modes if their number is at most 2 `START_MODES`. Otherwise it contains the
+        `START_MODES` modes that the base excites most, and the static responses to base motion and to a tip force.
+        """
         c = self.condensation
         if len(c.eigenvalues) <= 2 * START_MODES:
             return ReducedModel.complete(c)
@@ -197,7 +204,10 @@ class ReducedStepper(Stepper):
         super().restore(state)
 
     def _prepare(self, dt: float) -> Modal:
-        """Structure for steps of ``dt`` (s); assembles Newton's matrix again if the step or the basis has changed."""
+        """Matrices of the reduced structure for steps of ``dt`` (s).
+
+        Newton's matrix is assembled again if the step or the basis has changed.
+        """
         s, model, kept = self.scheme, self.model, self.state.kept
         inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * model.eigenvalues)
         if self.state.time_step[0] != dt:
@@ -279,9 +289,9 @@ class ReducedStepper(Stepper):
         )
 
     def _at_checks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Data at the k residual checks: displacement, static response to the residual force, and this force, reduced.
+        """Displacement, static response to the residual force, and reduced residual force, at the k residual checks.
 
-        The shapes are (m, k), (r, k) and (m, k) with m reduced and r modal coordinates.
+        The shapes are (m, k), (r, k) and (m, k) for m reduced coordinates and r modes.
         """
         m, n = self.model.size, self.system.n_points
         rows = np.vstack(self._checked) if self._checked else np.zeros((0, 2 * m + 3 * n + 1))
@@ -290,7 +300,10 @@ class ReducedStepper(Stepper):
         return q, self._static_response(a, s, base), inside
 
     def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
-        """(r, k) static response in modal coordinates to the forces of inertia, interfaces and base motion."""
+        """(r, k) static response, in r modal coordinates, to the residual force at the k residual checks.
+
+        The residual force is the sum of the forces of inertia, interfaces and base motion.
+        """
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
@@ -360,7 +373,7 @@ def open_fraction(system: System, preload: ContactState) -> float:
 
 
 def unpressed(system: System, preload: ContactState) -> bool:
-    """Whether an interface whose points can separate carries no pressure at any point in the preload state."""
+    """Whether, in the preload state, at least one interface with separable points has no pressure at any point."""
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     free = np.split(system.laws.separation, ends)
     pressed = np.split(preload.pressure > 0.0, ends)

@@ -25,7 +25,11 @@ from wroll_fem.typing import FloatArray, IntArray
 drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__)
 
 TANGENT_CHANGE = 0.02
-"""Change of the tangent of a point, relative to its reference stiffness, above which Newton's matrix is updated."""
+"""Change of the contact tangent at a point, divided by its reference hoop stiffness, above which the update of Newton's
+matrix includes the point.
+
+A point is also included after any change of its normal stiffness, and from the fourth iteration of a step after any
+change at all."""
 REBUILD = 2000
 """Number of updates after which Newton's matrix is assembled again, to limit the accumulated rounding error."""
 
@@ -189,7 +193,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
     state, accumulated : `ReducedState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
     checks : `ResidualChecks`, filled
-    records : (k, len(RECORDS)) output
+    records : (k, record_size) output
     """
     dt, alpha = step.dt, step.alpha
     motion, contact, kept, history = state.motion, state.contact, state.kept, newton.history

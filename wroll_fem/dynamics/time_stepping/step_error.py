@@ -44,7 +44,9 @@ FINER = 10
 """Number of steps of the reference solution per step of the run."""
 
 TRIALS = 0.25
-"""Spacing of the trial frequencies when an oscillator is fitted: phase difference at the end of the record, cycles."""
+"""Spacing of the trial frequencies when an oscillator is fitted, for at most `MOST_TRIALS` frequencies.
+
+It is the phase difference, in cycles, between neighbouring trial frequencies at the end of the fitted record."""
 
 TRIAL_DAMPING = (0.003, 0.02, 0.1)
 """Trial damping ratios when an oscillator is fitted."""
