@@ -154,7 +154,8 @@ def spectrum_ratio(
         raise InputError("neither band nor frequency is given", remedy="give one of them")
     if grid.size < 2 or grid[0] < 0.0 or grid[-1] > 0.5 / dt or np.ptp(np.diff(grid)) > 1e-6 * (grid[1] - grid[0]):
         raise InputError(
-            f"the frequencies must form a uniform grid of 2 or more below half the sampling rate ({0.5 / dt:g} Hz)",
+            "2 or more equally spaced frequencies are needed, all between 0 Hz and half the sampling rate "
+            f"({0.5 / dt:g} Hz)",
             remedy=f"use a band below half the sampling rate that is wider than {2.0 / length:.3g} Hz (2 / duration)",
         )
     step = (grid[-1] - grid[0]) / (grid.size - 1)
@@ -287,7 +288,7 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:
-    """Magnitude of a complex curve versus frequency, stored in the variables ``<stem>_real`` and ``<stem>_imag``."""
+    """Magnitude versus frequency of the complex curve that is stored in ``<stem>_real`` and ``<stem>_imag``."""
     real, imag = dataset[f"{stem}_real"], dataset[f"{stem}_imag"]
     size = real.copy(data=np.hypot(real.values, imag.values)).rename(f"{stem}_magnitude")
     return annotate(size.to_dataset())[f"{stem}_magnitude"]
@@ -369,9 +370,7 @@ def unsteadiness(response: Mapping[str, float]) -> str:
 
 
 def undamped(frequency: FloatArray, natural: FloatArray, participation: FloatArray) -> FloatArray:
-    """Magnitude of the transmissibility of undamped modes: |1 + sum of p f^2 / (f_n^2 - f^2)| at frequency f.
-
-    p is the participation and f_n the natural frequency of a mode.
+    """Magnitude |T| for undamped modes with frequencies f_n and participations p: |1 + sum of p f^2 / (f_n^2 - f^2)|.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ element size."""
 
 
 def levels(values: FloatArray, tolerance: float | None = None) -> tuple[FloatArray, IntArray]:
-    """Group values; in ascending order, consecutive values of a group differ by at most a tolerance.
+    """Group values: neighbours in ascending order belong to the same group if they differ by at most a tolerance.
 
     Parameters
     ----------

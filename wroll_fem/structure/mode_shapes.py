@@ -73,7 +73,11 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
 
 
 def _ring_content(nodes: FloatArray, u: FloatArray, highest: int) -> FloatArray:
-    """(highest + 1, 3) mean square displacement of nodes (n, 3) on one cylinder, by wave number and component."""
+    """Mean square displacement of the nodes of one cylinder, for wave numbers 0 to highest (rows) and three components.
+
+    ``nodes`` and ``u`` are the positions and displacements (n, 3) of the nodes. The result (highest + 1, 3) has the
+    columns hoop, axial, radial.
+    """
     x, y, z = nodes.T
     theta = np.arctan2(y, x)
     cos, sin = np.cos(theta), np.sin(theta)
@@ -179,7 +183,7 @@ def are_degenerate(frequencies_hz: FloatArray, k: int) -> bool:
 def align_pairs(
     frequencies_hz: FloatArray, vectors: FloatArray, mass: sp.spmatrix, influence: FloatArray
 ) -> FloatArray:
-    """Rotate the modes of each degenerate pair so that only the first one participates in a base motion along x.
+    """Rotate the modes of each degenerate pair so that a base motion along x excites only the first mode of the pair.
 
     The bending modes of an axisymmetric roll form pairs whose directions are arbitrary; after the rotation the first
     bends along x and the second along y. Pairs without effective mass are not changed. A single mode of a pair at the

@@ -1,9 +1,9 @@
 r"""Double shear test of two preloaded stacks of layers (thesis, appendix E.3).
 
 Two equal stacks lie between fixed pistons and a platen, which a machine pulls through a spring (load cell and frame).
-The pistons apply the normal force F_N. Each of the n - 1 loose layers of a stack has two faces, connected by its shear
-stiffness G_l A/h. Adjacent faces are connected by one contact point with penalty Coulomb friction. The n interfaces are
-in series,
+The pistons apply the normal force F_N. Platen and pistons are covered with the same film that the layers are made of,
+so a stack of n - 1 layers has n interfaces. Each layer has two faces, connected by its shear stiffness G_l A/h.
+Adjacent faces are connected by one contact point with penalty Coulomb friction. The n interfaces are in series,
 
 .. math:: K = 2 \Big(\frac{n}{k_t A} + \frac{n - 1}{G_l A/h}\Big)^{-1}, \qquad k_t = \frac{\mu p}{\gamma^*}, \qquad
           p = F_N/A
@@ -29,8 +29,8 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 EDGE = 0.05
-"""Relative increase of the friction limit at all interfaces except those at the platen. Their stick stiffness is not
-changed."""
+"""Relative increase of the friction limit at all interfaces except those at the platen. The stick stiffness is the same
+at all interfaces."""
 NORMAL = 1.0e11
 """Normal penalty, Pa/m; it does not affect the results, because the normal force is prescribed."""
 ELASTIC = 0.8
@@ -44,8 +44,8 @@ class ShearTest:
     Attributes
     ----------
     interfaces
-        Number n of frictional interfaces in one stack: one more than its loose layers, because platen and piston are
-        covered with the same film.
+        Number n of frictional interfaces in one stack: one more than its layers, because platen and piston are covered
+        with the same film.
     normal_force
         Normal force F_N of one piston, N.
     mu, elastic_slip
@@ -82,12 +82,12 @@ class ShearTest:
 
     @property
     def layers(self) -> int:
-        """Number of loose layers in one stack."""
+        """Number of layers in one stack, not counting the films that cover platen and piston."""
         return self.interfaces - 1
 
     @property
     def thickness(self) -> float:
-        """Thickness t of one stack, m: its loose layers and half of each of the two films at its ends."""
+        """Thickness t of a stack, m: all layers, half of the film on the platen and half of the film on the piston."""
         return self.interfaces * self.layer_thickness
 
     @property
@@ -106,7 +106,7 @@ class ShearTest:
         """Discrete model of the test, as a `System`.
 
         Its unknowns are the shear displacement of the platen and, for each stack from the platen outwards, the shear
-        displacements of the two faces of each loose layer and the normal displacements of each layer and of the piston,
+        displacements of the two faces of each layer and the normal displacements of each layer and of the piston,
         positive towards the platen.
         """
         faces, bodies = 2 * self.layers, self.layers + 1

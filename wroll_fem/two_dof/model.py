@@ -56,7 +56,7 @@ def regularised_sign(x: npt.ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True)
 class PreloadedTwoMasses:
-    """Parameters of the two masses at one friction capacity, with equations 5.6 and 5.7 applied.
+    """Parameters of the two masses at one friction capacity, on which m1, m2 and k2 may depend (equations 5.6 and 5.7).
 
     Attributes
     ----------

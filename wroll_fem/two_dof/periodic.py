@@ -39,11 +39,11 @@ HARMONICS = (7, 15, 31, 63, 127, 255, 511, 1023)
 ACCURACY = 1e-5
 """Relative change of the amplitude, between two successive entries of `HARMONICS`, below which it has converged."""
 NEGLIGIBLE = 1e-2
-"""Size of the last two harmonics of the relative velocity, divided by the largest harmonic and by `accuracy`, below
-which the motion has converged."""
+"""Factor on `accuracy`. A motion has converged if the last two harmonics of the relative velocity, divided by its
+largest harmonic, are smaller than this product."""
 MORE_THAN_ENOUGH = 1e-13
-"""Size of the last two harmonics, relative to the largest, below which half the number of harmonics suffices (rounding
-level)."""
+"""Rounding level. If the last two harmonics of the relative velocity, divided by its largest harmonic, do not exceed
+it, the next motion is first tried with half the number of harmonics."""
 CONTROL = StepControl(tolerance=1e-9)
 """Settings of Newton's method."""
 LEAST_SLOPE = 1e-6
@@ -96,7 +96,7 @@ class _LineContact(HarmonicContact):
 
 
 class _BaseDisplacementBalance(HarmonicBalance):
-    """Harmonic balance under a base displacement; fixed ground may support the secondary (thesis, Fig. 5.1b)."""
+    """Harmonic balance under a base displacement. The secondary may be mounted on fixed ground (thesis, Fig. 5.1b)."""
 
     def __init__(self, contact: HarmonicContact, preloaded: PreloadedTwoMasses, omega: float, shapes: FloatArray):
         super().__init__(contact, preloaded.base_amplitude * omega**2)
@@ -104,9 +104,10 @@ class _BaseDisplacementBalance(HarmonicBalance):
         self._wall = -preloaded.k2 * wall, preloaded.c2 * omega * wall
 
     def load(self) -> FloatArray:
-        """(R, m) external force due to the base displacement y = -Y_0 cos(wt), whose acceleration is A cos(wt).
+        """Fourier coefficients (R, m) of the external force due to the base displacement y = -Y_0 cos(wt).
 
-        R is the number of Fourier coefficients, m the number of reduced coordinates.
+        R is the number of Fourier coefficients, m the number of reduced coordinates. The acceleration of the base is
+        A cos(wt).
         """
         out = super().load()
         out[1] += self._wall[0]
@@ -121,8 +122,9 @@ def _sampling(harmonics: int) -> Sampling:
 
 @cache
 def _half_period(size: int, count: int) -> tuple[FloatArray, FloatArray]:
-    """(count, size) values of the odd harmonics at phases of half a period, and derivatives with respect to the phase.
+    """Cosines and sines of odd order at phases of half a period, and their phase derivatives; both (count, size).
 
+    The rows are ``count`` phases, the columns ``size`` Fourier coefficients: constant, cos 1, sin 1, cos 3, sin 3, ...
     Column 0, for the constant, is zero: the second half period is the first one with the opposite sign.
     """
     phase = np.pi * np.arange(count) / count
@@ -179,7 +181,7 @@ class PeriodicMotion:
 
     @cached_property
     def absolute(self) -> FloatArray:
-        """(R, 2) Fourier coefficients of x_1 and x_2, m, in the order of `relative`."""
+        """(R, 2) Fourier coefficients of the absolute displacements x_1 and x_2, m, in the order of `relative`."""
         out = self.relative.copy()
         out[1] -= self.preloaded.base_amplitude
         return out
@@ -271,8 +273,8 @@ class PeriodicSolver:
             found, guess = motion, motion.reduced
         assert found is not None
         raise ConvergenceError(
-            f"up to order {HARMONICS[-1]}, harmonics do not resolve the motion at omega = {omega:.6g} rad/s, capacity "
-            f"{self.preloaded.capacity:g} N",
+            f"harmonics do not resolve the motion at omega = {omega:.6g} rad/s, capacity {self.preloaded.capacity:g} N "
+            f"(highest order tried: {HARMONICS[-1]})",
             time_s=None, iterations=0, residual_history=[_tail(found)],
             advice="reduce two_dof.smoothing",
         )  # fmt: skip

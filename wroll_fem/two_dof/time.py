@@ -221,7 +221,9 @@ def _largest(
 
 
 def peak_of_path(preloaded: PreloadedTwoMasses, omega: float, times: FloatArray, path: FloatArray) -> float:
-    """Largest abs(x_1) of a motion divided by Y_0, from the parabola that x, v and a of the largest sample define.
+    """Largest abs(x_1) divided by Y_0, interpolated by a parabola at the largest sample.
+
+    The parabola has the displacement, velocity and acceleration of this sample.
 
     Parameters
     ----------

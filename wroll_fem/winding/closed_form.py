@@ -75,9 +75,9 @@ def pressure(
 def pressure_of_wraps(
     radius: FloatArray, inner: float, thickness: float, tension: FloatArray, *, ratio: float, core: float
 ) -> FloatArray:
-    """Pressure in a roll of finite wraps: sum of `increment` times the pressure T h/r of each wrap farther out.
+    """Pressure in a roll of wraps of finite thickness: sum of `increment` times T h/r over all wraps farther out.
 
-    T is the tension stress of the wrap, h its thickness and r its inner radius.
+    T h/r is the pressure that a wrap exerts: T is its tension stress, h its thickness and r its inner radius.
 
     Parameters
     ----------

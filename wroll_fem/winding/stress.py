@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 _BLOCKS, _ZONES = (4, 32), (128, 1024)
-"""Arguments ``blocks`` and ``zones`` of `kernels.lay_wraps`; the relative error of the pressure due to them is below
-4e-5."""
+"""Numbers of wraps, passed to `kernels.lay_wraps` as ``blocks`` and ``zones``. With them, nodes far below the surface
+are updated less often; the resulting relative error of the pressure is below 4e-5."""
 
 _MANY = 4000
 """Number of wraps above which all values of `_BLOCKS` are doubled; the relative error of the pressure due to `_BLOCKS`
@@ -101,7 +101,7 @@ class WoundRoll:
         return np.interp(radius, self.radius, self.pressure, right=0.0)
 
     def capacity_at(self, radius: FloatArray) -> FloatArray:
-        """(k,) friction capacity, Pa, at radii (k,), m: 0 beyond the last wrap; below the first, its value.
+        """(k,) friction capacity, Pa, at radii (k,), m: mu times the pressure of `pressure_at`.
 
         Raises
         ------
@@ -183,7 +183,7 @@ def _grown(section: Winding, cells: int, core: float, modulus: RadialModulus) ->
 
 
 def _under_wraps(section: Winding) -> tuple[FloatArray, FloatArray]:
-    """(wraps + 1,) inner radius of each wrap and radius of the free surface, m, and the tension stress there, Pa."""
+    """(wraps + 1,) inner radii of the wraps and radius of the free surface, m; tension stress at these radii, Pa."""
     radius = section.core.outer_radius + section.wrap_thickness * np.arange(section.wraps + 1)
     return radius, tension_stress(section, radius)
 

@@ -130,7 +130,7 @@ def noise_level(magnitude: FloatArray) -> float:
 def scatter(
     magnitude: FloatArray, read: Callable[[FloatArray], tuple[float, float] | None], draws: int, seed: int
 ) -> tuple[float, float]:
-    """Standard deviations of f_n and zeta, from copies of a curve with added white noise, scaled to its noise level.
+    """Standard deviations of f_n and zeta, from copies of a curve with added white noise of the curve's own level.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def _fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float, centre: C
 
 
 def _held_fit(curve: PchipInterpolator, f_pk: float, peak: float, d: float) -> Bell:
-    """Best fit of a bell centred at the peak, with the half-power value of the peak at both ends of the window."""
+    """Best fit of a bell that is centred at the peak and equals T_pk / sqrt 2 at both ends of the window."""
     values = curve(f_pk + d * _GRID) / peak
 
     def square(q: float) -> float:  # q = (d / c)^2
@@ -159,7 +159,7 @@ def gaussian_fit(
     if centre not in ("peak", "free") or window not in ("objective", "narrowest"):
         raise InputError(
             f"unknown centre {centre!r} or window {window!r}",
-            remedy="use the centre peak or free, and the window objective or narrowest",
+            remedy="use centre 'peak' or 'free', and window 'objective' or 'narrowest'",
         )
     if reach is not None and not (reach > 0.0 and centre == "peak" and window == "objective"):
         raise InputError(

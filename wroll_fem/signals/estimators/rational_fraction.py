@@ -202,7 +202,7 @@ def _split(values: ComplexArray) -> FloatArray:
 
 
 def _model(q: FloatArray, s: ComplexArray, count: int) -> ComplexArray:
-    """(n,) transmissibility at ``s`` for the parameters q of the fit.
+    """(n,) fitted transmissibility at the n points s = i f / f_ref, for the fit parameters q.
 
     q contains Re p and Im p of all poles p, Re R and Im R of the residue R of each mode, and the coefficients d and e
     of the residual term (docstring of the module).
@@ -222,7 +222,7 @@ def _jacobian(q: FloatArray, s: ComplexArray, count: int) -> FloatArray:
 
 
 def _magnitude_fit(f: FloatArray, magnitude: FloatArray, f_pk: float, zeta: float) -> DampingEstimate:
-    """Fit of one mode to |T|. To first order the residual (|T|^2 - fitted |T|^2) / (2 |T|) is the residual of |T|."""
+    """Fit of one mode to |T|. The residual (fitted |T|^2 - |T|^2) / (2 |T|) is, to first order, fitted |T| - |T|."""
     if f.size < 3 * 5:
         return no_estimate(METHOD, f"{f.size} points around the peak are too few", f_pk)
     x, peak = (f / f_pk) ** 2, float(magnitude.max())
