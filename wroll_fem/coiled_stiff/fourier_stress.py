@@ -18,7 +18,7 @@ from wroll_fem.structure.probe import Probe
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2
-"""Number of Gauss points per direction in each cell of the unrefined mesh; the same in the three-dimensional model."""
+"""Number of Gauss points per direction in each cell of the unrefined mesh, as in the three-dimensional model."""
 
 
 def shear_modes(
@@ -31,7 +31,7 @@ def shear_modes(
     circumferential: int,
     probes: Mapping[str, tuple[Probe, float]] | None = None,
 ) -> ShearModes:
-    """Modes that the base motion excites, among the lowest modes of a roll, with their shear stress in the coil.
+    """Compute those of the lowest modes of a roll that the base motion excites, and their shear stress in the coil.
 
     A lateral base motion excites only modes of circumferential wave number 1. In each degenerate pair it excites only
     the mode along the excitation. All other modes are omitted.

@@ -14,8 +14,8 @@ from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, Sym
 from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
-"""Lowest interlayer shear modulus of the search, Pa. The search returns it if bending is the fundamental mode even
-there."""
+"""Lowest interlayer shear modulus of the search, Pa. If bending is still the fundamental mode at this modulus, the
+search returns this modulus."""
 
 _TOLERANCE = 1e-8  # absolute tolerance of ln G
 _REACH = 2.5  # length of the first interval per gap at its start; with the slope 1/2 the zero is at 2

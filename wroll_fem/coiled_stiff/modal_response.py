@@ -27,8 +27,9 @@ from wroll_fem.typing import ComplexArray, FloatArray
 STEADY_CHANGE = 1e-4
 """Change of the tip motion per cycle, relative to its amplitude, below which the motion counts as steady.
 
-With the lowest natural frequency w_1, the transient decays at least as fast as e^(-zeta w_1 t), so at resonance the
-remaining change is about STEADY_CHANGE / (2 pi zeta): 0.08 % of the amplitude at zeta = 2 %.
+The transient decays at least as fast as e^(-zeta w_1 t), where w_1 is the lowest natural frequency. If the excitation
+frequency is w_1, all later cycles together change the motion by about STEADY_CHANGE / (2 pi zeta), relative to its
+amplitude: by 0.08 % at zeta = 2 %.
 """
 
 SAMPLES_PER_CYCLE = 64

@@ -18,7 +18,7 @@ from wroll_fem.typing import ComplexArray, FloatArray
 
 
 class ShearPerG(NamedTuple):
-    """Steady-state shear stress in the coil under a base acceleration of 1 g (0-peak), (n_points,) each, Pa.
+    """Steady-state shear stress in the coil, Pa, under a base acceleration of 1 g (0-peak); arrays (n_points,).
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class ShearPerG(NamedTuple):
 
 
 def cycle_maximum(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Largest magnitude, during a cycle, of the vector with components Im(first e^(i W t)) and Im(second e^(i W t)).
+    """Largest magnitude during a cycle of the vector (Im(``first`` e^(i W t)), Im(``second`` e^(i W t))).
 
     The vector describes an ellipse. Its squared magnitude is a constant plus a cosine of 2 W t, with the maximum
     (|first|^2 + |second|^2 + |first^2 + second^2|) / 2, the square of the major semi-axis.

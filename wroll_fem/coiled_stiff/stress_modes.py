@@ -1,4 +1,4 @@
-"""Data of modes and of the modal shear stress between the wraps of a solid coil, the same for all finite elements."""
+"""Modes of a roll and their shear stress between the wraps of a solid coil: one data class for all finite elements."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ def stack_laws(
 
 
 def _padded(rows: Sequence[Sequence[Sequence[float]]]) -> FloatArray:
-    """(n, c, L) array from n rows of at most c sequences of at most L numbers.
+    """Put n rows into one array (n, c, L). A row contains at most c sequences, a sequence at most L numbers.
 
     Missing sequences become 0. Short sequences repeat their last number.
     """
@@ -190,10 +190,12 @@ def _choose(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyp
 
 
 slip_update = _by_kind(_compiled("slip_update"))
-"""Traction divided by the stick stiffness, e (hoop, axial), m, at point ``k``, and whether the point slides.
+"""Friction law of a point: e (hoop, axial), m, and whether the point slides. e is the tangential traction divided by
+the stick stiffness.
 
-Arguments: index k; trial slip (hoop, axial), m, the sum of the committed elastic slip and the increment; increment of
-the relative displacement (hoop, axial), m; `PointLaws`; size of the time step, s (infinite in statics).
+Arguments: index k of the point; trial slip (hoop, axial), m; increment of the relative displacement (hoop, axial), m;
+`PointLaws`; size of the time step, s (infinite in statics). The trial slip is the committed elastic slip plus the
+increment.
 """
 
 slip_derivatives = _by_kind(_compiled("slip_derivatives"))

@@ -133,7 +133,7 @@ def pressure(tn):
 
 @numba.njit(cache=True, inline="always")
 def squared_penalty(tn, separates):
-    """Square of the normal traction ``tn`` in the penalty energy, Pa^2.
+    """Square of the normal traction ``tn``, Pa^2, for the penalty energy tn^2 / (2 kn) per area.
 
     It is 0 for a release traction, because a release traction stores no energy.
     """
@@ -155,7 +155,11 @@ def stick_stiffness(k, p, laws):
 
 @numba.njit(cache=True, inline="always")
 def correction(t, t_0, spring, change):
-    """Traction correction, Pa: traction ``t`` minus the traction ``t_0 + spring change`` of the stuck interface."""
+    """Traction correction, Pa: traction ``t`` minus the linear traction ``t_0 + spring * change`` of a stuck interface.
+
+    ``t_0`` is the traction at the preload, Pa, ``spring`` the reference contact stiffness, Pa/m, and ``change`` the
+    relative displacement minus its value at the preload, m.
+    """
     return t - t_0 - spring * change
 
 

@@ -36,8 +36,8 @@ class PointwiseFriction:
         inside = self.index.ndim == 1 and np.all((self.index >= 0) & (self.index < len(self.laws)))
         if not self.laws or not inside:
             raise InputError(
-                f"the array of friction law indices, of shape {self.index.shape}, is not one-dimensional, or an index "
-                f"does not refer to one of the {len(self.laws)} laws",
+                f"the friction law indices must form a one-dimensional array and refer to the {len(self.laws)} given "
+                f"laws; the array has the shape {self.index.shape}",
                 key="contact.friction",
                 remedy="give one index for each contact point, counted from 0",
             )

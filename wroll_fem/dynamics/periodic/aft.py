@@ -37,8 +37,8 @@ PERIODIC = 1e-8
 """Change of the elastic slip during a period, relative to gamma*, below which the hysteresis counts as periodic."""
 
 MAX_PERIODS = 8
-"""Largest number of periods computed to reach a periodic hysteresis. Just above the friction limit, slip in both
-tangential directions approaches its periodic path very slowly."""
+"""Largest number of whole periods computed after the ramp until the hysteresis is periodic. Just above the friction
+limit, slip in both tangential directions approaches its periodic path very slowly."""
 
 PRESSURE_CHANGE = 0.02
 """Change of the pressure, relative to the preload pressure, below which a sticking point is omitted from the Jacobian
@@ -115,7 +115,10 @@ class Sampling:
 
 @dataclass(frozen=True)
 class PeriodicContact:
-    """Motion, hysteresis and traction corrections at the n evaluated contact points during one period.
+    """Motion, elastic slip and traction during one period, at the n contact points where the laws are evaluated.
+
+    The traction t is stored as the traction correction s: t minus the linear traction t_0 + D_0 (g - g_0). g is the
+    relative displacement, D_0 the reference contact stiffness, and the index 0 denotes the preload state.
 
     Attributes
     ----------
@@ -141,9 +144,11 @@ class PeriodicContact:
 
 
 class HarmonicContact:
-    """Contact forces of a reduced model under periodic motion; arrays refer to the n evaluated contact points.
+    """Contact forces of a reduced model under periodic motion.
 
-    An array (R, m) contains R Fourier coefficients for each of the m reduced coordinates q.
+    The laws are evaluated at n contact points: at all points or, with half-period symmetry, at one of each pair of
+    symmetric points. Arrays refer to these evaluated points. An array (R, m) contains R Fourier coefficients for each
+    of the m reduced coordinates q.
 
     Attributes
     ----------
@@ -276,9 +281,9 @@ class HarmonicContact:
     def point_blocks(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
     ) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        """Derivatives of the traction correction s at the points that slide or open, or whose pressure varies.
+        """Derivatives of s (see `PeriodicContact`) at the points that slide or open, or whose pressure varies.
 
-        A pressure counts as varying if its relative change exceeds ``threshold``.
+        A pressure counts as varying if its largest change, relative to the preload pressure, exceeds ``threshold``.
 
         Returns
         -------

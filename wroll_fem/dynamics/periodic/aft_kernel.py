@@ -172,7 +172,7 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
 
 @numba.njit(cache=True)
 def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_frequency):
-    """Derivatives of the Fourier coefficients of the traction correction s with respect to those of the motion.
+    """Derivatives of Fourier coefficients, ds/dg. s: traction minus the traction of the stuck interface; g: motion.
 
     They are exact and include the dependence of s on the slip history (s: see `correction`).
 

@@ -34,17 +34,18 @@ from wroll_fem.typing import FloatArray
 LENGTH = 10.0
 """Scaled curve parameter at the largest amplitude; it is 0 at the smallest amplitude."""
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
-"""Relative change of the frequency, and damping ratio, that correspond to 1 in the scaled unknowns."""
+"""Units of two scaled unknowns: change of the frequency relative to the natural frequency, and damping ratio."""
 
 BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
-"""Step control along a backbone. A smooth backbone has about 80 points; the largest number of points stops a curve that
-passes from one internal resonance to the next without end."""
+"""Step control along a backbone. A smooth backbone has about 80 points. The limit ``max_points`` stops a curve that
+would pass from one internal resonance to the next without end."""
 
 LARGEST_STRAY = 0.5
-"""Largest norm of the mean displacement, and largest norm of the higher harmonics, relative to the norm of the motion.
-Beyond either limit the motion no longer belongs to the mode. The mean displacement counts only if it stores more energy
-than the preloaded contact can hold: contact points that the preload leaves at the slip limit slip once, by about the
-amplitude, and stick from then on."""
+"""Limit for the norm of the mean displacement and for the norm of the higher harmonics, each relative to the norm of
+the motion. If either norm exceeds the limit, the motion no longer belongs to the mode. A mean displacement is ignored
+if its energy does not exceed the energy stored in the contact when every point is about to slip. Such a mean
+displacement remains after points that the preload leaves at the slip limit slip once, by about the amplitude, and then
+stick."""
 
 NEAR_END = float(np.log(0.95))
 """Logarithm of 0.95. A backbone that cannot be followed to its end is cut at 0.95 times the largest amplitude
@@ -151,7 +152,8 @@ class ModalMotion:
     def strays(self, z: FloatArray) -> tuple[float, float]:
         """Norms of the mean displacement and of the higher harmonics, each divided by the norm of the motion.
 
-        The first is zero for a mean displacement that the preloaded contact can hold.
+        The first is zero if the energy of the mean displacement does not exceed the energy stored in the contact when
+        every point is about to slip.
         """
         y = np.zeros(self.shape)
         y.ravel()[self.active] = z[:-3]

@@ -36,8 +36,8 @@ START_MODES = 12
 SLIP_LEVELS = (1.2, 1.6, 2.5, 5.0, 12.0, 40.0)
 """Amplitudes of the motions imposed for the first basis: largest relative displacement divided by gamma*."""
 IMPOSED = 3e-3
-"""Energy norm of a principal shape of the corrections of the imposed motions, relative to the motion. Below this limit
-the shape is not added to the first basis."""
+"""Energy norm below which a principal shape is not added to the first basis. The shapes represent the corrections of
+the imposed motions; each correction is divided by the energy norm of its motion."""
 
 
 def first_model(

@@ -25,9 +25,9 @@ NEAR_RESONANCE = 0.02
 frequency of the harmonic. Smaller magnitudes are raised to this limit."""
 
 KRYLOV, KRYLOV_TOLERANCE, ROUGH_TOLERANCE = 150, 1e-5, 1e-4
-"""Largest number of GMRES iterations, relative residual for an error estimate, and relative residual for shapes that
-only enrich a basis. Near a resonance the solution is less accurate: with a relative residual of 1e-3, the error
-estimate could not fall below 1e-3."""
+"""Limits of GMRES: largest number of iterations, relative residual for an error estimate, and relative residual for
+shapes that only enrich a basis. Near a resonance the solution is less accurate: with a relative residual of 1e-3, an
+error estimate could not fall below 1e-3 there."""
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ SLIP_SHARE = 1e-9
 
 
 LEAST_LOSS = 6e-4
-"""Least dissipation per cycle, divided by the peak kinetic energy, that energy errors are related to: 4 pi zeta at a
-damping ratio of 5e-5."""
+"""Lower limit of the work per cycle by which energy errors are divided, relative to the peak kinetic energy. It is
+about 4 pi zeta for the damping ratio zeta = 5e-5."""
 
 
 class PeriodicMotion:

@@ -21,7 +21,7 @@ from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.typing import FloatArray
 
 FEWEST_POINTS = 5
-"""Smallest number of points of a backbone that ends before its largest amplitude."""
+"""Smallest accepted number of points of a backbone that ends below the requested largest amplitude."""
 
 BACKBONE_POINTS = 15
 """Number of points of a backbone at which the full model is evaluated to check the basis."""

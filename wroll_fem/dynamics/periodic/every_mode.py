@@ -21,7 +21,7 @@ from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Group:
-    """Circumferential blocks whose modes have the same harmonics.
+    """Circumferential blocks of modes whose nonzero Fourier coefficients belong to the same harmonics.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Group:
     jump: FloatArray
 
     def of_modes(self, values: FloatArray, *, fill: float = 0.0) -> FloatArray:
-        """Entries of an array (r, ...) for the modes of the group; shape (b, d, ...), padded with ``fill``.
+        """(b, d, ...) values for the modes of the group, from ``values`` (r, ...) of all r modes; padding is ``fill``.
 
         The group has b circumferential blocks of at most d modes.
         """
