@@ -83,9 +83,9 @@ class HalfPeriod:
         return odd, vectors - odd
 
     def spread(self, coefficients: FloatArray, orders: FloatArray) -> FloatArray:
-        """(3 n, R) Fourier coefficients of a traction or relative displacement at all n contact points.
+        """(3 n, R) Fourier coefficients at all n contact points, by symmetry from those at the evaluated points.
 
-        ``coefficients`` (3 k, R) belong to the k evaluated points; the other points follow from the symmetry.
+        ``coefficients`` (3 k, R) are those of a traction or relative displacement at the k evaluated points.
 
         ``orders`` (R,) is the harmonic number of each coefficient. At a point that is its own mirror image only the
         symmetric part is kept; the rest is residual traction from the start of the motion.

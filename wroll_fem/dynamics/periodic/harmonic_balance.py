@@ -29,8 +29,8 @@ from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
 
 BAND_SCALE = 3.0
-"""Length that the whole frequency band adds to the arc length of a response curve. For comparison: the resonance circle
-of a response adds about pi."""
+"""Length of the frequency band in scaled unknowns. It sets the weight of the frequency in the arc length of a curve. In
+the same scale, the Nyquist circle of a resonance with 1 % damping has a circumference of about 2 pi."""
 
 
 LARGEST_GROWTH = 500.0
@@ -39,7 +39,7 @@ material damping of any web."""
 
 
 LARGEST_OVERTONES = 0.5
-"""Share of the higher harmonics in the energy norm, above which a motion counts as an internal resonance."""
+"""Energy norm of the higher harmonics, relative to the whole motion, above which an internal resonance is assumed."""
 
 
 class HarmonicBalance:
@@ -104,7 +104,7 @@ class HarmonicBalance:
         return matrix, by_frequency.ravel()[active]
 
     def cycle_work(self, coefficients: FloatArray, frequency: float) -> CycleWork:
-        """Work done during one period, J.
+        """Work of the base excitation, the interfaces and the dashpots during one period, J.
 
         The identity input = interface + viscous holds as exactly as the harmonic balance itself.
         """
@@ -134,7 +134,7 @@ class HarmonicBalance:
 
 @dataclass(frozen=True)
 class CycleWork:
-    """Work done during one period, J.
+    """Work of the base excitation, the interfaces and the dashpots during one period, J.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class FrequencyCurve:
         return np.append(y, (frequency - self.band[0]) / self.per_unit)
 
     def unpacked(self, y: FloatArray) -> FloatArray:
-        """(R, m) Fourier coefficients divided by ``size``, from scaled unknowns (n,)."""
+        """(R, m) Fourier coefficients, divided by the reference energy norm ``size``, from scaled unknowns (n,)."""
         out = np.zeros(self.shape)
         out.ravel()[self.active] = y
         return out / self.root

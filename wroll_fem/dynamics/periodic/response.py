@@ -30,8 +30,8 @@ STEPS_BEYOND = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 4e-2)
 """Frequency steps, relative to the width of the band, that are tried in turn to step over an internal resonance."""
 
 STEEP = 0.4
-"""Smallest transmissibility at the edges of a gap, relative to `LARGEST_GROWTH`. The middle of such a gap is the
-resonance frequency to within 0.5 %."""
+"""Transmissibility, relative to `LARGEST_GROWTH`, that both edges of a gap in a response curve must exceed. The middle
+of the gap is then the resonance frequency to within 0.5 %."""
 
 LARGEST_JUMP = 0.5
 """Largest relative change of the motion that is accepted when an internal resonance is stepped over."""
@@ -102,9 +102,9 @@ class HarmonicCurve:
         return self
 
     def with_gap(self, low: float, high: float) -> HarmonicCurve | None:
-        """Curve with a gap between two frequencies (rad/s); None if the response at the edges of the gap is too small.
+        """Curve without the points between ``low`` and ``high``, rad/s; None if the response there is too small.
 
-        The middle of the gap is used as the resonance frequency, which requires steep edges (`STEEP`).
+        The middle of this gap is used as the resonance frequency, which requires steep edges (`STEEP`).
         """
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
         part = replace(self.take(kept.tolist()), gap=(low, high))
@@ -139,7 +139,7 @@ class HarmonicCurve:
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
 
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:
-        """Curve of the same motions with the number of harmonics of ``contact``; the added harmonics are zero."""
+        """Curve of the same motions with at least as many harmonics as ``contact``; those added have zero amplitude."""
         more = contact.sampling.size - self.coefficients.shape[1]
         if more <= 0:
             return self
@@ -162,7 +162,7 @@ class HarmonicCurve:
         return self.problem.unpacked(self.tangents[k, :-1])
 
     def fundamental(self, row: FloatArray) -> np.ndarray:
-        """(p,) complex amplitude of the fundamental harmonic of ``row`` . q, a linear function of q.
+        """(p,) complex amplitude of the fundamental of the output ``row`` . q (q: reduced coordinates) at each point.
 
         The base acceleration is A cos(wt); its complex amplitude is A.
         """
@@ -170,7 +170,7 @@ class HarmonicCurve:
 
     @property
     def transmissibility(self) -> np.ndarray:
-        """(p,) complex: fundamental of the absolute tip acceleration divided by the base acceleration."""
+        """(p,) complex fundamental of the absolute tip acceleration, divided by the base acceleration."""
         tip = self.fundamental(self.balance.model.tip)
         return 1.0 - self.frequencies**2 * tip / self.balance.acceleration
 
@@ -289,10 +289,12 @@ def response_curve(
 def _beyond(
     problem: FrequencyCurve, points: list[CurvePoint], end: float, control: StepControl
 ) -> tuple[list[CurvePoint], FloatArray] | None:
-    """Points before an internal resonance and first solution (n + 1,) past it; None if no such solution is near.
+    """Part of the curve before an internal resonance, and a solution (n + 1,) beyond the resonance to continue from.
 
-    From the last motion before the resonance, frequencies past the resonance are tried. A solution is accepted if its
-    higher harmonics are small and it differs from that motion by less than `LARGEST_JUMP`.
+    Solutions are computed at frequencies increasingly far beyond the resonance (`STEPS_BEYOND`); the last point of this
+    part is the initial guess. The first solution is returned whose higher harmonics are small and that differs from the
+    guess by less than `LARGEST_JUMP`. None if there is no such solution, or if fewer than two points of the curve have
+    small higher harmonics.
     """
     forward = 1.0 if end > points[0].z[-1] else -1.0
     calm = [k for k, p in enumerate(points) if problem.overtones(p.z) <= 0.3 * LARGEST_OVERTONES]

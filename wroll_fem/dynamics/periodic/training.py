@@ -1,4 +1,4 @@
-r"""Training of a basis for periodic motions: it is enriched by corrections from the equations of the full model.
+r"""Training of a basis for periodic motions: it is enriched by corrections of these motions from the full model.
 
 A first curve is computed in a small basis with large steps and few harmonics. At some of its points the harmonic
 balance of the *whole* structure, with all modes, is evaluated (`correction`). The principal shapes of the corrected
@@ -38,14 +38,14 @@ COARSE = 2.5
 """Factor on the step lengths of the curve in the first, inaccurate basis."""
 
 POINT_ROUNDS, POINT_SHARE = 4, 0.5
-"""Largest number of enrichments at the points of one curve, and correction, relative to the tolerance, below which the
-enrichment at a point ends."""
+"""Largest number of enrichments at the points of one curve. The enrichment at a point ends earlier if the correction of
+its motion is at most `POINT_SHARE` times the tolerance."""
 
 FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
 """Two limits of the number of harmonics: in the first curve, and in the motions that the next basis is built from."""
 
 MOST_TRAINED = 25
-"""Largest number of points of a curve, besides the checked points, at which the basis is enriched."""
+"""Largest number of evenly spaced points of a curve, used in addition to the checked points to enrich the basis."""
 
 LINEAR = 0.5
 """Largest relative correction at which the corrected motion is more accurate than the uncorrected motion."""
@@ -67,11 +67,12 @@ LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
-"""Number of curves from which, and error relative to the tolerance above which, a curve is cut to its accurate part."""
+"""From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
+tolerance."""
 
 UNSURE, SURE_ROUNDS = 0.1, 5
-"""Relative correction of the motion beyond the end of a backbone, above which the end is not accepted because an
-insufficient basis may have caused it. From the given number of curves on, the end is accepted in any case."""
+"""Largest relative correction of the motions beyond the end of a backbone at which this end is accepted. If corrections
+are larger, an insufficient basis may have caused it. From curve number `SURE_ROUNDS` on, any end is accepted."""
 
 DOUBTFUL = 0.01
 """Largest error of a curve that is returned although it exceeds the tolerance; the analysis then warns. Above it the
@@ -79,7 +80,7 @@ training fails."""
 
 
 class Check(Protocol[Seen]):
-    """Function that computes corrections at points of a curve from the equations of the full model.
+    """Function that computes corrections of the motions at points of a curve from the equations of the full model.
 
     ``residual`` is the relative residual to which the linear equations of the corrections are solved.
     """
@@ -152,7 +153,7 @@ class Structure:
         )
 
     def with_harmonics(self, most: int) -> Structure:
-        """Copy with at most ``most`` harmonics."""
+        """The same structure, with motions of at most ``most`` harmonics."""
         s = self.sampling
         return self if s.harmonics <= most else replace(self, sampling=Sampling(most, s.samples, odd=s.odd))
 
@@ -186,7 +187,7 @@ def trained(
     again: Again[Curve],
     shortened: Callable[[Curve, Curve, list[bool]], Curve | None],
 ) -> Trained[Curve]:
-    """Response curve or backbone in a basis that is enriched until the corrections are below the tolerance.
+    """Response curve or backbone in a basis that is enriched until the corrections of its motions meet the tolerance.
 
     Parameters
     ----------
@@ -275,7 +276,7 @@ def _spread(count: int, most: int) -> set[int]:
 
 
 def _others(picked: list[int], used: set[int], count: int) -> list[int]:
-    """Indices ``picked`` of ``count`` points; an index already ``used`` is replaced by an unused neighbour if any."""
+    """Indices ``picked`` from ``count`` points; each one in ``used`` is replaced by an unused neighbour, if any."""
     free = [next((j for j in (k, k + 1, k - 1) if 0 <= j < count and j not in used), k) for k in picked]
     return sorted(set(free))
 
@@ -290,11 +291,12 @@ def _enriched(
     *,
     anew: bool,
 ) -> ReducedModel:
-    """Model in which the corrections ``found`` at ``points`` become small.
+    """Reduced model with a basis enriched until the motions at ``points`` need only small corrections.
 
-    The shapes of the corrections are added to the basis, and the motions are recomputed, until the corrections are
-    small. With ``anew``, a basis of the corrected motions first replaces the given one, and finally a basis of the
-    recomputed motions replaces the enriched one. Neither replacement is made if a point does not converge.
+    ``found`` are the corrections of these motions in the present basis. The shapes of large corrections are added to
+    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. With ``anew``, a basis of the corrected
+    motions first replaces the given one, and finally a basis of the recomputed motions replaces the enriched one.
+    Neither replacement is made if a point does not converge.
     """
     model, condensation, symmetry = points.balance.model, structure.condensation, structure.symmetry
     wanted, settled = len(points.frequencies), []
@@ -326,7 +328,7 @@ def _enriched(
 
 
 def _joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:
-    """Model whose basis also contains the shapes of the large corrections among ``found``.
+    """Reduced model whose basis is extended by the shapes of the large corrections in ``found``.
 
     A correction is large if its energy norm, relative to the motion, exceeds `POINT_SHARE` times the tolerance.
     """

@@ -23,7 +23,8 @@ DENSE_LIMIT = 2500
 """Largest number of DOFs of a structure without rotational symmetry for which all modes are kept."""
 
 LOW_MODES = 120
-"""Number of lowest modes in the projection basis of a larger structure without rotational symmetry."""
+"""Number of lowest modes in the projection basis of a structure without rotational symmetry that has more than
+`DENSE_LIMIT` DOFs."""
 
 NO_MOTION = 1e-10
 """Energy norm of the response to a load, relative to the largest such norm in the same circumferential block, below

@@ -1,4 +1,4 @@
-"""Circumferential blocks of a roll with rotational symmetry and interface springs; they are tested to be uncoupled."""
+"""Circumferential blocks of a roll with rotational symmetry and interface springs; a check that they are uncoupled."""
 
 from __future__ import annotations
 
@@ -90,9 +90,9 @@ def by_component(n: int) -> np.ndarray:
 
 
 def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) matrix that converts the jump at all points to amplitudes of ``profile`` in each row.
+    """(3 n_rows, 3 n_points) matrix that gives the jump amplitudes in each row of points from the jump at all points.
 
-    ``profile`` (3, n_theta) is the shape of the hoop, axial and normal components around a row.
+    The amplitudes multiply ``profile`` (3, n_theta), the shape of the hoop, axial and normal components around a row.
     """
     rows, n = len(area), area.size
     norm = area @ (profile**2).T

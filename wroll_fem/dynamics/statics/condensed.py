@@ -77,7 +77,7 @@ class _InterfaceProblem:
 
 
 class CondensedStatic:
-    """Static solver of one system on its interface unknowns; it is called like `solve_static` and returns the same."""
+    """Static solver of one system for its interface unknowns alone; a call does the same as `solve_static`."""
 
     @classmethod
     def of(cls, system: System, traction_scale: float) -> CondensedStatic | None:
@@ -186,7 +186,10 @@ class CondensedStatic:
         )
 
     def _rows(self, values: FloatArray) -> FloatArray:
-        """Contact components (tangential, or tangential and normal) at the first point of each circumferential row."""
+        """Entries of ``values`` at the first point of each circumferential row.
+
+        ``values`` contains the tangential components at all points, or these and then the normal components.
+        """
         rows, n_theta = self.blocks.area.shape
         n = rows * n_theta
         tangential, normal = values[: 2 * n], values[2 * n :]

@@ -56,7 +56,7 @@ def _law_content(law: FrictionLaw, start: str) -> dict[str, Any]:
 def read_laws(
     file: ArrayFile, number: int, friction: FrictionLaw | None, stiffness: float | None, separation: bool | None
 ) -> tuple[FrictionLaw | PointwiseFriction, NormalPenalty, bool]:
-    """Friction law and normal law of interface ``number``, and whether they differ from the laws in the file.
+    """Friction law and normal law to be used in interface ``number``, and whether they differ from those in the file.
 
     ``friction``, ``stiffness`` (Pa/m) and ``separation`` replace the values in the file.
 

@@ -102,7 +102,7 @@ def _scatter(amplitudes, profiles, out):
 
 @numba.njit(cache=True)
 def _residual(g_hat, interface, reference, contact, laws, dt, trial, amplitudes):
-    """Evaluate tractions and residual rho = g - g_hat + F s of the trial jump g; returns max |rho|, m.
+    """Evaluate the tractions at the trial jump g, and the residual rho = g - g_hat + F s; returns max |rho|, m.
 
     g_hat is the jump without traction correction s, F the interface compliance.
     """
@@ -168,7 +168,7 @@ def _active_dofs(tangent, springs, status, everything):
 
 @numba.njit(cache=True)
 def _factor(active, tangent, springs, compliance):
-    """Rows (m, 3) of Delta D and the inverse (m, m) of I + Delta D F, both for the m active contact degrees of freedom.
+    """Rows (m, 3) of the stiffness change Delta D, and inverse (m, m) of I + Delta D F, for m active contact DOFs.
 
     Delta D is the contact tangent minus the reference contact stiffness, F the interface compliance. The inverse is in
     single precision, which halves its cost: it only corrects residuals that are computed in double precision.
