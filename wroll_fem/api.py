@@ -108,7 +108,7 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
 
 
 def load_result(path: str | Path) -> xr.Dataset:
-    """Read results from a run folder or from a file of `save_result`.
+    """Read results from a run folder, or from a file written by `save_result`.
 
     Raises
     ------

@@ -132,7 +132,7 @@ def test_expect_returns_the_case_or_says_what_it_is() -> None:
     case = example_case()
     assert case.expect(OnRoll) is case
     assert case.expect(RollSections).geometry.length == 0.3
-    with pytest.raises(InputError, match=r"^analysis: analysis dwell gives a RollDwellCase, not a SweepCase"):
+    with pytest.raises(InputError, match=r"^analysis: a case of analysis dwell is a RollDwellCase, not a SweepCase"):
         case.expect(SweepCase)
 
 

@@ -125,7 +125,7 @@ def write_figures(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def _own(dataset: xr.Dataset, case: Case | None = None) -> tuple[xr.Dataset, Analysis]:
-    """Return the Dataset with all case data that its outputs need, and its analysis."""
+    """Return the Dataset with the case data that summary, fields and figures need, and the analysis of the Dataset."""
     from wroll_fem.analyses.shared.self_contained import completed, described
 
     dataset = completed(dataset) if case is None else described(dataset, case)

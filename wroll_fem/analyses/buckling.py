@@ -59,7 +59,8 @@ def run_buckling(case: BucklingCase, *, progress: Progress) -> xr.Dataset:
     if not len(factors):
         raise InputError(
             "destabilises no motion: the roll does not buckle at any multiple of it", key="preload",
-            remedy="use analysis: modal with preload.geometric_stiffness: true for its effect on frequencies",
+            remedy="for the effect of the preload on the natural frequencies, use analysis: modal with "
+            "preload.geometric_stiffness: true",
         )  # fmt: skip
     kinds = [classify_mode(roll.bodies, vector) for vector in vectors.T]
     dataset = xr.Dataset(

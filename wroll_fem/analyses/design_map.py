@@ -84,7 +84,7 @@ class _Models:
 
 
 def run_design_map(case: DesignMapCase, *, progress: Progress) -> xr.Dataset:
-    """Compute the frequency disparity of stiffest and softest coil for all mandrels, including the mandrel of the case.
+    """Compute the frequency disparity between stiffest and softest coil for the mandrels of the map and of the case.
 
     Returns
     -------

@@ -63,8 +63,9 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is approximated by a projection, with an error of about "
-            "1e-4 of the largest displacement"
+            "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
+            "no subspaces): the structure is approximated by its lowest modes and its responses to loads, with an "
+            "error of about 1e-4 of the largest displacement"
         )
     return condensation
 

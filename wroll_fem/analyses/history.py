@@ -151,8 +151,9 @@ def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) 
         progress.warning(detuned)
     if not condensation.exact:
         progress.warning(
-            "the mesh has no rotational symmetry: the interior is approximated by a projection, with an error of about "
-            "1e-4 of the largest displacement; use solver.method: full for the exact solution"
+            "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
+            "no subspaces): the structure is approximated by its lowest modes and its responses to loads, with an "
+            "error of about 1e-4 of the largest displacement; use solver.method: full for the exact solution"
         )
 
 

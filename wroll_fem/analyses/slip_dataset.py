@@ -49,7 +49,7 @@ def transient_dataset(
     frequency_hz: float | None,
     levels_g: list[float],
 ) -> xr.Dataset:
-    """Compute the response from rest at the highest level, and steady shear and slip at every level.
+    """Compute the response from rest at the highest excitation level, shear stress at 1 g, and slip at every level.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def _point_fields(modes: ShearModes, shear: ShearPerG, capacity: FloatArray, ons
 
 
 def _zone_fields(zones: list[SlipZone]) -> dict[str, Any]:
-    """Extent of the slip zone at every level."""
+    """Extent of the slip zone at every excitation level."""
     return {
         "slipping_volume_fraction": ("amplitude_g", [zone.volume_fraction for zone in zones]),
         "slip_zone_height": ("amplitude_g", [zone.height for zone in zones]),

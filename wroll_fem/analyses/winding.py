@@ -23,7 +23,7 @@ COARSE = 0.01
 
 
 def run_winding(case: WindingCase, *, progress: Progress) -> xr.Dataset:
-    """Compute pressure, capacity and hoop stress versus radius, on a refined grid and on the grid of the thesis.
+    """Compute pressure, friction capacity and hoop stress versus radius, on a refined grid and on the thesis grid.
 
     Returns
     -------

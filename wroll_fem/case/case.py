@@ -191,7 +191,7 @@ class Case(Section):
         return [f"{key} is now called {current_key(key)}; both names are accepted" for key in self._former]
 
     def resolved(self) -> dict[str, Any]:
-        """All values, with defaults, as plain types; only sections that were given or are in `ALWAYS_WRITTEN`."""
+        """All values, with defaults, as plain types, of the sections that were given or are in `ALWAYS_WRITTEN`."""
         left_out = set(type(self).model_fields) - self.model_fields_set - set(self.ALWAYS_WRITTEN)
         data = self.model_dump(mode="json", exclude=left_out)
         return {key: data[key] for key in SECTIONS if key in data}
@@ -234,7 +234,7 @@ class Case(Section):
         """
         if not isinstance(self, kind):
             raise InputError(
-                f"analysis {self.analysis} gives a {type(self).__name__}, not a {kind.__name__}", key="analysis"
+                f"a case of analysis {self.analysis} is a {type(self).__name__}, not a {kind.__name__}", key="analysis"
             )
         return self
 

@@ -89,8 +89,8 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     if contact is None and not bonded and not isinstance(case, ModalCase):
         raise InputError(
             "required section is missing", key="contact",
-            remedy=f"add it: analysis {case.analysis} includes contact between all shells (not with coil.model: "
-            "solid, which forms one body with the mandrel)",
+            remedy=f"add it: analysis {case.analysis} includes contact between all shells; a case with "
+            "coil.model: solid needs no section contact, because its coil is one body with the mandrel",
         )  # fmt: skip
     normal = Normal() if contact is None or bonded else contact.normal
     system = System.from_bodies(

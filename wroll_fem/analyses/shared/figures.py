@@ -38,7 +38,7 @@ def _save(stem: str, name: str, dataset: xr.Dataset, folder: Path, **options: An
 
 
 def _surfaces(dataset: xr.Dataset) -> list[int]:
-    """Indices of the interfaces whose points span a cylinder (not always so for a structure from a file)."""
+    """Indices of the interfaces that can be drawn as a map, because their points span a cylinder (`has_surface`)."""
     count = dataset.sizes["interface"] if "pressure" in dataset else 0
     return [number for number in range(count) if has_surface(dataset, number)]
 

@@ -90,7 +90,7 @@ def _pressures(system: System, state: ContactState) -> list[tuple[str, float, fl
 
 
 def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
-    """System of `structure.file`, with the contact laws of `contact` if the case has them, and its preload state.
+    """System of `structure.file` and its preload state; laws in the case section `contact` replace laws in the file.
 
     The state is None if it has to be computed. This is so if the file contains no state, or if `contact` changes a law
     and the file also contains the load.
@@ -137,8 +137,8 @@ def _check_pressing(system: System, file: str) -> None:
     if np.all(jump[2 * system.n_points :] >= 0.0):
         raise InputError(
             "the preload opens every contact point", key="load_preload", file=file,
-            remedy="reverse the sign of the load, or of the normal rows of the operators "
-            "(outer minus inner body, positive outwards)",
+            remedy="reverse the sign of the load, or of the normal rows of the interface operators "
+            "(a normal row is outer minus inner body, positive outwards)",
         )  # fmt: skip
 
 

@@ -21,8 +21,8 @@ COILS = ("solid", "bonded")
 """Coil models whose mesh is checked: elastic coils without friction, which semi-analytical elements can represent."""
 
 _FINE = {"axial": 24, "grading": 12.0, "radial": 3, "radial_grading": 10.0}
-"""Least numbers of cells and least gradings of the finer mesh. Its semi-analytical elements are cubic. It has
-additional cells at the clamp, at the tip and at the wall."""
+"""Keys of the section `mesh` -> their smallest values in the finer mesh. Its semi-analytical elements are cubic.
+`mesh.axisymmetric.refined_mesh` adds cells at the clamp, at the tip and at the inner surface of the coil."""
 
 _LOWEST = 8  # modes among which the one with the largest effective mass is the first bending mode
 _RIGID = 2  # most rigid motions of a symmetry class
@@ -65,7 +65,7 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
 
 
 def system_remark(case: OnRoll, system: System) -> str:
-    """`frequency_remark` for the first bending mode of a system without interfaces, before its motion is computed."""
+    """Warning of `frequency_remark` about the first bending mode of an assembled system; empty if it has interfaces."""
     if case.coil.model not in COILS or case.mesh.file is not None or system.interfaces:
         return ""
     from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
@@ -76,7 +76,10 @@ def system_remark(case: OnRoll, system: System) -> str:
 
 
 def fourier_remark(case: OnRoll) -> str:
-    """Warning if a mesh twice as fine changes the first bending frequency of Fourier elements; empty otherwise."""
+    """Warning if doubling `mesh.axial` and `mesh.radial` changes the first bending frequency by more than `TOLERANCE`.
+
+    Empty otherwise. Both meshes consist of semi-analytical (Fourier) elements.
+    """
     from wroll_fem.fem.fourier_modes import symmetry_class_modes
     from wroll_fem.fem.fourier_roll import BENDING, FourierRoll
 
@@ -90,7 +93,7 @@ def fourier_remark(case: OnRoll) -> str:
 
 
 def finer(roll: RollSections, least: Mapping[str, float]) -> RollSections:
-    """Case sections of a roll whose mesh has at least the given numbers of cells and gradings."""
+    """Case sections of a roll; each value in ``least`` is a lower limit for a key of the section `mesh`."""
     mesh = roll.mesh.model_copy(update={key: max(getattr(roll.mesh, key), value) for key, value in least.items()})
     return RollSections(geometry=roll.geometry, mandrel=roll.mandrel, coil=roll.coil, mesh=mesh)
 

@@ -45,10 +45,11 @@ the natural frequency of a mode and the frequency of the harmonic; least tip par
 main mode."""
 
 PERIOD_ERROR = 0.01
-"""Relative period error, of a mode near a harmonic of the excitation, above which a dwell warns."""
+"""Relative error of the period of a mode, due to the time step, above which `detuned_harmonic` warns."""
 
 USEFUL_FIT = 0.3
-"""Largest misfit of the oscillator fitted to a history; with a larger misfit, no time step error is estimated."""
+"""Largest root-mean-square misfit of the oscillator fitted to a history, relative to the displacement. With a larger
+misfit, no time step error is estimated."""
 
 
 def steps_per_cycle(case: SweepCase | DwellCase) -> int:
