@@ -1,4 +1,4 @@
-"""Slip of a solid coil from one set of modes, for many excitation levels, damping ratios, frequencies and windings."""
+"""Slip of a solid coil from one set of modes, for many levels, damping ratios, frequencies and winding tensions."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ def _columns(part: CylinderMesh) -> FloatArray | None:
 
 
 def _turn(part: CylinderMesh, theta: FloatArray) -> FloatArray:
-    """(n_cells, 9) angles of the nodes, rad, from the first vertex column; without a jump of 2 pi inside a cell."""
+    """(n_cells, 9) angles of the nodes, rad, measured from the angle ``theta[0]``; no cell has a jump of 2 pi."""
     x, y = part.nodes[part.cells, 0], part.nodes[part.cells, 1]
     middle = np.arctan2(y[:, 8], x[:, 8])[:, None]
     offset = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))

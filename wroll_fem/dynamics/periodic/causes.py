@@ -39,7 +39,7 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
 
 
 def opening(curve: HarmonicCurve | BackboneCurve) -> float:
-    """Share of contact points that open during the motion with the largest tip amplitude of a curve."""
+    """Share of contact points that open during the motion on a curve that has the largest tip amplitude."""
     contact = curve.balance.contact
     if not contact.n:
         return 0.0
@@ -64,7 +64,7 @@ def unheld(condensation: Condensation) -> bool:
 
 
 def with_cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) -> ConvergenceError:
-    """Error with the likely cause as its advice; the unchanged error if no cause is known."""
+    """Copy of the error whose ``advice`` states the likely cause; the error itself if no cause is known."""
     found = cause(error, condensation, laws)
     if not found:
         return error

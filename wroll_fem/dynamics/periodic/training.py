@@ -38,8 +38,8 @@ COARSE = 2.5
 """Factor on the step lengths of the curve in the first, inaccurate basis."""
 
 POINT_ROUNDS, POINT_SHARE = 4, 0.5
-"""Largest number of enrichments at the points of one curve. The enrichment at a point ends earlier if the correction of
-its motion is at most `POINT_SHARE` times the tolerance."""
+"""Largest number of times that the motion at a point of a curve is corrected and the basis enriched. A point is left
+earlier once its correction is at most `POINT_SHARE` times the tolerance."""
 
 FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
 """Two limits of the number of harmonics: in the first curve, and in the motions that the next basis is built from."""

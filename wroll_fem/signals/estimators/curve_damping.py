@@ -41,8 +41,8 @@ freedom this ratio is 0.27 for a damping ratio of 1, and 0.85 for a damping rati
 response is in phase or in antiphase with the base, and maxima are ripples."""
 
 LARGEST_RIPPLE = 10.0
-"""|T| above which the highest point counts as a resonance whatever its phase. Without damping, |T| exceeds this
-value only at frequencies within 5 % of f_n. The ringing after a sweep through a sharp resonance can have any phase."""
+"""|T| above which the highest point counts as a resonance whatever its phase, because the ringing after a sweep through
+a sharp resonance can have any phase. Without damping, |T| exceeds this value only within 5 % of f_n."""
 
 LOOSE_FIT = 0.05
 """Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
