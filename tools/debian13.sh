@@ -109,8 +109,8 @@ fi
 
 mounts=()
 unmount() {
-    local place
-    for place in "${mounts[@]}"; do umount -l "$place"; done
+    local i
+    for ((i = ${#mounts[@]} - 1; i >= 0; i--)); do umount -l "${mounts[i]}" || true; done # the last first: they nest
 }
 trap unmount EXIT
 bind() { # directory of this machine, at the same path inside the chroot
