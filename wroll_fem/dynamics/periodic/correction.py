@@ -1,6 +1,6 @@
 r"""Correction of a motion of a reduced model by the harmonic balance of the full model.
 
-The harmonic balance of the *whole* structure (all modes of `condensation`) has a residual r at this motion. It is
+The harmonic balance of the full model (all modes of `condensation`) has a residual r at this motion. It is
 linearised there as in Newton's method, with every contact point and every mode:
 
 .. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W

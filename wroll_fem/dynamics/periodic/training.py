@@ -1,7 +1,7 @@
 r"""Training of a basis for periodic motions: it is enriched by corrections of these motions from the full model.
 
 A first curve is computed in a small basis with large steps and few harmonics. At some of its points the harmonic
-balance of the *whole* structure, with all modes, is evaluated (`correction`). The principal shapes of the corrected
+balance of the full model, with all modes, is evaluated (`correction`). The principal shapes of the corrected
 motions form the next basis (`basis`). The motions are then recomputed and shapes are added until the corrections at
 these points are small. The curve is computed in this basis and checked at other points; the remaining corrections are
 the error estimate. While it is too large, the shapes of these corrections are added, and the points of the curve are

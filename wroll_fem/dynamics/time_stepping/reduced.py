@@ -1,7 +1,7 @@
 r"""Time integration in reduced coordinates with residual checks, enrichment of the basis and an error estimate.
 
 The basis starts from the modes that the base excites and the static responses; it is enriched during the run. After
-every block of steps the residual r of the *whole* structure is evaluated at some of the steps. The projection error
+every block of steps the residual r of the full model is evaluated at some of the steps. The projection error
 is the part of the static response :math:`K_0^{-1} r` outside the basis (`ReducedModel.projection_error`): motion
 outside the basis is quasi-static. If it exceeds a small fraction of the motion in the energy norm, its principal shapes
 are added to the basis and the block is repeated from its start. Every accepted step is therefore computed in a
