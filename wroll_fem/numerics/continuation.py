@@ -30,8 +30,8 @@ class CurveProblem(Protocol):
         """Residual F (n,)."""
         ...
 
-    def jacobian(self, z: FloatArray) -> FloatArray:
-        """Jacobian dF/dz (n, n + 1)."""
+    def jacobian(self, z: FloatArray) -> np.ndarray:
+        """Jacobian dF/dz (n, n + 1), in single precision if this is enough for Newton's method."""
         ...
 
     def describe(self, z: FloatArray) -> str:
@@ -102,12 +102,15 @@ LEAST_STEP = 0.05
 class _Bordered:
     """LU factors of the square matrix that consists of the Jacobian and one additional row."""
 
-    def __init__(self, jacobian: FloatArray, row: FloatArray):
+    def __init__(self, jacobian: np.ndarray, row: FloatArray):
         # the transpose is the column-major array that LAPACK works on in place
-        self.factor = la.lu_factor(np.vstack([jacobian, row]).T, overwrite_a=True, check_finite=False)
+        matrix = np.vstack([jacobian, row.astype(jacobian.dtype)])
+        self.factor = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        return np.asarray(la.lu_solve(self.factor, rhs, trans=1, check_finite=False))
+        """Solution in double precision; its error is that of the factors, which may be single."""
+        lu, pivots = self.factor
+        return la.lu_solve((lu, pivots), rhs.astype(lu.dtype), trans=1, check_finite=False).astype(float)
 
     @property
     def sign(self) -> float:

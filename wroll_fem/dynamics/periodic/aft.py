@@ -44,6 +44,10 @@ PRESSURE_CHANGE = 0.02
 """Change of the pressure, relative to the preload pressure, below which a sticking point is omitted from the Jacobian
 of Newton's method. The residual always includes every point."""
 
+SINGLE = 300
+"""Number of unknowns from which Newton's matrix is formed and factored in single precision. The residual is always in
+double precision, so only the number of iterations could change."""
+
 
 @dataclass(frozen=True)
 class Sampling:
@@ -303,25 +307,27 @@ class HarmonicContact:
 
     def jacobian(
         self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[np.ndarray, FloatArray]:
         """Derivatives of `force`: (k, k) with respect to the k unknowns, and (R, m) with respect to ln(frequency).
 
-        Unknowns and equations are in the order of `active`.
+        Unknowns and equations are in the order of `active`. From `SINGLE` unknowns on the matrix has single precision.
         """
         size, count = self.sampling.size, len(self.active)
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
-        matrix, by_log = np.zeros((count, count)), np.zeros((size, self.model.size))
+        precision = np.float32 if count >= SINGLE else np.float64
+        matrix, by_log = np.zeros((count, count), precision), np.zeros((size, self.model.size))
         if len(points) == 0:
             return matrix, by_log
-        a, dofs = len(points), self.dofs[points]
+        a, dofs, blocks = len(points), self.dofs[points], blocks.astype(precision, copy=False)
+        operator, jumps = (values.astype(precision, copy=False) for values in (self.force_operator, self.jump))
         ends = np.cumsum([0, *(len(rows) * len(columns) for rows, columns in self.groups)])
         filled = [(g, *group) for g, group in enumerate(self.groups) if len(group[1])]
         for g, rows, columns in filled:
-            left = self.force_operator[np.ix_(columns, dofs.ravel())]  # (m, 3 a)
+            left = operator[np.ix_(columns, dofs.ravel())]  # (m, 3 a)
             for h, others, shapes in filled:
                 part = blocks if len(self.groups) == 1 else blocks[:, :, rows][..., others]
                 inner = len(rows) * len(others)
-                jump = self.jump[dofs[:, :, None], shapes]  # (a, 3, m)
+                jump = jumps[dofs[:, :, None], shapes]  # (a, 3, m)
                 # (a, 3 R R, 3) @ (a, 3, m): traction of each point per unit reduced coordinate
                 right = part.transpose(0, 1, 2, 4, 3).reshape(a, 3 * inner, 3) @ jump
                 full = (left @ right.reshape(3 * a, inner * len(shapes))).reshape(len(columns), len(rows), -1)

@@ -113,7 +113,7 @@ class ModalMotion:
         ends = [float(np.sum(shape[1:3] ** 2)) - 1.0, shape[2, self.mode]]
         return np.append((out / (self.root * self.unit)).ravel()[self.active], ends)
 
-    def jacobian(self, z: FloatArray) -> FloatArray:
+    def jacobian(self, z: FloatArray) -> np.ndarray:
         """See `CurveProblem`."""
         shape, frequency, damping, amplitude = self.motion(z)
         if self._seen is None or not np.array_equal(self._seen[0], z):
@@ -134,9 +134,9 @@ class ModalMotion:
             cos, sin = (row[row >= 0] for row in (place[k], place[k + 1]))
             matrix[cos, sin] -= gain
             matrix[sin, cos] += gain
-        out = np.zeros((count + 2, count + 3))
+        out = np.zeros((count + 2, count + 3), matrix.dtype)
         root, drive = np.tile(self.root, size)[active], speed.ravel()[active]
-        np.multiply(matrix, 1.0 / root, out=out[:-2, :-3])
+        np.multiply(matrix, 1.0 / root, out=out[:-2, :-3], casting="same_kind")
         out[:-2, :-3] *= (1.0 / root)[:, None]
         rows = 1.0 / (root * self.unit)
         by_frequency = by_frequency / amplitude - 4.0 * damping * drive

@@ -83,7 +83,7 @@ class HarmonicBalance:
         contact: PeriodicContact,
         *,
         threshold: float = PRESSURE_CHANGE,
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[np.ndarray, FloatArray]:
         """Derivatives of the residual with respect to the k unknowns (k, k), and with respect to the frequency (k,).
 
         The derivative with respect to the frequency is per rad/s. Unknowns and equations are in the order of
@@ -192,14 +192,14 @@ class FrequencyCurve:
         assert self._seen is not None
         return self._seen[1]
 
-    def jacobian(self, z: FloatArray) -> FloatArray:
+    def jacobian(self, z: FloatArray) -> np.ndarray:
         """See `CurveProblem`."""
         matrix, by_frequency = self.balance.jacobian(*self.motion(z), self.contact(z))
         scale = 1.0 / np.tile(self.root, self.shape[0])[self.active]
-        out = np.empty((len(scale), len(scale) + 1))
-        np.multiply(matrix, scale, out=out[:, :-1])
-        out[:, -1] = by_frequency * (self.per_unit / self.size)
-        out *= scale[:, None]
+        out = np.empty((len(scale), len(scale) + 1), matrix.dtype)
+        np.multiply(matrix, scale, out=out[:, :-1], casting="same_kind")
+        out[:, :-1] *= scale[:, None]
+        out[:, -1] = by_frequency * (self.per_unit / self.size) * scale
         return out
 
     def solve(self, z: FloatArray, control: StepControl) -> FloatArray:

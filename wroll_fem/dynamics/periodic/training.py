@@ -58,10 +58,10 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 """Relative correction above which the training ends, and number of curves from which this limit applies. Corrections
 from linearised equations do not converge if they are this large."""
 
-RATTLING, MOST_OPEN = 0.5, 0.5
-"""Limits of the relative correction and of the fraction of contact points that open. If both are exceeded, the training
-of the basis ends: bases for rattling layers have hundreds of vectors, and each curve takes minutes. After
-`HOPELESS_ROUNDS` curves the limit of the fraction is `WIDE` instead."""
+RATTLING = ((1, 0.5, 0.5), (2, 10.0, WIDE), (3, 0.5, WIDE))
+"""Number of curves from which the limits of a row apply, relative correction, and fraction of contact points that open.
+If both limits of a row are exceeded, the training ends: bases for rattling layers have hundreds of vectors, and each
+curve takes minutes."""
 
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
@@ -232,9 +232,7 @@ def trained(
             if part is not None and not coarse:
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
-        wide = MOST_OPEN if number < HOPELESS_ROUNDS else WIDE
-        rattles = isinstance(curve, HarmonicCurve) and error > RATTLING and opening(curve) > wide
-        if hopeless or stuck or rattles:
+        if hopeless or stuck or (isinstance(curve, HarmonicCurve) and _rattles(curve, number, error)):
             break
         if error <= tolerance and not coarse and not unsure:
             if stopped is not None:
@@ -268,6 +266,12 @@ def trained(
     )
     failure.partial = curve
     raise failure
+
+
+def _rattles(curve: HarmonicCurve, number: int, error: float) -> bool:
+    """Whether curve ``number`` of the training, with the relative correction ``error``, is beyond `RATTLING`."""
+    widths = [wide for first, most, wide in RATTLING if number >= first and error > most]
+    return bool(widths) and opening(curve) > min(widths)
 
 
 def _spread(count: int, most: int) -> set[int]:
