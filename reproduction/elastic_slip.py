@@ -24,10 +24,9 @@ from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.transmissibility import magnitude
 
 SLIP = "contact.friction.elastic_slip"
-LOW, REDUCED, TIED = "elastic_slip_low", "elastic_slip_reduced", "elastic_slip_tied"
+LOW, TIED = "elastic_slip_low", "elastic_slip_tied"
 SERIES = {
     "slip": ("1 kPa (576 Pa at the interface), condensed", LOW, 1.0e3),
-    "reduced": ("1 kPa, reduced", REDUCED, 1.0e3),
     "mean": ("1.737 kPa (1 kPa at the interface), condensed", LOW, 1.737e3),
     "tied": ("1 kPa, surfaces that cannot separate, condensed", TIED, 1.0e3),
     "firm": ("10 kPa, condensed", LOW, 1.0e4),
