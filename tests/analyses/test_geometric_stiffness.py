@@ -117,6 +117,8 @@ def test_a_preload_above_the_buckling_load_is_refused():
         run(lab("modal.interface=frictionless", "preload.pressure=4e5", ON))
     with pytest.raises(InputError, match="geometric_stiffness: needs shells; a solid coil has no preload"):
         load_case(CONFIGS / "coiled_stiff.yaml", ["preload={pressure: 1.0e5, geometric_stiffness: true}"])
+    with pytest.raises(InputError, match="analysis: needs shells; a solid coil has no preload, got 'buckling'; use"):
+        load_case(CONFIGS / "coiled_stiff.yaml", ["analysis=buckling", "preload={pressure: 1.0e5}"])
 
 
 def test_buckling_of_the_mandrel_alone_is_that_of_the_modal_analysis():

@@ -133,6 +133,7 @@ def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
         ("base: {tiny}", "grid", "is empty: no key is varied"),
         ("grid: {preload.pressure: [1, 2]}", "base", "is missing"),
         ("base: nowhere.yaml\ngrid: {preload.pressure: [1, 2]}", "base", "case file not found"),
+        ("cases: [nowhere.yaml]\ngrid: {preload.pressure: [1, 2]}", "cases", "case file not found"),
         ("base: {tiny}\nreference: nowhere.yaml\ngrid: {mesh.axial: [4]}", "reference", "case file not found"),
         ("base: {tiny}\ncases: [{tiny}]\ngrid: {mesh.axial: [4]}", "base", "cannot be combined with cases"),
         ("base: {tiny}\ngrids: {mesh.axial: [4]}", "grids", "did you mean grid?"),

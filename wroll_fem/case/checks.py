@@ -280,20 +280,23 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
         )  # fmt: skip
 
 
-def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool) -> None:
-    """Refuse `preload.geometric_stiffness` for solid coils, Fourier elements, and layers without a section `contact`.
+def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool, analysis: str = "") -> None:
+    """Refuse geometric stiffness for solid coils, Fourier elements, and layers without a section `contact`.
+
+    ``analysis`` names the analysis that needs it; without a name, `preload.geometric_stiffness` asks for it.
 
     Raises
     ------
     PydanticCustomError
         If the check fails.
     """
-    key = "preload.geometric_stiffness"
     if coil.model == "solid" or mesh.discretisation == "fourier":
         what = "a solid coil" if coil.model == "solid" else "a roll of Fourier elements"
+        key, value = ("analysis", analysis) if analysis else ("preload.geometric_stiffness", True)
+        remedy = "use coil.model: layers with mesh.discretisation: three_dimensional"
         raise validation_error(
-            f"needs shells; {what} has no preload", key=key, value=True,
-            remedy="leave it out, or use coil.model: layers with mesh.discretisation: three_dimensional",
+            f"needs shells; {what} has no preload", key=key, value=value,
+            remedy=remedy if analysis else f"leave it out, or {remedy}",
         )  # fmt: skip
     if coil.model == "layers" and not contact:
         remedy = "add it (friction and normal contact): the preload acts through the contact"

@@ -108,7 +108,9 @@ class OnRoll(StructuralCase, RollSections):
             check_winding_size(self.winding, self.geometry, self.coil)
         check_fourier(self.coil, self.mesh, self.analysis)
         if self.has_geometric_stiffness:
-            check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None)
+            asked = self.preload is not None and self.preload.geometric_stiffness
+            analysis = "" if asked else self.analysis
+            check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None, analysis=analysis)
         super()._check()
 
     @property

@@ -80,9 +80,8 @@ def _check_table(x: list[float], y: list[float], name_x: str, name_y: str, *, le
             remedy=f"give one value per {name_x}",
         )  # fmt: skip
     if any(b <= a for a, b in pairwise(x)) or x[0] < least:
-        raise validation_error(
-            "must rise from row to row", key=name_x, value=x, remedy=f"sort the rows by {name_x}, from {least:g} up"
-        )
+        problem = f"must not be below {least:g}" if x[0] < least else "must rise from row to row"
+        raise validation_error(problem, key=name_x, value=x, remedy=f"sort the rows by {name_x}, from {least:g} up")
 
 
 def _law_named(value: Any) -> Any:

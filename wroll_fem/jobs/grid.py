@@ -196,6 +196,7 @@ def load_grid(path: str | Path) -> Grid:
         given = GridFile.model_validate(read_yaml(path, "grid file"))
     except ValidationError as error:
         raise input_error(error, GridFile, file=str(path)) from None
+    origin_key = "base" if given.base is not None else "cases"
     files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
     keys = list(given.grid)
     shown = short_names([key for key in keys if len(given.grid[key]) > 1])
@@ -203,7 +204,8 @@ def load_grid(path: str | Path) -> Grid:
     numbered = list(enumerate(samples, 1))
     members = []
     for file, (number, sample), *values in itertools.product(files, numbered, *given.grid.values()):
-        case, overrides = _case(file, sample | dict(zip(keys, values, strict=True)), path, sampled=set(sample))
+        chosen = sample | dict(zip(keys, values, strict=True))
+        case, overrides = _case(file, chosen, path, key=origin_key, sampled=set(sample))
         read: dict[str, Any] = {"sample": number} if sample else {}
         read |= {key: _value(case, key) for key in (*sample, *keys)}
         parts = [file.stem] if len(files) > 1 else []

@@ -11,6 +11,9 @@ import xarray as xr
 
 from wroll_fem.errors import InputError
 
+RISES_AGAIN = "rises above half power again"
+"""Words in the attribute half_power_reason of a curve with further points above the half-power level."""
+
 
 @dataclass(frozen=True)
 class Resonance:
@@ -28,6 +31,8 @@ class Resonance:
         (f_high - f_n) / (f_n - f_low) - 1; nan without both half-power points.
     reason
         Why there is no damping ratio, or what makes it doubtful; "" otherwise.
+    again
+        Whether the curve rises above the half-power level again outside the half-power points.
     """
 
     f_n: float
@@ -38,6 +43,7 @@ class Resonance:
     method: str
     skewness: float
     reason: str
+    again: bool
 
     @property
     def damped(self) -> bool:
@@ -46,14 +52,12 @@ class Resonance:
 
     @property
     def rings(self) -> bool:
-        """Whether there is a damping ratio and also a non-empty `reason`.
+        """Whether there is a damping ratio although the curve rises above the half-power level again.
 
-        With half-power damping, the reason is that the curve rises above the half-power level again outside the
-        half-power points. This happens when the response rings after a fast sweep through a sharp resonance. The
-        damping ratio then measures the width of the highest ripple. With a fit, the reason can also name a missing
-        half-power point or explain why the fit was chosen.
+        This happens when the response rings after a fast sweep through a sharp resonance. A half-power damping ratio
+        then measures the width of the highest ripple.
         """
-        return self.damped and bool(self.reason)
+        return self.damped and self.again
 
 
 def resonance(dataset: xr.Dataset) -> Resonance:
@@ -82,4 +86,5 @@ def resonance(dataset: xr.Dataset) -> Resonance:
         str(attrs.get("zeta_method", "half power")).partition(",")[0],
         number("skewness"),
         str(attrs.get("zeta_reason") or attrs.get("half_power_reason") or ""),
+        RISES_AGAIN in str(attrs.get("half_power_reason")),
     )

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
+from wroll_fem.results.resonance import RISES_AGAIN
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.typing import FloatArray
 
@@ -207,7 +208,7 @@ def half_power(frequency: npt.ArrayLike, magnitude: npt.ArrayLike) -> HalfPower:
         return HalfPower(f_n, peak, f_low, f_high, nan, nan, False, reason="; ".join(reasons))
     again = (m > level) & ((f < f_low) | (f > f_high))
     again &= (f < f_low - 1e-9 * f_n) | (f > f_high + 1e-9 * f_n)
-    note = f"rises above half power again at {f[again][0]:.5g} Hz" if again.any() else ""
+    note = f"{RISES_AGAIN} at {f[again][0]:.5g} Hz" if again.any() else ""
     zeta, skewness = (f_high - f_low) / (2.0 * f_n), (f_high - f_n) / (f_n - f_low) - 1.0
     return HalfPower(f_n, peak, f_low, f_high, zeta, skewness, True, note=note)
 

@@ -320,10 +320,12 @@ def dwell_response(
     InputError
         If the record is shorter than the window, or the start ramp extends into the window.
     """
+    if cycles < 2:
+        raise InputError(f"a fit over {cycles} cycles has no drift", remedy="use at least 2 cycles for the fit")
     t, tip = _checked(time, absolute_tip)
     window = cycles / motion.frequency_hz
     start = t[-1] - window
-    if cycles < 2 or start < motion.ramp_cycles / motion.frequency_hz - 1e-9 / motion.frequency_hz:
+    if start < motion.ramp_cycles / motion.frequency_hz - 1e-9 / motion.frequency_hz:
         raise InputError(
             f"a record of {t[-1] * motion.frequency_hz:.4g} cycles with a start ramp of {motion.ramp_cycles:g} has "
             f"fewer than {cycles} steady cycles",

@@ -56,10 +56,14 @@ class Measured:
                 f"frequency and transmissibility have the shapes {omega.shape} and {values.shape}",
                 remedy="give two series of the same length, 3 points or more",
             )
-        good = np.all(np.isfinite(values)) and np.all(values > 0.0) and omega[0] > 0.0 and np.all(np.diff(omega) > 0.0)
-        if not good or not self.capacity > 0.0:
+        if not self.capacity > 0.0:
             raise InputError(
-                "the values and the capacity of a curve must be positive and finite and its frequencies must increase",
+                f"the capacity of a curve is {self.capacity:g} N", remedy="give a friction capacity above 0"
+            )
+        good = np.all(np.isfinite(values)) and np.all(values > 0.0) and omega[0] > 0.0 and np.all(np.diff(omega) > 0.0)
+        if not good:
+            raise InputError(
+                "the values of a curve must be positive and finite and its frequencies must increase",
                 remedy="sort the points by frequency and remove invalid ones",
             )
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from support.exact_systems import orbiting_mass, slipping_pair
-from support.periodic import TURN, balance, complete, with_friction
+from support.periodic import TURN, balance, complete, small_roll, with_friction
 
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.dynamics.periodic import aft
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
 
 LAWS = {
@@ -83,3 +85,14 @@ def test_a_memory_that_does_not_settle_is_reported() -> None:
     cut = HarmonicContact(model, preload, system.laws, Sampling(3, 64), max_periods=1).evaluate(a, 60.0)
     assert settled.hysteresis.periods.max() > 1
     assert settled.periodicity_error < 1e-8 < cut.periodicity_error
+
+
+def test_single_precision_of_the_newton_matrix_does_not_change_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    system, preload, condensation = small_roll(8, 3)
+    places, sizes = np.linspace(141.0, 164.0, 200), []
+    for unknowns in (0, 10**6):
+        monkeypatch.setattr(aft, "SINGLE", unknowns)
+        found = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
+        sizes.append(np.interp(places, found.curve.frequencies / TURN, np.abs(found.curve.transmissibility)))
+    assert max(sizes[0]) > 10.0
+    np.testing.assert_allclose(sizes[0], sizes[1], rtol=1e-5)

@@ -16,7 +16,6 @@ from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.case import load_case
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.periodic import aft
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
@@ -291,17 +290,6 @@ def test_curve_passes_its_folds_and_every_point_balances() -> None:
     middle = 0.5 * (curve.frequencies[1:][turning].min() + curve.frequencies[1:][turning].max())
     crossings = np.diff(np.sign(curve.frequencies - middle)) != 0
     assert np.count_nonzero(crossings) == 3
-
-
-def test_single_precision_of_the_newton_matrix_does_not_change_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
-    system, preload, condensation = small_roll(8, 3)
-    places, sizes = np.linspace(141.0, 164.0, 200), []
-    for unknowns in (0, 10**6):
-        monkeypatch.setattr(aft, "SINGLE", unknowns)
-        found = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
-        sizes.append(np.interp(places, found.curve.frequencies / TURN, np.abs(found.curve.transmissibility)))
-    assert max(sizes[0]) > 10.0
-    np.testing.assert_allclose(sizes[0], sizes[1], rtol=1e-5)
 
 
 def test_an_unbounded_resonance_leaves_a_gap() -> None:

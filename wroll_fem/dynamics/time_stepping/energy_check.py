@@ -28,6 +28,9 @@ ABSURD = 100.0
 LEAST = 1e-6
 """Created energy, relative to the largest stored energy or input work, below which it is ignored as rounding."""
 
+STORED = [KINETIC, STRAIN, CONTACT]
+"""Columns of the records with stored energies."""
+
 ROUNDING = 1e-12
 """Created energy, relative to the energy that the preload stores in the contact, below which it is ignored. The terms
 of the preload energy cancel in every step, which leaves rounding errors."""
@@ -37,6 +40,11 @@ def rounding_energy(laws: PointLaws, preload: ContactState) -> float:
     """Energy created in a step, J, below which it counts as rounding error."""
     pressure = normals(preload.traction)
     return float(ROUNDING * 0.5 * np.sum(laws.area * pressure**2 / laws.kn)) if laws.n else 0.0
+
+
+def largest_energies(records: FloatArray) -> FloatArray:
+    """(k,) stored energy or absolute input work after each step of ``records`` (k, columns), the larger one, J."""
+    return np.asarray(np.maximum(records[:, STORED].sum(axis=1), np.abs(records[:, INPUT])))
 
 
 def check_energy(records: FloatArray, times: FloatArray, largest: float, rounding: float = 0.0) -> float:
@@ -62,9 +70,9 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float, roundin
     ConvergenceError
         If there is such a step; its time is the start of the first one.
     """
-    stored = records[:, [KINETIC, STRAIN, CONTACT]].sum(axis=1)
+    stored = records[:, STORED].sum(axis=1)
     missed = records[:, INPUT] - stored - records[:, [FRICTION, MODULATION, NUMERICAL, VISCOUS, IMPACT]].sum(axis=1)
-    most = np.maximum.accumulate(np.maximum(np.maximum(stored, np.abs(records[:, INPUT])), largest))
+    most = np.maximum.accumulate(np.maximum(largest_energies(records), largest))
     made = np.abs(np.diff(missed)) + np.maximum(-np.diff(records[:, IMPACT]), 0.0)
     least = max(LEAST * float(most[-1]), rounding)
     bad = np.flatnonzero(

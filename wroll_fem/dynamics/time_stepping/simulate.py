@@ -16,18 +16,15 @@ from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
-from wroll_fem.dynamics.time_stepping.energy_check import check_energy, rounding_energy
+from wroll_fem.dynamics.time_stepping.energy_check import check_energy, largest_energies, rounding_energy
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import (
     FIRST_PROBE,
-    INPUT,
     ITERATIONS,
-    KINETIC,
     OF_PROBE,
     RECORDS,
-    STRAIN,
     TIP_ACCELERATION,
 )
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
@@ -251,9 +248,7 @@ class _Run:
                 self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
                 self._committed = (int(data["done"]), self.stepper.snapshot())
                 self.records[: self.done] = data["records"]
-                self.largest_energy = float(
-                    np.abs(self.records[: self.done, [INPUT, KINETIC, STRAIN]]).max(initial=0.0)
-                )
+                self.largest_energy = float(largest_energies(self.records[: self.done]).max(initial=0.0))
                 self.seconds = float(data["seconds"])
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
         except (OSError, ValueError, KeyError) as error:
