@@ -13,12 +13,13 @@ from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
 from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.numerics import lu
 from wroll_fem.numerics import newton as rates
 from wroll_fem.numerics.newton import CONDENSED_RENEWAL
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray, IntArray
 
-drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__)
+drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__, lu.__file__)
 
 STIFFNESS_CHANGE = 0.1
 """Change of the tangential stiffness of a point, relative to the reference contact stiffness, above which the point is
@@ -61,6 +62,22 @@ class _Trial(NamedTuple):
     status: IntArray
     s: FloatArray
     rho: FloatArray
+
+
+class _Factors(NamedTuple):
+    """Newton's matrix of m active contact DOFs.
+
+    Attributes
+    ----------
+    active : (m,) active contact DOFs
+    change : (m, 3) rows of the stiffness change
+    matrix, pivots : (m, m), (m,) LU factors, see `lu.factor`
+    """
+
+    active: IntArray
+    change: FloatArray
+    matrix: np.ndarray
+    pivots: np.ndarray
 
 
 @numba.njit(cache=True)
@@ -168,10 +185,10 @@ def _active_dofs(tangent, springs, status, everything):
 
 @numba.njit(cache=True)
 def _factor(active, tangent, springs, compliance):
-    """Rows (m, 3) of the stiffness change Delta D, and inverse (m, m) of I + Delta D F, for m active contact DOFs.
+    """Rows (m, 3) of the stiffness change Delta D, and LU factors of I + Delta D F (m, m), for m active contact DOFs.
 
-    Delta D is the contact tangent minus the reference contact stiffness, F the interface compliance. The inverse is in
-    single precision, which halves its cost: it only corrects residuals that are computed in double precision.
+    Delta D is the contact tangent minus the reference contact stiffness, F the interface compliance. The factors are in
+    single precision, which halves their cost: they only correct residuals that are computed in double precision.
     """
     m, n = active.shape[0], tangent.shape[0]
     change = np.empty((m, 3))
@@ -188,18 +205,19 @@ def _factor(active, tangent, springs, compliance):
             a = active[j]
             matrix[i, j] = c0 * f0[a] + c1 * f1[a] + c2 * f2[a]
         matrix[i, i] += 1.0
-    return change, np.ascontiguousarray(np.linalg.inv(matrix))
+    return _Factors(active, change, matrix, lu.factor(matrix))
 
 
 @numba.njit(cache=True)
-def _newton_step(active, change, inverse, interface, area, rho, amplitudes, delta):
-    """Fill ``delta`` with the Newton step -(I + F Delta D)^{-1} rho; symbols and active rows as in `_factor`."""
+def _newton_step(factors, interface, area, rho, amplitudes, delta):
+    """Fill ``delta`` with the Newton step -(I + F Delta D)^{-1} rho; symbols as in `_factor`."""
+    active, change = factors.active, factors.change
     m, n = active.shape[0], area.shape[0]
-    rhs = np.empty(m, np.float32)
+    y = np.empty(m, np.float32)
     for i in range(m):
         k = point_of(active[i], n)
-        rhs[i] = -(change[i, 0] * rho[hoop(k)] + change[i, 1] * rho[axial(k)] + change[i, 2] * rho[normal(k, n)])
-    y = np.dot(inverse, rhs)
+        y[i] = -(change[i, 0] * rho[hoop(k)] + change[i, 1] * rho[axial(k)] + change[i, 2] * rho[normal(k, n)])
+    lu.solve(factors.matrix, factors.pivots, y)
     full = np.zeros(3 * n)
     for i in range(m):
         full[active[i]] = y[i]
@@ -233,8 +251,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     amplitudes = np.zeros((interface.blocks.shape[0], interface.blocks.shape[1]))
     g_hat, force = np.zeros(3 * n), np.zeros(motion.q.shape[0])
     tangent = np.zeros((n, 3, 3))
-    active = np.empty(0, np.int64)
-    change, factor = np.empty((0, 3)), np.empty((0, 0), np.float32)
+    factors = _Factors(np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 0), np.float32), np.empty(0, np.int32))
     have_factor = False
 
     for number in range(acceleration.shape[0] - 1):
@@ -258,10 +275,10 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                 if not have_factor:
                     consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
                     active = _active_dofs(tangent, springs, status, everything)
-                    change, factor = _factor(active, tangent, springs, interface.compliance)
+                    factors = _factor(active, tangent, springs, interface.compliance)
                     have_factor = True
                     fresh = True
-                _newton_step(active, change, factor, interface, area, rho, amplitudes, delta)
+                _newton_step(factors, interface, area, rho, amplitudes, delta)
                 iterations += 1
                 damping = 1.0
                 while True:
