@@ -153,18 +153,19 @@ class Evidence:
         Raises
         ------
         InputError
-            If no case of the study could be finished.
+            If cases of the study failed.
         """
         if name not in self._studies:
             grid = self.grid(name)
             out = self.folder / "studies" / name
             outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress, retry=True)
-            self._studies[name] = load_series(grid, out, lazy=True)
             failed = [o for o in outcomes if o.status == "failed"]
+            self._studies[name] = [] if failed else load_series(grid, out, lazy=True)
             if failed:
-                self.progress.warning(f"study {name}: {len(failed)} cases failed, the first with: {failed[0].error}")
-        if not self._studies[name]:
-            raise InputError(f"study {name} has no finished case", remedy=f"see {self.folder / 'studies' / name}")
+                what = f"{len(failed)} of {len(outcomes)} cases failed, the first with: {failed[0].error}"
+                self.progress.warning(f"study {name}: {what}")
+        if not self._studies[name]:  # told once, and not run again for every claim
+            raise InputError(f"study {name} is not complete", remedy=f"see {self.folder / 'studies' / name}")
         return self._studies[name]
 
     def one(self, study: str, **wanted: Any) -> StudyCase:
