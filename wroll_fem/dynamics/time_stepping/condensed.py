@@ -97,7 +97,7 @@ class CondensedStepper(Stepper):
             inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * c.eigenvalues)
             blocks, compliance = c.compliance((1.0 + s.alpha) * inverse, self.system.laws.area)
             profiles = np.ascontiguousarray(c.profiles.transpose(1, 0, 2))
-            interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance)
+            interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance.astype(np.float32))
             self._operators[dt] = Modal(c.eigenvalues, c.base, c.tip, c.probes, inverse), interface
         return self._operators[dt]
 

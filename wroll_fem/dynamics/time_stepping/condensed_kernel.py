@@ -35,14 +35,14 @@ class InterfaceOperator(NamedTuple):
     modal_jump : flat array; amplitude of the jump in each row of points per unit modal coordinate, block after block
     profiles : (3, n_blocks, n_theta) shape of the hoop, axial and normal components around a row
     blocks : (n_blocks, 3 n_rows, 3 n_rows) compliance: amplitude of the jump per unit amplitude of the force, m/N
-    compliance : (3 n, 3 n) compliance F: jump per unit traction, m/Pa, for Newton's matrix
+    compliance : (3 n, 3 n) compliance F: jump per unit traction, m/Pa, in single precision, for Newton's matrix
     """
 
     starts: IntArray
     modal_jump: FloatArray
     profiles: FloatArray
     blocks: FloatArray
-    compliance: FloatArray
+    compliance: np.ndarray
 
 
 class CondensedState(NamedTuple):
@@ -199,7 +199,7 @@ def _factor(active, tangent, springs, compliance):
         for c in range(3):
             change[i, c] = tangent[k, row, c]
         change[i, row] -= springs[dof]
-        c0, c1, c2 = change[i, 0], change[i, 1], change[i, 2]
+        c0, c1, c2 = np.float32(change[i, 0]), np.float32(change[i, 1]), np.float32(change[i, 2])
         f0, f1, f2 = compliance[hoop(k)], compliance[axial(k)], compliance[normal(k, n)]
         for j in range(m):
             a = active[j]
