@@ -72,15 +72,22 @@ def at_level(data: xr.Dataset, level: float) -> float:
     return float(np.interp(np.log(level), np.log(base[k - 1 : k + 1]), f[k - 1 : k + 1]))
 
 
-def over_levels(evidence: Evidence, mu: float) -> dict[float, FloatArray]:
+def reached_levels(evidence: Evidence, mu: float) -> dict[float, FloatArray]:
     """Preload (Pa) -> resonances (Hz) at `LEVELS`, from backbones with a friction coefficient.
 
-    A roll that sticks up to the largest amplitude has no resonance of finite height at a level, and is left out.
+    A level that a backbone does not reach has the resonance nan.
     """
     own = [m for m in evidence.study(LEVELS_STUDY) if float(m.values[MU]) == mu]
     own.sort(key=lambda m: float(m.values[PRESSURE]))
-    found = {float(m.values[PRESSURE]): np.array([at_level(m.data, a) for a in LEVELS]) for m in own}
-    return {pressure: line for pressure, line in found.items() if np.isfinite(line).all()}
+    return {float(m.values[PRESSURE]): np.array([at_level(m.data, a) for a in LEVELS]) for m in own}
+
+
+def over_levels(evidence: Evidence, mu: float) -> dict[float, FloatArray]:
+    """Preload (Pa) -> resonances (Hz) at `LEVELS`; see `reached_levels`.
+
+    A roll that sticks up to the largest amplitude has no resonance of finite height at a level, and is left out.
+    """
+    return {p: line for p, line in reached_levels(evidence, mu).items() if np.isfinite(line).all()}
 
 
 def levels_text(found: Mapping[float, FloatArray]) -> str:
@@ -155,12 +162,12 @@ def c43(evidence: Evidence) -> Verdict:
 
 def c44(evidence: Evidence) -> Verdict:
     low = sorted((m for m in evidence.study("preload_low")), key=lambda m: float(m.values[PRESSURE]))[:2]
-    found = over_levels(evidence, 0.25)
-    (p, before), (top, after) = list(found.items())[-2:]
-    changes = read(low[1]).f_n / read(low[0]).f_n - 1.0, float(after[-1] / before[-1]) - 1.0
+    (p, before), (top, after) = list(reached_levels(evidence, 0.25).items())[-2:]
+    both = max(np.flatnonzero(np.isfinite(before) & np.isfinite(after)), default=0)  # the largest level of both
+    changes = read(low[1]).f_n / read(low[0]).f_n - 1.0, float(after[both] / before[both]) - 1.0
     value = (
-        f"{kpa(low[0])} to {kpa(low[1])}: {100 * changes[0]:+.2f} %; {1e-3 * p:g} to {1e-3 * top:g} kPa: "
-        f"{100 * changes[1]:+.2f} % (sweeps and backbones, 5 m/s^2)"
+        f"{kpa(low[0])} to {kpa(low[1])}: {100 * changes[0]:+.2f} % (sweeps, 5 m/s^2); {1e-3 * p:g} to {1e-3 * top:g} "
+        f"kPa: {100 * changes[1]:+.2f} % (backbones, {LEVELS[both]:g} m/s^2, the largest level that both reach)"
     )
     return Verdict(value, max(map(abs, changes)) < 0.02)
 
