@@ -43,7 +43,7 @@ def over_slip(peaks: Sequence[float], frequencies: Sequence[float]) -> list[Stud
             {"frequency": f},
             {"f_n_hz": f_n, "peak_transmissibility": peak, "zeta": 0.01, "skewness": 0.0},
         )
-        found.append(StudyCase("m", {elastic_slip.SLIP: slip, "preload.pressure": 1.0e3}, data))
+        found.append(StudyCase("m", {elastic_slip.SLIP: slip, "preload.pressure": 1.737e3}, data))
     return found
 
 
