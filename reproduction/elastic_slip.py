@@ -146,7 +146,7 @@ def series_table(series: str, evidence: Evidence) -> str:
         rows.append((
             f"{1e6 * slip:g} um", f"{found.f_n:.2f} Hz", change[0], f"{found.peak:.1f}", change[1], zeta,
             f"{100 * float(data['open_fraction'].max()):.0f} %", f"{data.attrs['step_cuts']}",
-            f"{energy_balance_error(data):.0e}", f"{1e3 * lag:.0f} mm", f"{lag / (z[1] - z[0]):.1f} elements",
+            f"{energy_balance_error(data):.0e}", f"{1e3 * lag:.0f} mm", f"{lag / (z[1] - z[0]):.1f} rows",
         ))  # fmt: skip
         before = found
     return table(head, rows)
@@ -179,8 +179,8 @@ GROUP = ClaimGroup(
         for name in SENTENCES
     },
     tables={
-        f"Elastic slip, external pressure {words}; shear lag sqrt((E t)_series gamma*/(mu p)), also over the root "
-        "element": partial(series_table, name)
+        f"Elastic slip, external pressure {words}; shear lag sqrt((E t)_series gamma*/(mu p)), also over the distance "
+        "of the lowest rows of contact points": partial(series_table, name)
         for name, (words, _, _) in SERIES.items()
     },
 )
