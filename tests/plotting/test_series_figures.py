@@ -25,6 +25,7 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.study import StudyCase, friction_work, read, shown, undamped_curve
 from wroll_fem.plotting.style import save_figure
+from wroll_fem.results.resonance import resonance
 from wroll_fem.signals.transmissibility import magnitude
 
 PRESSURES = (1e4, 3e4, 1e5)
@@ -375,6 +376,9 @@ def test_a_ringing_curve_is_marked_and_gives_no_damping(runs: dict[float, xr.Dat
     members = by_preload({1e4: runs[1e4], 3e4: runs[3e4], 1e5: ringing}, **{"coil.base": "free"})
     labels = [str(line.get_label()) for line in draw("transmissibility_over_preload", members, tmp_path).lines]
     assert "100 kPa: 160.0 Hz, rings" in labels
+    fitted = ringing.assign_attrs(zeta_reason="fitted: the band lacks a half-power point", half_power_reason="")
+    assert resonance(ringing).rings
+    assert not resonance(fitted).rings
     ax = draw("damping_over_frequency", members, tmp_path)
     np.testing.assert_allclose(curves(ax)["free base, rings: no damping"], [[160.0, 20.0]])
     assert "largest damping 20" not in sentence(ax)

@@ -18,6 +18,7 @@ from reproduction.checklist import explanations, of_chapters
 from reproduction.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
 from wroll_fem.cli import app
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.jobs.batch import Outcome
 from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 
@@ -98,6 +99,24 @@ def test_a_case_is_computed_once_and_kept(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(seen) == 2
     xr.testing.assert_identical(a, again)
     assert float(b["pressure_pa"][0]) < float(a["pressure_pa"][0])
+
+
+def test_a_study_with_a_failed_case_is_not_used_and_not_run_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs: list[str] = []
+
+    def half(grid, out, **keywords):
+        runs.append(out.name)
+        good, *others = grid.members
+        return [Outcome(good, "complete"), *(Outcome(member, "failed", "no convergence", 3) for member in others)]
+
+    monkeypatch.setattr(evidence, "run_grid", half)
+    given = Evidence(tmp_path, workers=1)
+    for _ in range(2):
+        with pytest.raises(InputError, match="study preload_low is not complete"):
+            given.study("preload_low")
+    assert runs == ["preload_low"]
 
 
 def test_a_computation_is_kept_under_its_inputs(tmp_path: Path) -> None:

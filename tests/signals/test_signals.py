@@ -251,3 +251,5 @@ def test_dwell_response_reports_a_transient_as_drift_and_refuses_the_ramp():
     assert dwell_response(time, tip, motion)["drift"] > 0.05
     with pytest.raises(InputError, match="steady cycles"):
         dwell_response(time, tip, motion, cycles=18)
+    with pytest.raises(InputError, match="a fit over 1 cycles has no drift; use at least 2 cycles"):
+        dwell_response(time, tip, motion, cycles=1)

@@ -252,6 +252,12 @@ class HarmonicContact:
     def _group_jumps(self) -> list[FloatArray]:
         return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
+    @cached_property
+    def _newton_operators(self) -> tuple[np.ndarray, np.ndarray]:
+        """`force_operator` and `jump` in the precision of Newton's matrix."""
+        precision = np.float32 if len(self.active) >= SINGLE else np.float64
+        return self.force_operator.astype(precision, copy=False), self.jump.astype(precision, copy=False)
+
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
         """Contact during a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
         n, s = self.n, self.sampling
@@ -314,12 +320,12 @@ class HarmonicContact:
         """
         size, count = self.sampling.size, len(self.active)
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
-        precision = np.float32 if count >= SINGLE else np.float64
+        operator, jumps = self._newton_operators
+        precision = operator.dtype
         matrix, by_log = np.zeros((count, count), precision), np.zeros((size, self.model.size))
         if len(points) == 0:
             return matrix, by_log
         a, dofs, blocks = len(points), self.dofs[points], blocks.astype(precision, copy=False)
-        operator, jumps = (values.astype(precision, copy=False) for values in (self.force_operator, self.jump))
         ends = np.cumsum([0, *(len(rows) * len(columns) for rows, columns in self.groups)])
         filled = [(g, *group) for g, group in enumerate(self.groups) if len(group[1])]
         for g, rows, columns in filled:
