@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import signal
@@ -280,6 +281,25 @@ def test_a_defect_of_the_program_is_not_hidden(
     done = wroll("run", TINY, "--out", "here")
     assert isinstance(done.exception, ZeroDivisionError)
     assert RunFolder(tmp_path / "here").status() == "failed"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_that_ends_in_an_error_of_native_code_is_no_failure(
+    number: signal.Signals, wroll: Callable[..., Result], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """An interrupted import of an extension module ends with ImportError; a batch must run such a case again."""
+
+    def stopped_while_importing(self: FakeAnalyses, case: object, **keywords: object) -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(number)
+        raise ImportError("initialization failed")
+
+    before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)]
+    monkeypatch.setattr(FakeAnalyses, "run_analysis", stopped_while_importing)
+    done = wroll("run", TINY, "--out", "here")
+    assert done.exit_code == 130, done.output
+    assert RunFolder(tmp_path / "here").status() == "interrupted"
+    assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)] == before
 
 
 def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:

@@ -1,12 +1,10 @@
-"""Typer application and shared parts of its commands: options, error messages, handling of SIGTERM."""
+"""Typer application and shared parts of its commands: options and error messages."""
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -49,17 +47,3 @@ def root(
     ] = False,
 ) -> None:
     """Dynamics of wound rolls: transmissibility, damping and slip maps from a case file."""
-
-
-@contextmanager
-def sigterm_interrupts() -> Iterator[None]:
-    """Treat SIGTERM like an interrupt, so that a terminated job saves a checkpoint."""
-
-    def interrupt(signum: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

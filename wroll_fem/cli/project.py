@@ -10,8 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
-from wroll_fem.cli.app import app, reporting, sigterm_interrupts
+from wroll_fem.cli.app import app, reporting
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.jobs.interrupts import stopped_by_signals
 from wroll_fem.progress import TerminalProgress
 from wroll_fem.results.provenance import program_version
 
@@ -43,7 +44,7 @@ def reproduce(
         folder = out if out is not None else Path("runs") / ("reproduce_fast" if fast else "reproduce")
         command = ["wroll", "reproduce", *(chapters or ()), *(["--fast"] if fast else [])]
         try:
-            with sigterm_interrupts(), TerminalProgress() as progress:
+            with stopped_by_signals(), TerminalProgress() as progress:
                 done = judge_all(
                     chapters or (), folder, fast=fast, workers=workers, progress=progress, page=page,
                     command=shlex.join(command),

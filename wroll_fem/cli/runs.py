@@ -9,9 +9,10 @@ from typing import Annotated, Any
 import typer
 
 from wroll_fem.case import load_case
-from wroll_fem.cli.app import CaseFile, Overrides, app, reporting, sigterm_interrupts
+from wroll_fem.cli.app import CaseFile, Overrides, app, reporting
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.console import summary_lines
+from wroll_fem.jobs.interrupts import stopped_by_signals
 from wroll_fem.progress import TerminalProgress
 
 
@@ -37,7 +38,7 @@ def run(
         command = ["wroll", "run", str(case_file), "--out", str(target)]
         command += [word for text in overrides or () for word in ("--set", text)]
         try:
-            with sigterm_interrupts(), TerminalProgress() as progress:
+            with stopped_by_signals(), TerminalProgress() as progress:
                 done = run_case(case, target, progress=progress, resume=resume, command=shlex.join(command))
         except KeyboardInterrupt:
             from wroll_fem import analyses
@@ -74,7 +75,7 @@ def batch(
         grid = load_grid(grid_file)
         target = out if out is not None else Path("runs") / grid_file.stem
         try:
-            with sigterm_interrupts(), TerminalProgress() as progress:
+            with stopped_by_signals(), TerminalProgress() as progress:
                 outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, retry=retry, progress=progress)
         except KeyboardInterrupt:
             typer.echo("interrupted; run the same command again to continue", err=True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wroll_fem.case import Case
 from wroll_fem.errors import ConvergenceError, WrollError
 from wroll_fem.jobs.folder import RunFolder, Status
+from wroll_fem.jobs.interrupts import interrupt_arrived
 from wroll_fem.progress import Progress, SilentProgress, TerminalProgress
 
 if TYPE_CHECKING:
@@ -100,6 +101,9 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         status = "interrupted"
         raise
     except Exception as error:  # input found wrong on the way, or a defect, whose traceback goes on to the caller
+        if interrupt_arrived():
+            status = "interrupted"
+            raise KeyboardInterrupt from error
         failure = _failure_record(error)
         raise
     finally:
