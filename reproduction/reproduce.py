@@ -15,6 +15,7 @@ from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
 from reproduction.verdict import NOT_COMPUTED, NOT_YET, VERDICTS, Verdict
 from wroll_fem.errors import ConvergenceError, InputError, WrollError
+from wroll_fem.jobs.interrupts import interrupt_arrived
 from wroll_fem.progress import Progress, SilentProgress
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -113,6 +114,8 @@ def judge(chapters: Sequence[str], evidence: Evidence, progress: Progress) -> li
                 try:
                     verdict = judges[name](evidence)
                 except WrollError as error:
+                    if interrupt_arrived():  # for instance tables of a study that could not be written on the way out
+                        raise KeyboardInterrupt from error
                     reason = "did not converge: " if isinstance(error, ConvergenceError) else ""
                     verdict = Verdict(f"{reason}{error}".splitlines()[0], False, NOT_COMPUTED)
             found[name] = Judged(claim, verdict, time.perf_counter() - started)

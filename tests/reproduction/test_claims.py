@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import os
 import re
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -223,6 +225,23 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page, "claim_groups", lambda name: [group] if name == "ch6" else real(name))
     texts = {"C92": "Because of the sign."}
     monkeypatch.setattr(page, "explanations", lambda: texts)
+
+
+def test_an_interrupt_that_becomes_another_error_ends_the_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The tables of an interrupted study may not be writable; the claim is then not "not computed"."""
+
+    def interrupted(_: Evidence) -> Verdict:
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        raise InputError("cannot be written")
+
+    monkeypatch.setattr(reproduce, "claim_groups", lambda _: [ClaimGroup({"C93": interrupted})])
+    done = CliRunner().invoke(app, ["reproduce", "ch6", "--out", str(tmp_path)])
+    assert done.exit_code == 130
+    assert "interrupted" in done.output
+    assert "C94" not in done.output
 
 
 @pytest.mark.usefixtures("pretend")
