@@ -21,9 +21,15 @@ from wroll_fem.typing import FloatArray, IntArray
 
 drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__, lu.__file__)
 
-STIFFNESS_CHANGE = 0.1
+STIFFNESS_CHANGE = 0.3
 """Change of the tangential stiffness of a point, relative to the reference contact stiffness, above which the point is
 included in Newton's dense matrix."""
+STUCK_RATE, STUCK_SHARE = 0.5, 0.3
+"""If an iteration with a new matrix leaves more than `STUCK_RATE` of the residual, points whose own residual exceeds
+`STUCK_SHARE` of it are included until the end of the step. These are points that change between sticking and slipping,
+or points near their slip limit, whose friction depends on the normal jump."""
+ALL_POINTS = 20
+"""Number of iterations after which all points are included."""
 
 
 class InterfaceOperator(NamedTuple):
@@ -163,8 +169,11 @@ def _modal_force(s, area, interface, amplitudes, force):
 
 
 @numba.njit(cache=True)
-def _active_dofs(tangent, springs, status, everything):
-    """Contact degrees of freedom in Newton's matrix: their tangent differs enough from the reference stiffness."""
+def _active_dofs(tangent, springs, status, included):
+    """Contact degrees of freedom in Newton's matrix: their tangent differs enough from the reference stiffness.
+
+    The tangential degrees of freedom of the points ``included`` (n,) are always among them.
+    """
     n = status.shape[0]
     active = np.empty(3 * n, np.int64)
     m = 0
@@ -172,7 +181,7 @@ def _active_dofs(tangent, springs, status, everything):
         h, z = hoop(k), axial(k)
         change = abs(tangent[k, HOOP, HOOP] - springs[h]) + abs(tangent[k, AXIAL, AXIAL] - springs[z])
         base = springs[h] + springs[z]
-        if everything or status[k] == SLIP or change > STIFFNESS_CHANGE * base:
+        if included[k] or status[k] == SLIP or change > STIFFNESS_CHANGE * base:
             active[m] = h
             active[m + 1] = z
             m += 2
@@ -181,6 +190,16 @@ def _active_dofs(tangent, springs, status, everything):
             active[m] = normal(k, n)
             m += 1
     return active[:m]
+
+
+@numba.njit(cache=True)
+def _include(rho, size, iterations, included):
+    """Include points in Newton's matrix after a poor iteration with a new matrix; see `STUCK_SHARE`, `ALL_POINTS`."""
+    n = included.shape[0]
+    for k in range(n):
+        own = max(abs(rho[hoop(k)]), abs(rho[axial(k)]), abs(rho[normal(k, n)]))
+        if own > STUCK_SHARE * size or iterations > ALL_POINTS:
+            included[k] = True
 
 
 @numba.njit(cache=True)
@@ -253,6 +272,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     tangent = np.zeros((n, 3, 3))
     factors = _Factors(np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 0), np.float32), np.empty(0, np.int32))
     have_factor = False
+    included = np.zeros(n, np.bool_)
 
     for number in range(acceleration.shape[0] - 1):
         h, q_hat = predict(motion, acceleration[number + 1], step, modal)
@@ -267,14 +287,14 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
             history[:] = 0.0
             history[0] = size
             fresh = False
-            everything = False
+            included[:] = False
             while size > newton.limit:
                 if iterations == newton.max_iterations:
                     converged = False
                     break
                 if not have_factor:
                     consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
-                    active = _active_dofs(tangent, springs, status, everything)
+                    active = _active_dofs(tangent, springs, status, included)
                     factors = _factor(active, tangent, springs, interface.compliance)
                     have_factor = True
                     fresh = True
@@ -299,7 +319,8 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                 history[iterations] = size
                 if rate > CONDENSED_RENEWAL:
                     have_factor = False
-                    everything = everything or (fresh and iterations > 8)
+                    if fresh and (rate > STUCK_RATE or iterations > ALL_POINTS):
+                        _include(rho, size, iterations, included)
                 fresh = False
             if not converged:
                 return number
