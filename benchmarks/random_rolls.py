@@ -242,6 +242,8 @@ def main() -> None:
         return
     for analysis in ANALYSES[:4]:  # compilation caches and imports, once for all children
         run_analysis(build_case(random_case(QUICK, analysis)), progress=Told())
+    exact = random_case(QUICK, "dwell") | {"solver": {"method": "condensed"}}  # the method that `reduced` falls back to
+    run_analysis(build_case(exact), progress=Told())
     found = {(r["roll"], r["analysis"]): r for r in reports}
     print("| roll | analysis | CPU s | outcome | cause, or readings |\n|---|---|---|---|---|")
     for index in range(chosen.first, chosen.first + chosen.count):

@@ -30,6 +30,9 @@ STUCK_RATE, STUCK_SHARE = 0.5, 0.3
 or points near their slip limit, whose friction depends on the normal jump."""
 ALL_POINTS = 20
 """Number of iterations after which all points are included."""
+SHORTEST = 0.3
+"""Damping factor below which a step with a new matrix is taken even if it does not reduce the residual; a shorter one
+only delays the change of the points' states."""
 
 
 class InterfaceOperator(NamedTuple):
@@ -305,7 +308,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                     for i in range(3 * n):
                         g_try[i] = g[i] + damping * delta[i]
                     new = _residual(g_hat, interface, reference, contact, laws, dt, there, amplitudes)
-                    if new < size or not fresh or damping < 0.1:
+                    if new < size or not fresh or damping < SHORTEST:
                         break
                     damping *= 0.5
                 rate = new / size
