@@ -16,6 +16,10 @@ WIDE = 0.2
 SOME = 0.02
 """Share of contact points that open, above which opening is reported as the reason for the end of a backbone."""
 
+MIXED = 0.3
+"""Energy norm of the higher harmonics at the end of a response curve, relative to the whole motion, above which an
+internal resonance is reported as the cause."""
+
 FREE = 1e-6
 """Smallest eigenvalue, relative to the eigenvalue of the main mode, below which a body counts as unrestrained."""
 
@@ -34,6 +38,11 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
         return (
             f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
             "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
+        )
+    if isinstance(curve, HarmonicCurve) and len(curve.frequencies) and curve.overtones(-1) > MIXED:
+        return (
+            f"an internal resonance: higher harmonics are {100 * curve.overtones(-1):.0f} % of the motion there, "
+            "because they excite another mode; change the band or the amplitude, or compute a sweep"
         )
     return ""
 

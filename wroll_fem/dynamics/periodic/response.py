@@ -152,6 +152,10 @@ class HarmonicCurve:
             tangents=np.column_stack([changes[:, problem.active], self.tangents[:, -1]]), problem=problem,
         )  # fmt: skip
 
+    def overtones(self, k: int) -> float:
+        """Energy norm of the harmonics above the fundamental at point ``k``, relative to that of the motion."""
+        return self.problem.overtones(self.problem.scaled(self.coefficients[k], self.frequencies[k]))
+
     @property
     def folds(self) -> int:
         """Number of folds of the curve."""
