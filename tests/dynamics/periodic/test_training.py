@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from support.periodic import small_roll
 
+from wroll_fem.dynamics.periodic import enrichment, training
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.basis import first_model
+from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.correction import correction
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.periodic.training import Structure, Training, _enriched
+from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 
 
@@ -91,3 +94,30 @@ def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
         structure, Training(tolerance=1e-9), points, found, lambda *_: [], lambda *_: nothing, anew=True
     )  # fmt: skip
     assert larger.size > model.size
+
+
+@pytest.mark.parametrize(("overtones", "curves"), [(0.0, 2), (0.43, 1)])
+def test_curves_that_end_at_one_motion_are_not_trained_further(
+    overtones: float, curves: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every basis gives up at the same place; two curves show it, and one is enough at an internal resonance."""
+    system, preload, condensation = small_roll(12, 4)
+    ended = []
+
+    def stopped(contact: HarmonicContact, **given: object) -> HarmonicCurve:
+        curve = response_curve(contact, **given)
+        error = ConvergenceError(
+            "the curve could not be followed", time_s=None, iterations=12, residual_history=[0.1], advice="else"
+        )
+        error.partial = curve.take(list(range(int(0.6 * len(curve.frequencies)))))
+        ended.append(error.partial)
+        raise error
+
+    monkeypatch.setattr(enrichment, "response_curve", stopped)
+    monkeypatch.setattr(HarmonicCurve, "overtones", lambda self, k: overtones)
+    monkeypatch.setattr(training, "SAFE_END", 10.0)  # the first bases of a small roll are rough
+    with pytest.raises(ConvergenceError, match="could not be followed") as failure:
+        trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-12)
+    assert len(ended) <= curves + 1  # and the coarse first curve
+    named = str(with_cause(failure.value, condensation, system.laws))
+    assert ("internal resonance: higher harmonics are 43 %" in named) == (overtones > 0.3)
