@@ -39,7 +39,7 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
             f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
             "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
         )
-    if isinstance(curve, HarmonicCurve) and len(curve.frequencies) and curve.overtones(-1) > MIXED:
+    if isinstance(curve, HarmonicCurve) and mixed(curve):
         return (
             f"an internal resonance: higher harmonics are {100 * curve.overtones(-1):.0f} % of the motion there, "
             "because they excite another mode; change the band or the amplitude, or compute a sweep"
@@ -55,6 +55,11 @@ def opening(curve: HarmonicCurve | BackboneCurve) -> float:
     largest = int(np.argmax(np.abs(curve.fundamental(curve.balance.model.tip))))
     state = contact.evaluate(contact.motion(curve.coefficients[largest]), float(curve.frequencies[largest]))
     return float(state.open.any(axis=1).mean())
+
+
+def mixed(curve: HarmonicCurve | BackboneCurve) -> bool:
+    """Whether a response curve ends at an internal resonance; False for a backbone and for a curve without points."""
+    return isinstance(curve, HarmonicCurve) and len(curve.frequencies) > 0 and curve.overtones(-1) > MIXED
 
 
 def end_of_backbone(curve: BackboneCurve) -> str:

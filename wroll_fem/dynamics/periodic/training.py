@@ -20,7 +20,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
-from wroll_fem.dynamics.periodic.causes import MIXED, WIDE, opening
+from wroll_fem.dynamics.periodic.causes import WIDE, mixed, opening
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
@@ -66,7 +66,7 @@ curve takes minutes."""
 SAME_END = 0.005, 0.15
 """Relative differences of frequency and size of the motion within which two curves end at the same motion. If they do
 before their target, the training ends, because curves in other bases end there too. So it does at an internal resonance
-(`MIXED`)."""
+(`causes.mixed`)."""
 SAFE_END = 0.1
 """Largest relative correction at which such an end is accepted."""
 
@@ -233,7 +233,7 @@ def trained(
         if training.on_round is not None:
             training.on_round(number, model, error)
         before, end = end, _end(curve) if stopped is not None and not coarse else None
-        if stopped is not None and end is not None and error <= SAFE_END and (_same(before, end) or _mixed(curve)):
+        if stopped is not None and end is not None and error <= SAFE_END and (_same(before, end) or mixed(curve)):
             raise stopped
         hopeless = (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS
         late = number >= CUT_ROUNDS and error > CUT_ERROR * tolerance
@@ -289,11 +289,6 @@ def _same(before: tuple[float, float] | None, end: tuple[float, float]) -> bool:
     if before is None:
         return False
     return all(abs(b / a - 1.0) <= limit for a, b, limit in zip(before, end, SAME_END, strict=True))
-
-
-def _mixed(curve: Curve) -> bool:
-    """Whether a response curve ends at an internal resonance."""
-    return isinstance(curve, HarmonicCurve) and curve.overtones(-1) > MIXED
 
 
 def _rattles(curve: HarmonicCurve, number: int, error: float) -> bool:
