@@ -87,8 +87,9 @@ class ConvergenceError(WrollError):
         self.last: Any = None
         self.opening = 0.0
         tail = ", ".join(f"{r:.2e}" for r in self.residual_history[-5:])
+        tail = f" (residuals {tail})" if tail else ""
         when = "" if time_s is None else f" at t = {time_s:.6g} s"
-        super().__init__(f"{message}{when} after {iterations} iterations (residuals {tail}); {advice}")
+        super().__init__(f"{message}{when} after {iterations} iterations{tail}; {advice}")
 
 
 class ReductionError(ConvergenceError):

@@ -60,6 +60,13 @@ def coulomb_oscillator(*, mass=1.0, stiffness=1.0e4, force=10.0, mu=0.3, gamma=1
     return dense_system(k, m, [1, 0], point, tip=[1, 0], preload=[0, -force])
 
 
+def lifting_mass(*, damping_ratio=0.02):
+    """A damped mass on a spring of its own and, under preload, on a second one that it leaves at large amplitude."""
+    point = contact_point([1.0], [0.0], [0.0], mu=0.3, gamma=1e-5, kn=1.0e4)
+    plain = dense_system([[1.0e4]], [[1.0]], [1.0], point, tip=[1.0], preload=[-20.0])
+    return replace(plain, damping=2.0 * damping_ratio * np.sqrt(2.0e4) * plain.mass)
+
+
 def slipping_pair(*, mu=0.3, gamma=2.0e-6):
     """Two masses in a row, rubbing on each other; an inclined spring makes the pressure vary with the motion.
 

@@ -51,6 +51,8 @@ class StepControl:
     blunt : step length up to which a step is accepted at any rotation (the onset of slip is a kink); multiplied by the
         norm of y if this norm is above 1
     tolerance : largest Newton correction at convergence
+    usual : number of corrector iterations that leaves the step length unchanged; more iterations shorten the next step.
+        Where points slip or open, every step passes kinks that cost iterations.
     max_iterations : largest number of corrector iterations; a step that needs more is shortened
     max_points : largest number of points on a curve; beyond it the continuation stops with an error
     chord : target distance between the end of a step and the tangent, relative to the norm of y; near or below it a
@@ -63,6 +65,7 @@ class StepControl:
     angle: float = 0.2
     blunt: float = 0.01
     tolerance: float = 1e-7
+    usual: float = 7.0
     max_iterations: int = 12
     max_points: int = 1000
     chord: float = 0.01
@@ -93,8 +96,9 @@ ROUGH = 100.0
 """Factor by which `StepControl.longer` multiplies the tolerance, for curves that are only approximate."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
 """Step lengths, relative to `StepControl.first`, that are tried in turn after the smallest step has failed."""
-USUAL = 5.0
-"""Number of corrector iterations that leaves the step length unchanged; more iterations shorten the next step."""
+CREEPING = 150, 0.1
+"""Number of points over which a curve must advance by the given distance, relative to the norm of y if this is above 1.
+Otherwise it runs along kinks in the smallest steps, and ends."""
 LEAST_STEP = 0.05
 """Damping factor at or below which a Newton step is taken even if it does not reduce the residual."""
 
@@ -296,10 +300,13 @@ def follow(
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
                 points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
                 bend = max(control.angle / max(turn, 1e-6), np.sqrt(1.0 / max(strays, 1e-6)))
-                growth = min(bend, np.sqrt(USUAL / len(history)))
+                growth = min(bend, np.sqrt(control.usual / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
                 if direction * (solution[-1] - lowest) < 0.0:
                     what = "the curve turns back past its start"
+                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
+                if _creeps(points, long):
+                    what = "the curve could not be followed"
                     raise _with_points(_stalled(what, problem.describe(solution), history), points)
                 if len(points) > control.max_points:
                     what = "the curve does not end; the resonance may be unbounded"
@@ -314,6 +321,12 @@ def follow(
                 raise _with_points(_stalled(what, problem.describe(last.z), history), points)
             step = leaps.pop(0) * control.first
     return points
+
+
+def _creeps(points: list[CurvePoint], size: float) -> bool:
+    """Whether the last points of a curve hardly advance (`CREEPING`); ``size`` is the length of a long step."""
+    count, least = CREEPING
+    return len(points) > count and float(np.linalg.norm(points[-1].z - points[-1 - count].z)) < least * size
 
 
 def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:

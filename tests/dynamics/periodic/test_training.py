@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
+
 import numpy as np
 import pytest
 from support.periodic import small_roll
 
-from wroll_fem.dynamics.periodic import enrichment, training
+from wroll_fem.dynamics.periodic import enrichment, futility
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.basis import first_model
 from wroll_fem.dynamics.periodic.causes import with_cause
@@ -96,11 +99,18 @@ def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
     assert larger.size > model.size
 
 
-@pytest.mark.parametrize(("overtones", "curves"), [(0.0, 2), (0.43, 1)])
+@pytest.mark.parametrize(
+    ("overtones", "drifts", "curves", "cause"),
+    [
+        (0.0, False, 2, "use a larger|else"),
+        (0.43, False, 1, "internal resonance at .* Hz: higher harmonics are 43 %"),
+        (0.0, True, 1, "mean displacement is undetermined"),
+    ],
+)
 def test_curves_that_end_at_one_motion_are_not_trained_further(
-    overtones: float, curves: int, monkeypatch: pytest.MonkeyPatch
+    overtones: float, drifts: bool, curves: int, cause: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every basis gives up at the same place; two curves show it, and one is enough at an internal resonance."""
+    """Every basis gives up at the same place; two curves show it, and one is enough where the cause is known."""
     system, preload, condensation = small_roll(12, 4)
     ended = []
 
@@ -115,9 +125,24 @@ def test_curves_that_end_at_one_motion_are_not_trained_further(
 
     monkeypatch.setattr(enrichment, "response_curve", stopped)
     monkeypatch.setattr(HarmonicCurve, "overtones", lambda self, k: overtones)
-    monkeypatch.setattr(training, "SAFE_END", 10.0)  # the first bases of a small roll are rough
+    monkeypatch.setattr(HarmonicCurve, "drifts", drifts)
+    monkeypatch.setattr(futility, "SAFE_END", 10.0)  # the first bases of a small roll are rough
     with pytest.raises(ConvergenceError, match="could not be followed") as failure:
         trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-12)
     assert len(ended) <= curves + 1  # and the coarse first curve
-    named = str(with_cause(failure.value, condensation, system.laws))
-    assert ("internal resonance: higher harmonics are 43 %" in named) == (overtones > 0.3)
+    assert re.search(cause, str(with_cause(failure.value, condensation, system.laws)))
+
+
+@pytest.mark.parametrize(("shift", "drifts"), [(20.0, False), (100.0, True)])
+def test_a_curve_ends_where_its_mean_displacement_leaves_the_motion(shift: float, drifts: bool) -> None:
+    """The mean displacement alone ends the curve; the oscillation is that of a good one."""
+    system, preload, condensation = small_roll(8, 3)
+    contact = Structure.of(condensation, preload, system.laws, Sampling(3, 64), 8)
+    curve = response_curve(contact.contact(contact.first_model()), amplitude=5.0, frequencies=(140.0, 150.0))
+    motion = curve.coefficients[-1].copy()
+    oscillation = np.linalg.norm(motion[1:] * curve.problem.root)
+    motion[0] = shift * max(curve.problem.size, oscillation) / curve.problem.root / np.sqrt(motion.shape[1])
+    moved = dataclasses.replace(curve, coefficients=np.array([*curve.coefficients[:-1], motion]))
+    assert moved.drifts == drifts
+    assert curve.problem.ended(curve.problem.scaled(motion, curve.frequencies[-1])) == drifts
+    assert not curve.drifts

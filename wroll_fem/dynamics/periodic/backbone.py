@@ -36,9 +36,10 @@ LENGTH = 10.0
 FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Units of two scaled unknowns: change of the frequency relative to the natural frequency, and damping ratio."""
 
-BACKBONE_STEPS = StepControl(largest=0.15, max_points=300)
-"""Step control along a backbone. A smooth backbone has about 80 points. The limit ``max_points`` stops a curve that
-would pass from one internal resonance to the next without end."""
+BACKBONE_STEPS = StepControl(largest=0.15, usual=5.0, max_points=300)
+"""Step control along a backbone. Its steps are short, because its end is found to within a step. A smooth backbone has
+about 80 points. The limit ``max_points`` stops a curve that would pass from one internal resonance to the next without
+end."""
 
 LARGEST_STRAY = 0.5
 """Limit for the norm of the mean displacement and for the norm of the higher harmonics, each relative to the norm of

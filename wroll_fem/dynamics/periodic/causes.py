@@ -17,8 +17,8 @@ SOME = 0.02
 """Share of contact points that open, above which opening is reported as the reason for the end of a backbone."""
 
 MIXED = 0.3
-"""Energy norm of the higher harmonics at the end of a response curve, relative to the whole motion, above which an
-internal resonance is reported as the cause."""
+"""Energy norm of the higher harmonics at the end or at the largest tip amplitude of a response curve, relative to the
+whole motion, above which an internal resonance is reported as the cause."""
 
 FREE = 1e-6
 """Smallest eigenvalue, relative to the eigenvalue of the main mode, below which a body counts as unrestrained."""
@@ -34,16 +34,24 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
     curve, share = error.partial, error.opening
     if isinstance(curve, HarmonicCurve | BackboneCurve) and len(curve.frequencies):
         share = opening(curve)
+    if isinstance(curve, HarmonicCurve) and len(curve.frequencies) and curve.drifts:
+        return (
+            "the mean displacement is undetermined: every point of some layer slides within each period, so that "
+            "nothing holds this layer; raise preload.pressure or contact.friction.mu, or compute a sweep"
+        )
     if share > WIDE:
         return (
             f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
             "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
         )
-    if isinstance(curve, HarmonicCurve) and mixed(curve):
-        return (
-            f"an internal resonance: higher harmonics are {100 * curve.overtones(-1):.0f} % of the motion there, "
-            "because they excite another mode; change the band or the amplitude, or compute a sweep"
-        )
+    if isinstance(curve, HarmonicCurve) and len(curve.frequencies):
+        point = max((-1, largest(curve)), key=curve.overtones)
+        if curve.overtones(point) > MIXED:
+            return (
+                f"an internal resonance at {curve.frequencies[point] / (2.0 * np.pi):.4g} Hz: higher harmonics are "
+                f"{100 * curve.overtones(point):.0f} % of the motion, because they excite another mode; "
+                "change the band or the amplitude, or compute a sweep"
+            )
     return ""
 
 
@@ -52,14 +60,14 @@ def opening(curve: HarmonicCurve | BackboneCurve) -> float:
     contact = curve.balance.contact
     if not contact.n:
         return 0.0
-    largest = int(np.argmax(np.abs(curve.fundamental(curve.balance.model.tip))))
-    state = contact.evaluate(contact.motion(curve.coefficients[largest]), float(curve.frequencies[largest]))
+    k = largest(curve)
+    state = contact.evaluate(contact.motion(curve.coefficients[k]), float(curve.frequencies[k]))
     return float(state.open.any(axis=1).mean())
 
 
-def mixed(curve: HarmonicCurve | BackboneCurve) -> bool:
-    """Whether a response curve ends at an internal resonance; False for a backbone and for a curve without points."""
-    return isinstance(curve, HarmonicCurve) and len(curve.frequencies) > 0 and curve.overtones(-1) > MIXED
+def largest(curve: HarmonicCurve | BackboneCurve) -> int:
+    """Index of the point of a curve with the largest tip amplitude."""
+    return int(np.argmax(np.abs(curve.fundamental(curve.balance.model.tip))))
 
 
 def end_of_backbone(curve: BackboneCurve) -> str:

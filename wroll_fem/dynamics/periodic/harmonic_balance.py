@@ -42,6 +42,12 @@ LARGEST_OVERTONES = 0.5
 """Energy norm of the higher harmonics, relative to the whole motion, above which an internal resonance is assumed."""
 
 
+LARGEST_DRIFT = 30.0
+"""Energy norm of the mean displacement, relative to the larger of the norm of the oscillation and the size by which
+motions are scaled, above which the mean counts as undetermined. Layers that slide at all points within each period keep
+any offset: the curve then leaves along the offset at nearly the same oscillation."""
+
+
 class HarmonicBalance:
     """Residual of the harmonic balance for Fourier coefficients (R, m), and its derivatives."""
 
@@ -224,15 +230,21 @@ class FrequencyCurve:
         y.ravel()[self.active] = z[:-1]
         return float(np.linalg.norm(y[3:])) / max(float(np.linalg.norm(y)), 1e-300)
 
-    def grown(self, z: FloatArray) -> bool:
-        """Whether the tip acceleration relative to the base exceeds `LARGEST_GROWTH` times the base acceleration."""
+    def drifted(self, z: FloatArray) -> bool:
+        """Whether the mean displacement exceeds `LARGEST_DRIFT`."""
+        y = np.zeros(self.shape)
+        y.ravel()[self.active] = z[:-1]
+        return float(np.linalg.norm(y[0])) > LARGEST_DRIFT * max(1.0, float(np.linalg.norm(y[1:])))
+
+    def growth(self, z: FloatArray) -> float:
+        """Tip acceleration relative to the base, divided by the base acceleration, relative to `LARGEST_GROWTH`."""
         q, frequency = self.motion(z)
         tip = frequency**2 * float(np.hypot(*(q[1:3] @ self.balance.model.tip)))
-        return tip > LARGEST_GROWTH * self.balance.acceleration
+        return tip / (LARGEST_GROWTH * self.balance.acceleration)
 
     def ended(self, z: FloatArray) -> bool:
-        """Whether the curve ends at ``z``, because of too large a response (`grown`) or an internal resonance."""
-        return self.grown(z) or self.overtones(z) > LARGEST_OVERTONES
+        """Whether the curve ends at ``z``: too large a response, an internal resonance, or an undetermined mean."""
+        return self.growth(z) > 1.0 or self.overtones(z) > LARGEST_OVERTONES or self.drifted(z)
 
     def describe(self, z: FloatArray) -> str:
         """See `CurveProblem`."""

@@ -157,6 +157,11 @@ class HarmonicCurve:
         return self.problem.overtones(self.problem.scaled(self.coefficients[k], self.frequencies[k]))
 
     @property
+    def drifts(self) -> bool:
+        """Whether the mean displacement at the last point of the curve is undetermined (`FrequencyCurve.drifted`)."""
+        return self.problem.drifted(self.problem.scaled(self.coefficients[-1], self.frequencies[-1]))
+
+    @property
     def folds(self) -> int:
         """Number of folds of the curve."""
         return int(np.count_nonzero(np.diff(np.sign(self.tangents[:, -1]))))
@@ -217,7 +222,8 @@ def response_curve(
 
     The curve is followed upwards from the first frequency. A response beyond `LARGEST_GROWTH` shows a resonance whose
     damping is practically zero or too small to bound it. The curve then ends there, is also followed downwards from the
-    last frequency, and has a gap between the two parts. A narrow internal resonance, where a harmonic of the motion
+    last frequency, and has a gap between the two parts. So it does where it cannot be followed further and the response
+    is already a large part of this limit (`STEEP`). A narrow internal resonance, where a harmonic of the motion
     coincides with an undamped mode, is stepped over.
 
     Parameters
@@ -265,11 +271,16 @@ def response_curve(
             except ConvergenceError as error:
                 points += error.partial or []
                 stopped = error
-            if stopped is None and problem.overtones(points[-1].z) <= LARGEST_OVERTONES:
+            last = points[-1].z
+            drifts, calm = problem.drifted(last), problem.overtones(last) <= LARGEST_OVERTONES
+            if stopped is None and calm and not drifts:
                 return points
-            beyond = _beyond(problem, points, end, control) if len(skipped) < MOST_SKIPPED else None
+            tried = len(skipped) < MOST_SKIPPED and not drifts
+            beyond = _beyond(problem, points, end, control) if tried else None
+            if beyond is None and calm and not drifts and problem.growth(last) > STEEP:
+                return points
             if beyond is None:
-                failure = stopped or _internal(problem, points[-1])
+                failure = stopped or (_drifting if drifts else _internal)(problem, points[-1])
                 failure.partial = HarmonicCurve.of_points(problem, before + points)
                 raise failure
             points, first = beyond
@@ -277,7 +288,7 @@ def response_curve(
 
     skipped: list[float] = []
     points = branch(start, low, BAND_SCALE, [])
-    if not problem.grown(points[-1].z):
+    if points[-1].z[-1] > BAND_SCALE - 1e-9:
         return HarmonicCurve.of_points(problem, points, skipped=skipped)
     last = problem.motion(points[-1].z)[1]
     try:
@@ -330,6 +341,13 @@ def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
         f"internal resonance without damping: a harmonic of the motion excites a mode ({problem.describe(point.z)})",
         time_s=None, iterations=point.iterations, residual_history=[share],
         advice="change the band, or compute a sweep",
+    )  # fmt: skip
+
+
+def _drifting(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
+    return ConvergenceError(
+        f"the mean displacement of the layers is not determined ({problem.describe(point.z)})",
+        time_s=None, iterations=point.iterations, residual_history=[], advice="raise the preload or compute a sweep",
     )  # fmt: skip
 
 

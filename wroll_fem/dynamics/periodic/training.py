@@ -20,8 +20,8 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
-from wroll_fem.dynamics.periodic.causes import WIDE, mixed, opening
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
+from wroll_fem.dynamics.periodic.futility import beyond_training, ends_in_every_basis
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -57,18 +57,6 @@ a new curve is computed."""
 HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 """Relative correction above which the training ends, and number of curves from which this limit applies. Corrections
 from linearised equations do not converge if they are this large."""
-
-RATTLING = ((1, 0.5, 0.5), (2, 10.0, WIDE), (2, 0.5, 0.35), (3, 0.5, WIDE))
-"""Number of curves from which the limits of a row apply, relative correction, and fraction of contact points that open.
-If both limits of a row are exceeded, the training ends: bases for rattling layers have hundreds of vectors, and each
-curve takes minutes."""
-
-SAME_END = 0.005, 0.15
-"""Relative differences of frequency and size of the motion within which two curves end at the same motion. If they do
-before their target, the training ends, because curves in other bases end there too. So it does at an internal resonance
-(`causes.mixed`)."""
-SAFE_END = 0.1
-"""Largest relative correction at which such an end is accepted."""
 
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
@@ -210,7 +198,7 @@ def trained(
     small = len(structure.condensation.eigenvalues) <= SMALL
     factor, stuck = 1.0 if small else COARSE, False
     moved: Curve | None = None
-    end: tuple[float, float] | None = None
+    before: Curve | None = None
     used: set[int] = set()
     for number in range(1, training.max_rounds + 1):
         stopped: ConvergenceError | None = None
@@ -232,9 +220,9 @@ def trained(
         unsure = past > UNSURE and number < SURE_ROUNDS
         if training.on_round is not None:
             training.on_round(number, model, error)
-        before, end = end, _end(curve) if stopped is not None and not coarse else None
-        if stopped is not None and end is not None and error <= SAFE_END and (_same(before, end) or mixed(curve)):
+        if stopped is not None and not coarse and ends_in_every_basis(curve, before, error):
             raise stopped
+        before = curve if stopped is not None and not coarse else None
         hopeless = (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS
         late = number >= CUT_ROUNDS and error > CUT_ERROR * tolerance
         if error > tolerance and (hopeless or late or stuck or number == training.max_rounds):
@@ -243,7 +231,7 @@ def trained(
             if part is not None and not coarse:
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
-        if hopeless or stuck or (isinstance(curve, HarmonicCurve) and _rattles(curve, number, error)):
+        if hopeless or stuck or beyond_training(curve, number, error):
             break
         if error <= tolerance and not coarse and not unsure:
             if stopped is not None:
@@ -277,24 +265,6 @@ def trained(
     )
     failure.partial = curve
     raise failure
-
-
-def _end(curve: Curve) -> tuple[float, float]:
-    """Frequency and size of the last motion of a curve; all bases are orthonormal in the mass, so sizes compare."""
-    return float(curve.frequencies[-1]), float(np.linalg.norm(curve.coefficients[-1]))
-
-
-def _same(before: tuple[float, float] | None, end: tuple[float, float]) -> bool:
-    """Whether two curves end at the same motion within `SAME_END`; False without an earlier curve."""
-    if before is None:
-        return False
-    return all(abs(b / a - 1.0) <= limit for a, b, limit in zip(before, end, SAME_END, strict=True))
-
-
-def _rattles(curve: HarmonicCurve, number: int, error: float) -> bool:
-    """Whether curve ``number`` of the training, with the relative correction ``error``, is beyond `RATTLING`."""
-    widths = [wide for first, most, wide in RATTLING if number >= first and error > most]
-    return bool(widths) and opening(curve) > min(widths)
 
 
 def _spread(count: int, most: int) -> set[int]:
