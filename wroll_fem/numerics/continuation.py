@@ -10,6 +10,7 @@ Allgower, Georg (1990), Numerical Continuation Methods, chapters 2 and 6, doi:10
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -109,7 +110,9 @@ class _Bordered:
     def __init__(self, jacobian: np.ndarray, row: FloatArray):
         # the transpose is the column-major array that LAPACK works on in place
         matrix = np.vstack([jacobian, row.astype(jacobian.dtype)])
-        self.factor = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
+        with warnings.catch_warnings():  # a singular matrix shows in steps that are not finite
+            warnings.simplefilter("ignore", la.LinAlgWarning)
+            self.factor = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solution in double precision; its error is that of the factors, which may be single."""
@@ -342,12 +345,18 @@ def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[
 
 
 def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
+    advice = "use more samples per period, more harmonics, a lower amplitude or a higher preload"
+    if history and not np.isfinite(history[-1]):
+        advice = (
+            "the equations are singular: nothing holds a body that slides, and its mean displacement is undetermined; "
+            "hold it, lower the amplitude or raise the preload"
+        )
     return ConvergenceError(
         f"{what} ({where})",
         time_s=None,
         iterations=len(history),
-        residual_history=history,
-        advice="use more samples per period, more harmonics, a lower amplitude or a higher preload",
+        residual_history=[size for size in history if np.isfinite(size)],
+        advice=advice,
     )
 
 

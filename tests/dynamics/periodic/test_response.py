@@ -9,7 +9,7 @@ from support.periodic import TURN, complete
 
 from wroll_fem.dynamics.periodic.aft import Sampling
 from wroll_fem.dynamics.periodic.response import solve_response
-from wroll_fem.errors import InputError
+from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import StepControl
 
 
@@ -83,3 +83,11 @@ def test_wrong_bands_and_samples_are_refused() -> None:
         solve_response(model, preload, laws, amplitude=0.0, frequencies=(10.0, 20.0))
     with pytest.raises(InputError, match="samples"):
         Sampling(16, 64)
+
+
+def test_a_body_that_nothing_holds_is_named() -> None:
+    """A mass without a spring slides on the ground: any mean displacement solves the equations, which are singular."""
+    system = coulomb_oscillator(stiffness=0.0, gamma=1e-5)
+    model, preload = complete(system)
+    with pytest.raises(ConvergenceError, match=r"after 1 iterations; .*mean displacement is undetermined"):
+        solve_response(model, preload, system.laws, amplitude=5.0, frequencies=(10.0, 25.0))
