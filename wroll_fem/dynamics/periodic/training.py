@@ -55,8 +55,8 @@ MOVABLE = 20.0
 a new curve is computed."""
 
 HOPELESS, HOPELESS_ROUNDS = 3.0, 3
-"""Relative correction above which the training ends, and number of curves from which this limit applies. Corrections
-from linearised equations do not converge if they are this large."""
+"""Relative correction above which the training ends if two curves in a row exceed it, and number of curves from which
+this limit applies. Corrections from linearised equations do not converge if they are this large."""
 
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes."""
@@ -199,6 +199,7 @@ def trained(
     factor, stuck = 1.0 if small else COARSE, False
     moved: Curve | None = None
     before: Curve | None = None
+    error = np.inf
     used: set[int] = set()
     for number in range(1, training.max_rounds + 1):
         stopped: ConvergenceError | None = None
@@ -215,7 +216,7 @@ def trained(
         points = richer.take(picked)
         found = dict(zip(picked, check(points, ROUGH_TOLERANCE if coarse else KRYLOV_TOLERANCE), strict=True))
         held = [found[k] for k in picked if k < count - curve.beyond]
-        error = max(f.energy for f in held)
+        previous, error = error, max(f.energy for f in held)
         past = max((found[k].energy for k in picked if k >= count - curve.beyond), default=0.0)
         unsure = past > UNSURE and number < SURE_ROUNDS
         if training.on_round is not None:
@@ -223,7 +224,7 @@ def trained(
         if stopped is not None and not coarse and ends_in_every_basis(curve, before, error):
             raise stopped
         before = curve if stopped is not None and not coarse else None
-        hopeless = (number >= HOPELESS_ROUNDS and error > HOPELESS) or model.size > LARGEST_BASIS
+        hopeless = (number >= HOPELESS_ROUNDS and min(previous, error) > HOPELESS) or model.size > LARGEST_BASIS
         late = number >= CUT_ROUNDS and error > CUT_ERROR * tolerance
         if error > tolerance and (hopeless or late or stuck or number == training.max_rounds):
             good = [f.energy <= tolerance for f in held]
