@@ -21,7 +21,8 @@ If both limits of a row are exceeded, the training ends: bases for rattling laye
 curve takes minutes."""
 
 MIXING = 2, 0.4
-"""Number of curves and relative correction from which the training ends at a peak with strong overtones (`MIXED`)."""
+"""Number of curves and relative correction from which the training ends at a peak with strong overtones (`MIXED`). A
+curve with a gap has no peak: only its flanks are wanted."""
 
 
 def ends_in_every_basis(
@@ -52,7 +53,7 @@ def beyond_training(curve: HarmonicCurve | BackboneCurve, number: int, error: fl
     if not isinstance(curve, HarmonicCurve):
         return False
     first, most = MIXING
-    if number >= first and error > most and curve.overtones(largest(curve)) > MIXED:
+    if number >= first and error > most and curve.gap is None and curve.overtones(largest(curve)) > MIXED:
         return True
     widths = [wide for first, most, wide in RATTLING if number >= first and error > most]
     return bool(widths) and opening(curve) > min(widths)
