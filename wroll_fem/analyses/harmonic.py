@@ -202,9 +202,11 @@ def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
         return None
     low, high = (w / (2.0 * np.pi) for w in curve.gap)
     middle = 0.5 * (low + high)
+    edges = np.abs(curve.transmissibility[np.isin(curve.frequencies, curve.gap)])
+    height = min(float(edges.min(initial=np.inf)), LARGEST_GROWTH)
     reason = (
-        f"the resonance near {middle:.5g} Hz grows beyond {LARGEST_GROWTH:.0f} times the base motion: its damping "
-        f"ratio due to friction is below {50.0 / LARGEST_GROWTH:.2g} %, or friction does not limit it; the curve is "
+        f"the resonance near {middle:.5g} Hz grows beyond {height:.0f} times the base motion: its damping "
+        f"ratio due to friction is below {50.0 / height:.2g} %, or friction does not limit it; the curve is "
         f"omitted between {low:.6g} and {high:.6g} Hz"
     )
     shape = HalfPower(middle, np.nan, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from support.periodic import small_roll
 
+from wroll_fem.analyses.harmonic import unbounded_reading
 from wroll_fem.dynamics.periodic import enrichment, futility
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.basis import first_model
@@ -78,6 +79,12 @@ def test_a_gap_has_its_resonance_in_its_middle_or_is_refused() -> None:
     assert steep is not None
     assert len(steep.frequencies) < len(curve.frequencies)
     assert np.mean(steep.gap) == pytest.approx(f_n, rel=5e-3)
+    edge = np.abs(steep.transmissibility[np.isin(steep.frequencies, steep.gap)]).min()
+    assert 250.0 < edge < 500.0
+    for found, height in ((steep, edge), (curve, 500.0)):
+        reading = unbounded_reading(found)
+        assert reading is not None
+        assert f"grows beyond {height:.0f} times the base motion" in reading.damping.reason
     assert curve.with_gap(curve.frequencies[below & (size > 20)][0], curve.gap[1]) is None
     assert curve.with_gap(curve.frequencies[0], curve.frequencies[-1]) is None
 
