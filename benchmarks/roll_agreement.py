@@ -72,12 +72,15 @@ def verdict(name: str, harmonic: Report, other: Report) -> dict[str, Any] | None
 
 
 def at_dwell(harmonic: Report, dwell: Report) -> float:
-    """|T| of the harmonic curve at the frequency of a dwell; nan outside it, or where it has folds."""
+    """|T| of the harmonic curve at the frequency of a dwell; nan outside it, or where it has several motions."""
     frequency = dwell.get("frequency_hz", np.nan)
     f, size = np.asarray(harmonic["curve_hz"]), np.asarray(harmonic["curve_magnitude"])
-    if len(f) < 5 or np.any(np.diff(f) <= 0.0) or not f[0] <= frequency <= f[-1]:
+    passes = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0.0) if len(f) >= 5 else np.array([], int)
+    if len(passes) != 1:
         return float("nan")
-    return float(np.exp(np.interp(frequency, f, np.log(size))))
+    part = slice(passes[0], passes[0] + 2)
+    order = np.argsort(f[part])
+    return float(np.exp(np.interp(frequency, f[part][order], np.log(size[part][order]))))
 
 
 def agreement(reports: Iterable[Report]) -> dict[str, list[dict[str, Any]]]:

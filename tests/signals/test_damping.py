@@ -12,7 +12,7 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.step_error import Oscillator
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
-from wroll_fem.signals.damping import half_power, least_damping, likely_damping, sweep_warning
+from wroll_fem.signals.damping import HalfPower, half_power, least_damping, likely_damping, sweep_warning
 from wroll_fem.signals.estimators.curve_damping import estimate_damping
 from wroll_fem.signals.transmissibility import demodulated, magnitude
 
@@ -147,6 +147,17 @@ def test_too_fast_sweep_is_named_with_the_rate_that_would_do():
     assert (
         sweep_warning(Chirp(5.0, 130.0, 170.0, 10 * limit), outside) is None
     )  # no resonance, which has its own reason
+
+
+def test_a_skewed_peak_is_swept_for_its_steeper_flank():
+    """Random roll 80: at 15 % of the limit for zeta = 5.5 %, and f_n of the sweep 1.5 % above the steady one."""
+    read = HalfPower(395.1, 17.6, 386.5, 429.8, zeta=0.0549, skewness=3.03, complete=True)
+    limit = sweep_rate_limit(395.1, 8.6 / 395.1)
+    band = 269.9, 682.2
+    assert sweep_warning(Chirp(19.9, *band, 0.49 * limit), read) is None
+    told = sweep_warning(Chirp(19.9, *band, 0.95 * limit), read) or ""
+    assert "runs at 95 % of the ISO 7626-2 limit for 395.1 Hz and zeta = 2.18 % (from the steeper flank" in told
+    assert f"to {0.5 * limit:.2g} or less" in told
 
 
 @pytest.mark.parametrize("band", [(130.0, 150.5), (149.5, 170.0), (149.5, 150.5)])
