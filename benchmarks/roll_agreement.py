@@ -75,8 +75,8 @@ def at_dwell(harmonic: Report, dwell: Report) -> float:
     """|T| of the harmonic curve at the frequency of a dwell; nan outside it, or where it has several motions."""
     frequency = dwell.get("frequency_hz", np.nan)
     f, size = np.asarray(harmonic["curve_hz"]), np.asarray(harmonic["curve_magnitude"])
-    passes = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0.0) if len(f) >= 5 else np.array([], int)
-    if len(passes) != 1:
+    passes = np.flatnonzero(np.diff(f >= frequency))
+    if len(f) < 5 or len(passes) != 1:
         return float("nan")
     part = slice(passes[0], passes[0] + 2)
     order = np.argsort(f[part])

@@ -33,7 +33,7 @@ import numpy as np
 import wroll_fem as wf
 
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]  # coarse, with small elements at the root
-case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_per_min=6", "excitation.f_start=130"])
+case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_per_min=2.5", "excitation.f_start=130"])
 print(case.resolved_yaml())
 
 # %% [markdown]
@@ -82,12 +82,12 @@ assert f_frictionless < numbers["f_n_hz"] < f_bonded
 # %% [markdown]
 # ## Steady state by harmonic balance
 #
-# Harmonic balance computes the periodic motion at each frequency. A slow sweep follows it; this one, at six octaves
+# Harmonic balance computes the periodic motion at each frequency. A slow sweep follows it; this one, at 2.5 octaves
 # per minute, passes the peak a little late.
 
 # %%
 steady = wf.run(case.changed({"analysis": "harmonic", "harmonic.harmonics": 5, "harmonic.samples": 64}))
-wf.plot.comparison({"chirp, 6 oct/min": result, "periodic motion": steady})
+wf.plot.comparison({"chirp, 2.5 oct/min": result, "periodic motion": steady})
 plt.show()
 balance = wf.summarise(steady)
 print(f"peak {numbers['peak_transmissibility']:.2f} at {numbers['f_n_hz']:.2f} Hz by the chirp, "

@@ -119,9 +119,9 @@ assert louder.attrs["f_n_hz"] < reference.attrs["f_n_hz"]
 
 # %%
 chirp = ["excitation.rate_oct_per_min=4", "preload.pressure=3e4"]
-sliding = wf.run(wf.load_case("../configs/lab_sweep.yaml", [*mesh, *chirp]))
-with warnings.catch_warnings():  # almost no damping: free vibration after the sweep, no half-power width
+with warnings.catch_warnings():  # a quick look: both peaks are swept too fast for exact damping
     warnings.simplefilter("ignore", wf.CaseWarning)
+    sliding = wf.run(wf.load_case("../configs/lab_sweep.yaml", [*mesh, *chirp]))
     held = wf.run(wf.load_case("../configs/lab_sweep_clamped.yaml", [*mesh, *chirp]))
 ax = wf.plot.comparison({"base of the layer free": sliding, "base of the layer clamped": held})
 ax.set_yscale("log")
