@@ -294,12 +294,16 @@ def test_a_signal_that_ends_in_an_error_of_native_code_is_no_failure(
             signal.raise_signal(number)
         raise ImportError("initialization failed")
 
-    before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)]
-    monkeypatch.setattr(FakeAnalyses, "run_analysis", stopped_while_importing)
-    done = wroll("run", TINY, "--out", "here")
-    assert done.exit_code == 130, done.output
-    assert RunFolder(tmp_path / "here").status() == "interrupted"
-    assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)] == before
+    outer = signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background ignore Ctrl-C
+    try:
+        before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)]
+        monkeypatch.setattr(FakeAnalyses, "run_analysis", stopped_while_importing)
+        done = wroll("run", TINY, "--out", "here")
+        assert done.exit_code == 130, done.output
+        assert RunFolder(tmp_path / "here").status() == "interrupted"
+        assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)] == before
+    finally:
+        signal.signal(signal.SIGINT, outer)
 
 
 def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
