@@ -10,7 +10,6 @@ Allgower, Georg (1990), Numerical Continuation Methods, chapters 2 and 6, doi:10
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -110,14 +109,14 @@ class _Bordered:
     def __init__(self, jacobian: np.ndarray, row: FloatArray):
         # the transpose is the column-major array that LAPACK works on in place
         matrix = np.vstack([jacobian, row.astype(jacobian.dtype)])
-        with warnings.catch_warnings():  # a singular matrix shows in steps that are not finite
-            warnings.simplefilter("ignore", la.LinAlgWarning)
-            self.factor = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
+        getrf, self._getrs = la.get_lapack_funcs(("getrf", "getrs"), (matrix,))
+        lu, pivots, _ = getrf(matrix.T, overwrite_a=True)  # a singular matrix shows in steps that are not finite
+        self.factor = lu, pivots
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solution in double precision; its error is that of the factors, which may be single."""
         lu, pivots = self.factor
-        return la.lu_solve((lu, pivots), rhs.astype(lu.dtype), trans=1, check_finite=False).astype(float)
+        return np.asarray(self._getrs(lu, pivots, rhs.astype(lu.dtype), trans=1)[0], dtype=float)
 
     @property
     def sign(self) -> float:

@@ -9,10 +9,10 @@ import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.branches import STEEP, Branches
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
     LARGEST_GROWTH,
-    LARGEST_OVERTONES,
     FrequencyCurve,
     HarmonicBalance,
     solve_motion,
@@ -20,21 +20,8 @@ from wroll_fem.dynamics.periodic.harmonic_balance import (
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
+from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct
 from wroll_fem.typing import FloatArray
-
-MOST_SKIPPED = 8
-"""Largest number of internal resonances that are stepped over in one curve."""
-
-STEPS_BEYOND = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 4e-2)
-"""Frequency steps, relative to the width of the band, that are tried in turn to step over an internal resonance."""
-
-STEEP = 0.4
-"""Transmissibility, relative to `LARGEST_GROWTH`, that both edges of a gap in a response curve must exceed. The middle
-of the gap is then the resonance frequency to within 0.5 %."""
-
-LARGEST_JUMP = 0.5
-"""Largest relative change of the motion that is accepted when an internal resonance is stepped over."""
 
 
 @dataclass(frozen=True)
@@ -261,94 +248,22 @@ def response_curve(
         if on_point is not None:
             on_point(problem.motion(points[-1].z)[1] / (2.0 * np.pi), len(points))
 
-    def branch(motion: FloatArray, frequency: float, end: float, before: list[CurvePoint]) -> list[CurvePoint]:
-        first = problem.solve(problem.scaled(motion, frequency), control)
-        points: list[CurvePoint] = []
-        while True:
-            try:
-                points += follow(problem, first, end, control, on_point=report, ends=problem.ended)
-                stopped = None
-            except ConvergenceError as error:
-                points += error.partial or []
-                stopped = error
-            last = points[-1].z
-            drifts, calm = problem.drifted(last), problem.overtones(last) <= LARGEST_OVERTONES
-            if stopped is None and calm and not drifts:
-                return points
-            tried = len(skipped) < MOST_SKIPPED and not drifts
-            beyond = _beyond(problem, points, end, control) if tried else None
-            if beyond is None and calm and not drifts and problem.growth(last) > STEEP:
-                return points
-            if beyond is None:
-                failure = stopped or (_drifting if drifts else _internal)(problem, points[-1])
-                failure.partial = HarmonicCurve.of_points(problem, before + points)
-                raise failure
-            points, first = beyond
-            skipped.append(problem.motion(first)[1])
-
-    skipped: list[float] = []
-    points = branch(start, low, BAND_SCALE, [])
-    if points[-1].z[-1] > BAND_SCALE - 1e-9:
-        return HarmonicCurve.of_points(problem, points, skipped=skipped)
-    last = problem.motion(points[-1].z)[1]
+    branches = Branches(problem, control, report)
+    points: list[CurvePoint] = []
     try:
-        down = branch(solve_motion(balance, high, control=control), high, 0.0, points)
+        points = branches.follow(start, low, BAND_SCALE)
+        if points[-1].z[-1] > BAND_SCALE - 1e-9:
+            return HarmonicCurve.of_points(problem, points, skipped=branches.skipped)
+        down = branches.follow(solve_motion(balance, high, control=control), high, 0.0)
     except ConvergenceError as error:
-        error.partial = HarmonicCurve.of_points(problem, points)
+        found = points or error.partial
+        if found:
+            error.partial = HarmonicCurve.of_points(problem, found)
         raise
+    last = problem.motion(points[-1].z)[1]
     upwards = [CurvePoint(p.z, -p.tangent, p.iterations, p.regular) for p in reversed(down)]
     first = problem.motion(upwards[0].z)[1]
-    return HarmonicCurve.of_points(problem, points + upwards, (min(last, first), max(last, first)), skipped)
-
-
-def _beyond(
-    problem: FrequencyCurve, points: list[CurvePoint], end: float, control: StepControl
-) -> tuple[list[CurvePoint], FloatArray] | None:
-    """Part of the curve before an internal resonance, and a solution (n + 1,) beyond the resonance to continue from.
-
-    Solutions are computed at frequencies increasingly far beyond the resonance (`STEPS_BEYOND`); the last point of this
-    part is the initial guess. The first solution is returned whose higher harmonics are small and that differs from the
-    guess by less than `LARGEST_JUMP`. None if there is no such solution, or if fewer than two points of the curve have
-    small higher harmonics.
-    """
-    forward = 1.0 if end > points[0].z[-1] else -1.0
-    calm = [k for k, p in enumerate(points) if problem.overtones(p.z) <= 0.3 * LARGEST_OVERTONES]
-    if not calm or len(calm) < 2:
-        return None
-    last = calm[-1] if calm[-1] < len(points) - 1 else max(calm[-1] - 2, 0)
-    kept = points[: last + 1]
-    here = kept[-1]
-    furthest = max(forward * p.z[-1] for p in points)
-    for step in STEPS_BEYOND:
-        z = here.z.copy()
-        place = max(furthest, forward * here.z[-1]) + step * BAND_SCALE
-        if place > forward * end:
-            return None
-        z[-1] = forward * place
-        try:
-            found = solve_at(problem, z, control)
-        except ConvergenceError:
-            continue
-        change = np.linalg.norm(found[:-1] - here.z[:-1]) / np.linalg.norm(here.z[:-1])
-        if problem.overtones(found) <= 0.3 * LARGEST_OVERTONES and change < LARGEST_JUMP:
-            return kept, found
-    return None
-
-
-def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
-    share = problem.overtones(point.z)
-    return ConvergenceError(
-        f"internal resonance without damping: a harmonic of the motion excites a mode ({problem.describe(point.z)})",
-        time_s=None, iterations=point.iterations, residual_history=[share],
-        advice="change the band, or compute a sweep",
-    )  # fmt: skip
-
-
-def _drifting(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
-    return ConvergenceError(
-        f"the mean displacement of the layers is not determined ({problem.describe(point.z)})",
-        time_s=None, iterations=point.iterations, residual_history=[], advice="raise the preload or compute a sweep",
-    )  # fmt: skip
+    return HarmonicCurve.of_points(problem, points + upwards, (min(last, first), max(last, first)), branches.skipped)
 
 
 def _response_size(balance: HarmonicBalance, start: FloatArray, low: float, high: float) -> float:

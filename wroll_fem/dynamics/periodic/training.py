@@ -21,9 +21,9 @@ from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
-from wroll_fem.dynamics.periodic.futility import beyond_training, ends_in_every_basis
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.dynamics.periodic.training_end import beyond_training, ends_in_every_basis
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
