@@ -35,6 +35,7 @@ format: setup ## let ruff put the code in order
 
 schema: setup ## write the JSON schema of the case file and the reference pages again
 	.venv/bin/wroll schema --out docs/wroll-case.schema.json
+	.venv/bin/wroll schema --grid --out docs/wroll-grid.schema.json
 	$(PYTHON) -m tools.reference docs/reference
 
 docs: setup ## the pages as one site, without warnings: build/docs/index.html

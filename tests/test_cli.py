@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -16,6 +17,7 @@ from typer.testing import Result
 
 from wroll_fem import __version__
 from wroll_fem.case import schema_text
+from wroll_fem.jobs.grid import grid_schema_text
 
 
 def test_validate_checks_every_file_and_tells_warnings(wroll: Callable[..., Result], tmp_path: Path) -> None:
@@ -32,10 +34,41 @@ def test_validate_checks_every_file_and_tells_warnings(wroll: Callable[..., Resu
     assert f"{TINY}: OK" in mixed.stdout
 
 
+def test_validate_reads_grid_files_and_tells_all_their_errors(wroll: Callable[..., Result], tmp_path: Path) -> None:
+    """One error of many cases is told once, in the line of the grid file."""
+    lines = [f"base: {TINY}", "grid:", "  contact.friction.mu: [-0.1, 0.2 m]", "  mesh.axail: [2, 3]", ""]
+    (tmp_path / "bad.yaml").write_text("\n".join(lines), encoding="utf-8")
+    bad = wroll("validate", tmp_path / "bad.yaml")
+    assert bad.exit_code == 2
+    told = [line.removeprefix(f"{tmp_path}/bad.yaml:") for line in bad.stderr.splitlines()]
+    assert [line.split(";")[0] for line in told] == [
+        "3: grid.contact.friction.mu: must be 0 or more, got -0.1",
+        "3: grid.contact.friction.mu: must be a pure number, not a length, got '0.2 m'",
+        "4: grid.mesh.axail: unknown key, got 2",
+        "4: grid.mesh.axail: unknown key, got 3",
+    ]
+    (tmp_path / "good.yaml").write_text(f"base: {TINY}\ngrid: {{preload.pressure: [10 kPa, 2.0e+4]}}\n")
+    good = wroll("validate", tmp_path / "good.yaml")
+    assert good.stdout.splitlines() == [
+        f"{tmp_path}/good.yaml: OK", f"{tmp_path}/good.yaml: warning: the mesh is coarse; use mesh.axial >= 20",
+    ]  # fmt: skip
+
+
+def test_dry_run_of_a_batch_names_its_cases_and_writes_nothing(wroll: Callable[..., Result], tmp_path: Path) -> None:
+    grid = tmp_path / "grid.yaml"
+    grid.write_text(f"base: {TINY}\ngrid: {{preload.pressure: [10 kPa, 2.0e+4]}}\n", encoding="utf-8")
+    done = wroll("batch", grid, "--dry-run", "--workers", 2)
+    assert done.exit_code == 0
+    assert [line.split()[0] for line in done.stdout.splitlines()[:2]] == ["pressure_10000", "pressure_20000"]
+    assert re.fullmatch(r"2 cases, .* s with 2 workers", done.stdout.splitlines()[-1].split(", 2 cases")[0])
+    assert sorted(tmp_path.iterdir()) == [grid]
+
+
 def test_schema_goes_to_the_screen_or_to_a_file(wroll: Callable[..., Result], tmp_path: Path) -> None:
     assert wroll("schema").stdout == schema_text()
     assert wroll("schema", "--out", tmp_path / "new" / "schema.json").exit_code == 0
     assert (tmp_path / "new" / "schema.json").read_text() == schema_text()
+    assert wroll("schema", "--grid").stdout == grid_schema_text()
     blocked = wroll("schema", "--out", tmp_path)
     assert blocked.exit_code == 2
     assert "cannot be written" in blocked.stderr
@@ -83,6 +116,10 @@ def test_info_names_every_library_and_a_broken_one(
     names = ["python", "dolfinx", "petsc", "slepc", "numpy", "scipy", "gmsh", "numba", "xarray", "pyvista", "h5py"]
     assert [line.split()[0] for line in optional.stdout.splitlines()] == ["wroll_fem", *names]
     assert re.search(r"pyvista +- +DOES NOT WORK: ImportError: no such library", optional.stdout)
+    told = json.loads(wroll("info", "--json").stdout)
+    assert told["wroll_fem"] == __version__
+    assert told["libraries"]["gmsh"] == {"version": "1.2", "problem": None}
+    assert told["libraries"]["pyvista"]["problem"] == "ImportError: no such library"
     monkeypatch.setattr(environment, "_PARTS", {**parts, "dolfinx": broken})
     assert wroll("info").exit_code == 1
 

@@ -179,3 +179,18 @@ def test_a_batch_names_what_runs_longest_first() -> None:
     assert count.note({}) == "2 failed"
     assert count.note({"a": 2.0, "b": 1.0}) == "2 failed; running b, a"
     assert BatchProgress(9).note({name: 1.0 * k for k, name in enumerate("abcde")}) == "running a, b, c and 2 more"
+
+
+def test_no_time_left_is_told_before_a_twentieth_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first steps are not typical: kernels are compiled, contact changes."""
+    clock = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
+    stream = io.StringIO()
+    with TerminalProgress(stream).stage("sweep", 1000, "steps") as stage:
+        for now, done in ((100.0, 49), (200.0, 50)):
+            clock[0] = now
+            stage.update(done)
+    assert stream.getvalue().splitlines()[1:3] == [
+        "sweep: 5% (49 of 1000 steps)",
+        "sweep: 5% (50 of 1000 steps), 1 h 03 min left",
+    ]

@@ -26,18 +26,42 @@ class InputError(WrollError):
         What to do.
     file
         File the input came from; filled in by the loader when unknown here.
+    others
+        Further errors of the same input.
+
+    Attributes
+    ----------
+    line
+        Line of the file in which the key stands, counted from 1; None if unknown.
     """
 
     exit_code = 2
 
-    def __init__(self, problem: str, *, key: str | None = None, remedy: str | None = None, file: str | None = None):
+    def __init__(
+        self, problem: str, *, key: str | None = None, remedy: str | None = None, file: str | None = None,
+        others: Sequence[InputError] = (),
+    ):  # fmt: skip
         self.problem, self.key, self.remedy, self.file = problem, key, remedy, file
+        self.others = tuple(others)
+        self.line: int | None = None
         super().__init__(problem)
 
     def __str__(self) -> str:
-        where = ": ".join(part for part in (self.file, self.key) if part)
+        return f"{self.alone} (and {len(self.others)} more)" if self.others else self.alone
+
+    @property
+    def alone(self) -> str:
+        """Message without the number of further errors."""
+        file = f"{self.file}:{self.line}" if self.file and self.line else self.file
+        where = ": ".join(part for part in (file, self.key) if part)
         text = f"{where}: {self.problem}" if where else self.problem
         return f"{text}; {self.remedy}" if self.remedy else text
+
+    @property
+    def lines(self) -> list[str]:
+        """Message of each error, in the order of the file."""
+        found = [self, *self.others]
+        return [error.alone for error in sorted(found, key=lambda error: error.line or 0)]
 
 
 class ConvergenceError(WrollError):

@@ -18,6 +18,9 @@ from typing import Any, Protocol, Self, TextIO
 #: done since then and the second time (s) has passed.
 LINE_SECONDS, LINE_SHARE, LINE_SHARE_SECONDS = 10.0, 0.1, 1.0
 
+#: Share of a stage that must be done before its remaining time is estimated from its pace.
+LEAST_SHARE = 0.05
+
 #: Time between two redrawings of the bar, s; `update` is called in tight loops.
 BAR_SECONDS = 0.1
 
@@ -274,7 +277,7 @@ class _Stage:
         draw = self._bar is not None and now - self._drawn >= BAR_SECONDS
         if not line and not draw:
             return
-        if left is None and share > 0:
+        if left is None and share >= LEAST_SHARE:
             left = (now - self._started) * (1 - share) / share
         rest = f"{duration(left)} left" if left is not None and isfinite(left) else ""
         if self._bar is not None and draw:

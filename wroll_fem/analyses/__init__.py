@@ -30,11 +30,13 @@ def case_warnings(case: Case) -> list[str]:
     InputError
         If that file is invalid.
     """
-    from wroll_fem.analyses.shared.preflight import CHECKS
+    from wroll_fem.analyses.shared.preflight import CHECKS, unusual_frequency
+    from wroll_fem.case.plausibility import implausible
 
     known = CHECKS.get(case.analysis)  # without the imports of the analysis
     checks = find_analysis(case.analysis).preflight if known is None else known
-    return case.renamed + [text for check in checks for text in check(case)]
+    numbers = implausible(case) or unusual_frequency(case)
+    return case.renamed + numbers + [text for check in checks for text in check(case)]
 
 
 def estimate(case: Case) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import (
@@ -11,18 +12,53 @@ from pydantic import (
     GetJsonSchemaHandler,
     SerializerFunctionWrapHandler,
     model_serializer,
+    model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from wroll_fem.case.descriptions import unit_of
+from wroll_fem.case.units import KINDS, QUANTITY_PATTERN, WrongQuantity, in_si
+
+OF_ENCLOSING_KEY = "as the enclosing key"
+"""Words in the description of a key whose unit is that of the section around it."""
+
 
 class Section(BaseModel):
-    """Immutable case section in SI units; unknown keys are refused."""
+    """Immutable case section in SI units; unknown keys are refused.
+
+    A key whose description contains a unit also takes a text with another unit, such as "1200 mm"; see `units.in_si`.
+    """
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False,
         defer_build=True,  # the commands that read no case start faster
     )  # fmt: skip
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_si(cls, data: Any) -> Any:
+        """Convert texts with units to numbers in SI."""
+        if not isinstance(data, Mapping):
+            return data
+        texts = {key: value for key, value in data.items() if _has_text(value) and key in cls.model_fields}
+        return {**data, **{key: _converted(value, cls.unit_of(key)) for key, value in texts.items()}}
+
+    @classmethod
+    def unit_of(cls, key: str) -> str:
+        """Unit of a key, as its description spells it; "" if the key has no unit of its own."""
+        description = cls.model_fields[key].description or ""
+        return "" if OF_ENCLOSING_KEY in description else unit_of(description)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """JSON schema in which a number with a unit may also be a text, such as "1200 mm"."""
+        schema = handler.resolve_ref_schema(handler(core))
+        keys = schema.get("properties", {})
+        for key in keys:
+            if key in cls.model_fields and cls.unit_of(key) in KINDS:
+                keys[key] = _or_quantity(keys[key])
+        return schema
 
 
 class TaggedSection(Section):
@@ -37,7 +73,7 @@ class TaggedSection(Section):
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """JSON schema in which the tag is required."""
-        schema = handler.resolve_ref_schema(handler(core))
+        schema = super().__get_pydantic_json_schema__(core, handler)
         tags = [tag for tag in cls.TAGS if tag in cls.model_fields]
         schema["required"] = [*tags, *(key for key in schema.get("required", []) if key not in tags)]
         return schema
@@ -73,8 +109,42 @@ def validation_error(
     return PydanticCustomError("wroll", "{problem}; {remedy}", context)
 
 
+def _has_text(value: Any) -> bool:
+    return isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value))
+
+
+def _converted(value: Any, unit: str) -> Any:
+    """Text with a unit, or a list with such texts, in the SI unit ``unit``; anything else is returned unchanged."""
+    if isinstance(value, list | tuple):
+        return [_converted(entry, unit) for entry in value]
+    return in_si(value, unit) if isinstance(value, str) else value
+
+
+_OF_THE_KEY = ("title", "description", "default", "examples", "deprecated")
+"""Entries of a JSON schema that belong to the key, not to one of the types of its value."""
+
+
+def _or_quantity(schema: JsonSchemaValue) -> JsonSchemaValue:
+    """JSON schema of a number, or of a list of numbers, that also takes texts with units."""
+    if schema.get("type") == "array":
+        lists = {name: _or_quantity(schema[name]) for name in ("items",) if name in schema}
+        pairs = {"prefixItems": [_or_quantity(entry) for entry in schema.get("prefixItems", [])]}
+        return schema | lists | {name: entries for name, entries in pairs.items() if entries}
+    text = {"type": "string", "pattern": QUANTITY_PATTERN}
+    if "anyOf" in schema:
+        options = [_or_quantity(option) if option.get("type") == "array" else option for option in schema["anyOf"]]
+        return schema | {"anyOf": [*options, text] if any(o.get("type") == "number" for o in options) else options}
+    if schema.get("type") != "number":
+        return schema
+    kept = {name: schema[name] for name in _OF_THE_KEY if name in schema}
+    number = {name: value for name, value in schema.items() if name not in kept}
+    return {"anyOf": [number, text]} | kept
+
+
 def _number(value: Any) -> Any:
     """Convert a number that PyYAML reads as text, such as '1e-3', to a float; refuse booleans and other text."""
+    if isinstance(value, WrongQuantity):
+        raise validation_error(value.problem, remedy=value.remedy, value=str(value))
     if isinstance(value, bool):
         raise validation_error("must be a number", remedy="write a number, not true or false", value=value)
     if isinstance(value, str):

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar, cast, get_args
 
 import yaml
 from pydantic import (
     Field,
     ModelWrapValidatorHandler,
     PrivateAttr,
+    TypeAdapter,
     ValidationError,
     ValidationInfo,
     model_validator,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import InitErrorDetails
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wroll_fem.case.base import Section, validation_error
 from wroll_fem.case.checks import check_damping_method
@@ -52,6 +53,10 @@ _OWNERS = {
     "damping_ratio": ("modal damping", "modal_transient"),
 }  # fmt: skip
 """Key that only one analysis uses -> (description of the key, name of the analysis)."""
+
+
+Check = Callable[[], object]
+"""Check of case sections against each other; raises PydanticCustomError. It reads the sections when it is called."""
 
 
 class Origin(NamedTuple):
@@ -126,11 +131,18 @@ class Case(Section):
             if kind is not cls:
                 return kind.model_validate(given, context=origin)
             case = handler(given)
+            if problems := case._problems():
+                raise ValidationError.from_exception_data(cls.__name__, problems)
         except ValidationError as error:
             file = None if origin.file is None else str(origin.file)
             known = [key for key in SECTIONS if kind is not cls or key in cls.model_fields]
+            details = error.errors(include_url=False)
+            if kind is cls and any(detail["loc"] for detail in details):
+                wrong = {detail["loc"][0] for detail in details if detail["loc"]}
+                problems = cls._valid_part(given, wrong, origin)._problems(complete=False)
+                details += ValidationError.from_exception_data(cls.__name__, problems).errors(include_url=False)
             raise input_error(
-                error, cls, file=file, overrides=origin.overrides, known=known, refusal=cls._refusal
+                details, cls, file=file, overrides=origin.overrides, known=known, refusal=cls._refusal
             ) from None
         case._source, case._former = origin.file, origin.former
         return case
@@ -164,14 +176,35 @@ class Case(Section):
         lacks, owner = _OWNERS.get(key, (f"section {key}", ""))
         return f"analysis {analysis} has no {lacks}", "leave it out" + (f", or use analysis: {owner}" if owner else "")
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        self._check()
-        return self
+    @classmethod
+    def _valid_part(cls, given: Mapping[str, Any], wrong: Collection[str | int], origin: Origin) -> Self:
+        """Case without its wrong sections, to check the others; reading a wrong section raises AttributeError."""
+        valid: dict[str, Any] = {}
+        for name in (cls.model_fields.keys() & given.keys()) - set(wrong):
+            field = cls.model_fields[name]
+            kind: Any = Annotated[(field.annotation, *field.metadata, Field(discriminator=field.discriminator))]
+            valid[name] = TypeAdapter(kind).validate_python(given[name], context=origin)
+        part = cls.model_construct(_fields_set=set(given), **valid)
+        for section in wrong:
+            part.__dict__.pop(str(section), None)  # the default
+        return cast("Self", part)
 
-    def _check(self) -> None:
-        """Check case sections against each other; subclasses add their own checks."""
-        check_damping_method(self.output, self.analysis)
+    def _problems(self, *, complete: bool = True) -> list[InitErrorDetails]:
+        """What the checks of the case sections against each other find; ``complete``: every section is valid."""
+        found: list[InitErrorDetails] = []
+        for check in self._checks():
+            try:
+                check()
+            except PydanticCustomError as problem:
+                found.append({"type": problem, "loc": (), "input": None})
+            except AttributeError:
+                if complete:
+                    raise
+        return found
+
+    def _checks(self) -> Iterator[Check]:
+        """Checks of case sections against each other; subclasses add their own checks."""
+        yield lambda: check_damping_method(self.output, self.analysis)
 
     def __eq__(self, other: object) -> bool:
         """Compare the contents of two cases; their origin is ignored."""

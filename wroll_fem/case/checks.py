@@ -103,8 +103,12 @@ def check_base(mandrel: Mandrel, analysis: str) -> None:
         )  # fmt: skip
 
 
-def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
-    """Require the case sections `contact` and `preload` if the analysis uses the interfaces of the coil.
+INTERFACE_SECTIONS = {"contact": "friction and normal contact", "preload": "pressure on the layers"}
+"""Case sections that describe the interfaces of a coil."""
+
+
+def check_interfaces(section: str, coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
+    """Require a case section of `INTERFACE_SECTIONS` if the analysis uses the interfaces of the coil.
 
     Parameters
     ----------
@@ -117,14 +121,11 @@ def check_interfaces(coil: Coil, modal: Modal, analysis: str, written: set[str])
         If the check fails.
     """
     stuck = analysis == "modal" and modal.interface == "stuck"
-    if coil.model != "layers" or (analysis == "modal" and not stuck):
+    if coil.model != "layers" or (analysis == "modal" and not stuck) or section in written:
         return
     reason = "modal.interface: stuck linearises the preloaded contact" if stuck else "coil.model: layers has interfaces"
-    sections = {"contact": "friction and normal contact", "preload": "pressure on the layers"}
-    for section, what in sections.items():
-        if section not in written:
-            remedy = f"add it ({what}): {reason}"
-            raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
+    remedy = f"add it ({INTERFACE_SECTIONS[section]}): {reason}"
+    raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
 
 
 def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
@@ -166,7 +167,7 @@ def check_layers(coil: Coil) -> None:
         raise validation_error(problem, key="coil.model", value=coil.model, remedy="use layers")
 
 
-def check_pressures(preload: Preload, layers: int) -> None:
+def check_pressures(preload: Preload | None, layers: int) -> None:
     """Require one external pressure, or a list with one external pressure per layer.
 
     Raises
@@ -174,7 +175,7 @@ def check_pressures(preload: Preload, layers: int) -> None:
     PydanticCustomError
         If the check fails.
     """
-    pressure = preload.pressure
+    pressure = None if preload is None else preload.pressure
     if isinstance(pressure, list) and len(pressure) != layers:
         raise validation_error(
             f"{len(pressure)} pressures for {layers} layer{'s' if layers > 1 else ''}", key="preload.pressure",

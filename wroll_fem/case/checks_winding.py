@@ -59,14 +59,16 @@ def check_winding_mandrel(winding: Winding | None, *, described: bool) -> None:
         raise validation_error("required section is missing", key="winding.mandrel", show_value=False, remedy=remedy)
 
 
-def check_winding_size(winding: Winding, geometry: Geometry, coil: Coil | None) -> None:
-    """Check that the wound roll and the simulated roll have the same size.
+def check_winding_size(winding: Winding | None, geometry: Geometry | None, coil: Coil | None) -> None:
+    """Check that the wound roll and the simulated roll have the same size, if both are described.
 
     Raises
     ------
     PydanticCustomError
         If the check fails.
     """
+    if winding is None or geometry is None:
+        return
     radius, wall = 0.5 * geometry.mandrel_outer_diameter, geometry.mandrel_thickness
     if winding.mandrel is not None:
         _check_same(winding.mandrel.outer_radius, radius, "mandrel.outer_radius", "geometry.mandrel_outer_diameter / 2")

@@ -51,7 +51,8 @@ class Coil(Section):
     )
     material: Material = Field(
         default_factory=_lab_layer,
-        description="material of the coil: isotropic, or kind: cylindrical_orthotropic for solid",
+        description="material of the coil: isotropic (a section, or a name as in `wroll materials`), or kind: "
+        "cylindrical_orthotropic for solid",
     )
     base: Literal["free", "clamped", "inner_edge", "guided"] = Field(
         default="free",

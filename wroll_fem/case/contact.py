@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, Switch, TaggedSection, _number, validation_error
+from wroll_fem.case.units import WrongQuantity
 from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
 from wroll_fem.contact.registry import LAWS
@@ -131,7 +132,8 @@ class Normal(Section):
         if value == "auto":
             return value
         remedy = "write auto, or a positive stiffness in Pa/m"
-        number = _number(value) if not isinstance(value, str) else _text_number(value, remedy)
+        plain = isinstance(value, str) and not isinstance(value, WrongQuantity)
+        number = _text_number(value, remedy) if plain else _number(value)
         if not isinstance(number, int | float) or not 0 < number < float("inf"):
             raise validation_error("must be auto or a positive number", remedy=remedy, value=value)
         return float(number)

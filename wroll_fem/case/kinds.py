@@ -5,13 +5,14 @@ A roll analysis that has no case section of its own has no class here; its class
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
 from wroll_fem.case.analyses import MODULES
 from wroll_fem.case.base import Real
-from wroll_fem.case.case import Case, case_kind, case_kinds
+from wroll_fem.case.case import Case, Check, case_kind, case_kinds
 from wroll_fem.case.checks import (
     check_damping_method,
     check_design_map,
@@ -67,9 +68,9 @@ class SweepCase(StructuralCase):
     analysis: Literal["sweep"] = Field(description=ANALYSIS)
     excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
 
-    def _check(self) -> None:
-        super()._check()
-        check_steps(self.excitation, self.integrator, self.solver)
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_steps(self.excitation, self.integrator, self.solver)
 
 
 @case_kind
@@ -88,9 +89,9 @@ class DwellCase(StructuralCase):
     analysis: Literal["dwell"] = Field(description=ANALYSIS)
     excitation: Annotated[DwellExcitation, _motion("dwell", "dwell")] = Field(description=EXCITATION)
 
-    def _check(self) -> None:
-        super()._check()
-        check_steps(self.excitation, self.integrator, self.solver)
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_steps(self.excitation, self.integrator, self.solver)
 
 
 @case_kind
@@ -168,10 +169,10 @@ class ModalTransientCase(OnRoll):
         description="damping ratio of every mode, dimensionless (modal_transient; 0.02 in the thesis)",
     )
 
-    def _check(self) -> None:
-        super()._check()
-        check_winding_friction(self.winding, positive=True)
-        check_solid_coil(self.coil)
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_winding_friction(self.winding, positive=True)
+        yield lambda: check_solid_coil(self.coil)
 
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
@@ -198,9 +199,9 @@ class PreloadCase(StructuralCase):
 class RollPreloadCase(PreloadCase, OnRoll):
     """Preload of a roll with layers."""
 
-    def _check(self) -> None:
-        super()._check()
-        check_layers(self.coil)
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_layers(self.coil)
 
 
 @case_kind
@@ -250,12 +251,13 @@ class WindingCase(Case):
     harmonic: Harmonic | None = Field(default=None, description=HARMONIC)
     backbone: Backbone | None = Field(default=None, description=BACKBONE)
 
-    def _check(self) -> None:
-        check_winding_friction(self.winding)
-        check_winding_mandrel(self.winding, described=self.geometry is not None and self.mandrel is not None)
-        if self.geometry is not None:
-            check_winding_size(self.winding, self.geometry, self.coil)
-        super()._check()
+    def _checks(self) -> Iterator[Check]:
+        yield lambda: check_winding_friction(self.winding)
+        yield lambda: check_winding_mandrel(
+            self.winding, described=self.geometry is not None and self.mandrel is not None
+        )
+        yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
+        yield from super()._checks()
 
     @property
     def wound(self) -> Winding:
@@ -281,9 +283,9 @@ class DesignMapCase(OnRoll):
         examples=[{"mandrel_radius": [0.03, 0.04], "mandrel_thickness": [1.5e-3, 2.0e-3]}],
     )
 
-    def _check(self) -> None:
-        super()._check()
-        check_design_map(self.design_map, self.coil, self.mesh)
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_design_map(self.design_map, self.coil, self.mesh)
 
 
 @case_kind
@@ -296,8 +298,8 @@ class TwoDofCase(Case):
         examples=[{"friction_capacity": [1.0, 10.0], "omega": {"start": 0.4, "stop": 2.0, "points": 400}}],
     )
 
-    def _check(self) -> None:
-        check_damping_method(self.output, self.analysis, self.two_dof)
+    def _checks(self) -> Iterator[Check]:
+        yield lambda: check_damping_method(self.output, self.analysis, self.two_dof)
 
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from wroll_fem.case.case import Case, Origin
 from wroll_fem.case.overrides import WITH_FILE, overridden
-from wroll_fem.case.strict_yaml import parse_yaml
+from wroll_fem.case.strict_yaml import key_lines, parse_yaml
 from wroll_fem.errors import InputError
 
 
@@ -34,7 +34,25 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
         section = data.get(name)
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str((path.parent / section["file"]).resolve())
-    return build_case(data, overrides, source=path)
+    try:
+        return build_case(data, overrides, source=path)
+    except InputError as error:
+        locate(error, path)
+        raise
+
+
+def locate(error: InputError, path: Path) -> None:
+    """Fill in the line of the file ``path`` to which an error and its `others` belong.
+
+    This is the line of the key, or of the innermost section around it that the file contains.
+    """
+    lines = key_lines(path.read_text(encoding="utf-8"))
+    for one in (error, *error.others):
+        if one.file != str(path):
+            continue
+        parts = (one.key or "").split(".")
+        inner = [".".join(parts[:k]) for k in range(len(parts), 0, -1)]
+        one.line = next((lines[key] for key in inner if key in lines), None)
 
 
 def build_case(data: Mapping[str, Any], overrides: Sequence[str] = (), *, source: Path | None = None) -> Case:

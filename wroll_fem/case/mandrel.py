@@ -7,13 +7,13 @@ from typing import Literal
 from pydantic import Field
 
 from wroll_fem.case.base import Real, Section
-from wroll_fem.case.material import IsotropicMaterial
+from wroll_fem.case.material import Isotropic
 
 
 class Mandrel(Section):
     """Elastic tube of the mandrel with its end conditions."""
 
-    material: IsotropicMaterial = Field(description="material of the mandrel")
+    material: Isotropic = Field(description="material of the mandrel: a section, or a name as in `wroll materials`")
     tip_mass: Real = Field(default=0.0, ge=0, description="point mass on the axis at the tip, kg")
     tip: Literal["rigid", "free"] = Field(
         default="rigid",

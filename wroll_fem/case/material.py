@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from wroll_fem.case.base import Real, Section, validation_error
+from wroll_fem.structure.material_library import LIBRARY
 from wroll_fem.structure.materials import CONSTANTS, CylindricalOrthotropic, violation
 
 
@@ -94,6 +98,19 @@ class OrthotropicMaterial(Section):
         return CylindricalOrthotropic(**{name: getattr(self, name) for name in CONSTANTS})
 
 
+def _known(value: Any) -> Any:
+    """Content of a material section that is given by a name of the library; anything else is returned unchanged."""
+    if not isinstance(value, str):
+        return value
+    found = LIBRARY.get(value.lower().replace("-", "_"))
+    if found is None:
+        near = difflib.get_close_matches(value.lower(), LIBRARY, n=1, cutoff=0.4)
+        meant = f"did you mean {near[0]}? " if near else ""
+        remedy = f"{meant}use one of {', '.join(LIBRARY)}, or a section with E, nu and rho"
+        raise validation_error("is not a known material", remedy=remedy, value=value)
+    return {"E": found.E, "nu": found.nu, "rho": found.rho}
+
+
 def _kind_of(value: Any) -> Any:
     """Content of a material section; a missing `kind` is set to isotropic."""
     if isinstance(value, dict) and "kind" not in value:
@@ -101,4 +118,22 @@ def _kind_of(value: Any) -> Any:
     return value
 
 
-Material = Annotated[IsotropicMaterial | OrthotropicMaterial, Field(discriminator="kind"), BeforeValidator(_kind_of)]
+class _OrName:
+    """Annotation of a material section that may also be a name of the library."""
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"anyOf": [handler(core), {"enum": list(LIBRARY)}]}
+
+
+Isotropic = Annotated[IsotropicMaterial, BeforeValidator(_known), _OrName]
+"""Section of an isotropic material, or a name of the library."""
+
+Material = Annotated[
+    IsotropicMaterial | OrthotropicMaterial,
+    Field(discriminator="kind"),
+    BeforeValidator(_kind_of),
+    BeforeValidator(_known),
+    _OrName,
+]
+"""Section of a material, or a name of the library."""

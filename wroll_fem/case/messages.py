@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, get_args, get_origin
 
 import yaml
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from wroll_fem.case.descriptions import sections
+from wroll_fem.case.hints import meant
 from wroll_fem.errors import InputError
 
 Refusal = Callable[[str], tuple[str, str] | None]
@@ -40,15 +41,16 @@ _KINDS = {
 
 
 def input_error(
-    error: ValidationError, model: type[BaseModel], *, file: str | None = None, overrides: Sequence[str] = (),
+    errors: Sequence[ErrorDetails], model: type[BaseModel], *, file: str | None = None, overrides: Sequence[str] = (),
     known: Sequence[str] = (), refusal: Refusal | None = None,
 ) -> InputError:  # fmt: skip
-    """Turn a validation error into one line: file, dotted key, problem, value, remedy.
+    """Turn validation errors into errors of one line each: file, dotted key, problem, value, remedy.
 
     Parameters
     ----------
-    error
-        What pydantic found; the message is about the first error and counts the others.
+    errors
+        What pydantic found (`ValidationError.errors`); the message is about the first error, and `InputError.others`
+        holds the rest.
     model
         Root model, to find descriptions and the nearest known key.
     file
@@ -61,17 +63,24 @@ def input_error(
         Function of a top-level key that the model does not have; returns problem and remedy, or None for an
         unknown key.
     """
-    details = [d for d in error.errors(include_url=False) if d["type"] != "default_factory_not_called"]
+    details = [d for d in errors if d["type"] != "default_factory_not_called"]
     refused = {d["loc"]: refusal(str(d["loc"][0])) if refusal and len(d["loc"]) == 1 else None for d in details}
     details.sort(key=lambda d: d["type"] != "extra_forbidden" or refused[d["loc"]] is not None)
-    first = details[0]
-    reason = refused[first["loc"]] if first["type"] == "extra_forbidden" else None
-    key, problem, remedy, meant = _refused(first, *reason) if reason else _explain(first, model, known)
-    others = [d for d in details[1:] if not (d["type"] == "missing" and ".".join(map(str, d["loc"])) == meant)]
-    more = f" (and {len(others)} more)" if others else ""
-    if any(key == given or key.startswith(f"{given}.") for given in overrides):
-        key = f"--set {key}"
-    return InputError(problem, key=key or None, remedy=f"{remedy}{more}", file=file)
+    found: list[InputError] = []
+    named: set[str] = set()
+    for detail in details:
+        reason = refused[detail["loc"]] if detail["type"] == "extra_forbidden" else None
+        if detail["type"] == "missing" and ".".join(_walk(detail["loc"], model)[0]) in named:
+            continue  # the key is there, misspelled
+        key, problem, remedy, other = _refused(detail, *reason) if reason else _explain(detail, model, known)
+        named.add(other)
+        if any(key == given or key.startswith(f"{given}.") for given in overrides):
+            key = f"--set {key}"
+        one = InputError(problem, key=key or None, remedy=remedy, file=file)
+        if str(one) not in map(str, found):
+            found.append(one)
+    found[0].others = tuple(found[1:])
+    return found[0]
 
 
 def _refused(detail: ErrorDetails, problem: str, remedy: str) -> tuple[str, str, str, str]:
@@ -92,8 +101,8 @@ def _explain(detail: ErrorDetails, model: type[BaseModel], known: Sequence[str])
         got = f", got {_show(context['value'])}" if context["show_value"] else ""
         return key, f"{context['problem']}{got}", str(context["remedy"]), ""
     if kind == "extra_forbidden":
-        problem, remedy, meant = _unknown_key(keys, parent, model, known)
-        return key, f"{problem}{got}", remedy, meant
+        remedy, other = _unknown_key(keys, value, parent, model, known)
+        return key, f"unknown key{got}", remedy, other
     field = parent.model_fields.get(keys[-1]) if keys and parent else None
     if field is None and len(keys) > 1 and keys[-1].isdigit():  # an entry of a list has the list's description
         field = _field_at(keys[:-1], model)
@@ -191,22 +200,24 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
 
 
 def _unknown_key(
-    keys: list[str], parent: type[BaseModel] | None, root: type[BaseModel], known: Sequence[str]
-) -> tuple[str, str, str]:
-    """Problem and remedy for an unknown key, and the dotted key that was probably meant."""
+    keys: list[str], value: Any, parent: type[BaseModel] | None, root: type[BaseModel], known: Sequence[str]
+) -> tuple[str, str]:
+    """Remedy for an unknown key, and the dotted key that was probably meant."""
     siblings = list(parent.model_fields) if parent else []
     if len(keys) == 1 and known:
         siblings = list(known)
+    said, other = meant(keys, value, siblings)
+    if said:
+        return said, ".".join([*keys[:-1], other])
     near = difflib.get_close_matches(keys[-1], siblings, n=1)
     if near:
-        return "unknown key", f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
+        return f"did you mean {near[0]}?", ".".join([*keys[:-1], near[0]])
     elsewhere = list(dict.fromkeys(k for k in _all_keys(root) if k.rsplit(".", 1)[-1] == keys[-1]))
     elsewhere = [k for k in elsewhere if k.startswith(f"{keys[0]}.")] or elsewhere  # the same section first
     elsewhere = [k for k in elsewhere if k.count(".") == min(other.count(".") for other in elsewhere)]
-    here = f"known keys: {', '.join(siblings)}"
     if elsewhere and ".".join(keys) not in elsewhere:
-        return "unknown key", f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]
-    return "unknown key", here, ""
+        return f"did you mean {' or '.join(elsewhere)}?", elsewhere[0]
+    return f"known keys: {', '.join(siblings)}", ""
 
 
 def _show(value: Any) -> str:

@@ -42,3 +42,23 @@ def parse_yaml(text: str, where: str) -> Any:
     except yaml.YAMLError as error:
         problem = f"is not valid YAML: {' '.join(str(error).split())}"
     raise InputError(problem, remedy="check indentation, colons and brackets", file=where)
+
+
+def key_lines(text: str) -> dict[str, int]:
+    """Line of each dotted key of a valid YAML text, counted from 1; entries of lists are numbered from 0."""
+    found: dict[str, int] = {}
+
+    def visit(node: yaml.Node | None, path: tuple[str, ...]) -> None:
+        if isinstance(node, yaml.MappingNode):
+            for key, value in node.value:
+                inner = (*path, str(key.value))
+                found[".".join(inner)] = key.start_mark.line + 1
+                visit(value, inner)
+        elif isinstance(node, yaml.SequenceNode):
+            for number, value in enumerate(node.value):
+                inner = (*path, str(number))
+                found[".".join(inner)] = value.start_mark.line + 1
+                visit(value, inner)
+
+    visit(yaml.compose(text, Loader=_StrictLoader), ())
+    return found

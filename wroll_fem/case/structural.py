@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from wroll_fem.case.case import Case
+from wroll_fem.case.case import Case, Check
 from wroll_fem.case.checks import (
+    INTERFACE_SECTIONS,
     check_base,
     check_direction_of_file,
     check_fourier,
@@ -31,8 +34,7 @@ from wroll_fem.case.structure import Structure
 from wroll_fem.case.winding import Winding
 from wroll_fem.errors import InputError
 
-CONTACT = "friction and normal contact"
-PRELOAD = "pressure on the layers"
+CONTACT, PRELOAD = INTERFACE_SECTIONS["contact"], INTERFACE_SECTIONS["preload"]
 WINDING = "winding of the roll: tension, wraps, mandrel, web"
 EXCITATION = "motion of the base"
 INTEGRATOR = "time integration"
@@ -97,21 +99,26 @@ class OnRoll(StructuralCase, RollSections):
 
     ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*StructuralCase.ALWAYS_WRITTEN, *ROLL, "mesh")
 
-    def _check(self) -> None:
-        check_interfaces(self.coil, self.modal, self.analysis, self.model_fields_set)
-        check_base(self.mandrel, self.analysis)
-        if self.preload is not None:
-            check_pressures(self.preload, self.coil.layers)
-        check_probes(self.probes or {}, self.geometry, self.coil)
-        check_winding_given(self.winding, self.preload)
-        if self.winding is not None:
-            check_winding_size(self.winding, self.geometry, self.coil)
-        check_fourier(self.coil, self.mesh, self.analysis)
+    def _checks(self) -> Iterator[Check]:
+        for section in INTERFACE_SECTIONS:
+            yield partial(self._check_section, section)
+        yield lambda: check_base(self.mandrel, self.analysis)
+        yield lambda: check_pressures(self.preload, self.coil.layers)
+        yield lambda: check_probes(self.probes or {}, self.geometry, self.coil)
+        yield lambda: check_winding_given(self.winding, self.preload)
+        yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
+        yield lambda: check_fourier(self.coil, self.mesh, self.analysis)
+        yield self._check_geometric_stiffness
+        yield from super()._checks()
+
+    def _check_section(self, section: str) -> None:
+        check_interfaces(section, self.coil, self.modal, self.analysis, self.model_fields_set)
+
+    def _check_geometric_stiffness(self) -> None:
         if self.has_geometric_stiffness:
             asked = self.preload is not None and self.preload.geometric_stiffness
             analysis = "" if asked else self.analysis
             check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None, analysis=analysis)
-        super()._check()
 
     @property
     def preload_steps(self) -> int:
@@ -149,10 +156,10 @@ class OnStructure(StructuralCase):
 
     ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*StructuralCase.ALWAYS_WRITTEN, "structure")
 
-    def _check(self) -> None:
-        check_direction_of_file(self.excitation)
-        check_winding_mandrel(self.winding, described=False)
-        super()._check()
+    def _checks(self) -> Iterator[Check]:
+        yield lambda: check_direction_of_file(self.excitation)
+        yield lambda: check_winding_mandrel(self.winding, described=False)
+        yield from super()._checks()
 
     @property
     def preload_steps(self) -> int:

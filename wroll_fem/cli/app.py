@@ -14,7 +14,8 @@ from wroll_fem.results.provenance import program_version
 
 app = typer.Typer(
     name="wroll", help="Dynamics of wound rolls: transmissibility, damping and slip maps from a case file.",
-    no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]}, pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (YAML).", show_default=False)]

@@ -15,18 +15,18 @@ from wroll_fem.progress import TerminalProgress
 
 @app.command()
 def validate(
-    case_files: Annotated[list[Path], typer.Argument(metavar="CASE...", help="Case files.", show_default=False)],
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Case files and grid files.", show_default=False)
+    ],
 ) -> None:
-    """Validate case files and print errors and warnings."""
+    """Validate case files and grid files; print all errors, and warnings."""
     wrong = 0
-    for path in case_files:
+    for path in files:
         try:
-            case = load_case(path)
-            from wroll_fem import analyses
-
-            warnings = analyses.case_warnings(case)  # reads the file of `structure`
+            warnings = _warnings(path)
         except InputError as error:
-            typer.echo(str(error), err=True)
+            for line in error.lines:
+                typer.echo(line, err=True)
             wrong += 1
             continue
         typer.echo(f"{path}: OK")
@@ -36,18 +36,63 @@ def validate(
         raise typer.Exit(InputError.exit_code)
 
 
+def _warnings(path: Path) -> list[str]:
+    """Warnings about a valid case file, or about the cases of a valid grid file."""
+    from wroll_fem import analyses  # reads the file of `structure`
+    from wroll_fem.jobs.grid import is_grid, load_grid
+
+    if not is_grid(path):
+        return analyses.case_warnings(load_case(path))
+    members = load_grid(path).members
+    return list(dict.fromkeys(text for member in members for text in analyses.case_warnings(member.case)))
+
+
+@app.command()
+def init(
+    case_file: Annotated[Path, typer.Argument(metavar="FILE", help="Case file to write.", show_default=False)],
+    analysis: Annotated[str, typer.Option("--analysis", help="Analysis of the case.")] = "sweep",
+    overrides: Overrides = None,
+    ask: Annotated[bool, typer.Option("--ask", help="Ask for the main dimensions and loads.")] = False,
+) -> None:
+    """Write a commented case file to start from: the roll of the laboratory, changed by --set or by your answers."""
+    with reporting():
+        from wroll_fem.case.starter import questions, starter_text
+
+        if case_file.exists():
+            raise InputError("exists", file=str(case_file), remedy="choose another name; nothing is overwritten")
+        changed = list(overrides or ())
+        if ask:
+            given = {text.split("=", 1)[0].strip() for text in changed}
+            for key, description, value in questions(analysis):
+                if key not in given:
+                    changed.append(f"{key}={typer.prompt(f'{key} ({description})', default=value)}")
+        text = starter_text(analysis, changed)
+        try:
+            case_file.parent.mkdir(parents=True, exist_ok=True)
+            case_file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise InputError(
+                f"cannot be written ({error.strerror})", file=str(case_file), remedy="choose another name"
+            ) from None
+        typer.echo(f"{case_file}: try `wroll validate {case_file}`, then `wroll run {case_file} --dry-run`")
+
+
 @app.command()
 def schema(
     out: Annotated[Path | None, typer.Option("--out", help="File to write; standard output by default.")] = None,
+    grid: Annotated[bool, typer.Option("--grid", help="Schema of the grid file of `wroll batch` instead.")] = False,
 ) -> None:
     """Print the JSON schema of the case file, for completion and checks in an editor."""
     with reporting():
+        from wroll_fem.jobs.grid import grid_schema_text
+
+        text = grid_schema_text() if grid else schema_text()
         if out is None:
-            typer.echo(schema_text(), nl=False)
+            typer.echo(text, nl=False)
             return
         try:
             out.parent.mkdir(parents=True, exist_ok=True)
-            out.write_text(schema_text(), encoding="utf-8")
+            out.write_text(text, encoding="utf-8")
         except OSError as error:
             raise InputError(
                 f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"

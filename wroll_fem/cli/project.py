@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import sys
 from importlib import import_module
@@ -72,15 +73,37 @@ def _reproduction() -> Any:
 
 
 @app.command()
-def info() -> None:
+def materials() -> None:
+    """Print the materials that a case file may name, with their properties and sources."""
+    from wroll_fem.structure.material_library import LIBRARY
+
+    for name, known in LIBRARY.items():
+        low, high = known.range_E
+        typer.echo(f"{name}: {known.title}")
+        typer.echo(f"  E = {known.E / 1e9:g} GPa ({low / 1e9:g} to {high / 1e9:g}), nu = {known.nu:g}, "
+                   f"rho = {known.rho:g} kg/m^3")  # fmt: skip
+        if known.yield_stress is not None:
+            typer.echo(f"  yield stress {known.yield_stress / 1e6:g} MPa")
+        if known.friction is not None:
+            typer.echo(f"  friction against itself: mu = {known.friction[0]:g} to {known.friction[1]:g}")
+        typer.echo(f"  source: {known.source}")
+
+
+@app.command()
+def info(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for scripts and bug reports.")] = False,
+) -> None:
     """Print the version of each library and whether the library works."""
     from wroll_fem.jobs.environment import OPTIONAL, check_environment
 
-    typer.echo(f"{'wroll_fem':<10} {program_version()}")
-    broken = False
-    for part in check_environment():
-        state = "works" if not part.problem else f"DOES NOT WORK: {part.problem}"
-        typer.echo(f"{part.name:<10} {part.version:<12} {state}")
-        broken = broken or bool(part.problem and part.name not in OPTIONAL)
-    if broken:
+    parts = check_environment()
+    if as_json:
+        libraries = {part.name: {"version": part.version, "problem": part.problem or None} for part in parts}
+        typer.echo(json.dumps({"wroll_fem": program_version(), "libraries": libraries}, indent=2))
+    else:
+        typer.echo(f"{'wroll_fem':<10} {program_version()}")
+        for part in parts:
+            state = "works" if not part.problem else f"DOES NOT WORK: {part.problem}"
+            typer.echo(f"{part.name:<10} {part.version:<12} {state}")
+    if any(part.problem and part.name not in OPTIONAL for part in parts):
         raise typer.Exit(1)

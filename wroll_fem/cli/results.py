@@ -1,4 +1,4 @@
-"""Commands for results: `wroll plot` and `wroll report`."""
+"""Commands for results: `wroll plot`, `wroll compare` and `wroll report`."""
 
 from __future__ import annotations
 
@@ -29,6 +29,30 @@ def plot(
         folder.figures.mkdir(exist_ok=True)
         for path in analyses.write_figures(dataset, folder.figures):
             typer.echo(str(path))
+
+
+@app.command()
+def compare(
+    paths: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="CURVE...",
+            show_default=False,
+            help="Run folders, results files (.nc), tables (.csv: frequency in Hz and |T|, or its two parts).",
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", help="Figure to write (.png, .pdf or .svg).")] = Path("comparison.png"),
+) -> None:
+    """Draw transmissibility curves over each other and print their resonances."""
+    with reporting():
+        from wroll_fem.jobs.comparison import comparison_lines, load_curves
+        from wroll_fem.plotting.style import save_figure
+        from wroll_fem.plotting.transmissibility import plot_comparison
+
+        curves = load_curves(paths)
+        for line in comparison_lines(curves):
+            typer.echo(line)
+        typer.echo(f"figure      {save_figure(plot_comparison(curves), out)}")
 
 
 @app.command()

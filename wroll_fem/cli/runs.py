@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.jobs.interrupts import stopped_by_signals
 from wroll_fem.progress import TerminalProgress
+
+if TYPE_CHECKING:
+    from wroll_fem.jobs.grid import Grid
 
 
 @app.command()
@@ -66,6 +69,9 @@ def batch(
         typer.Option("--scheduler", help="Run the cases on the Dask cluster at tcp://HOST:PORT instead."),
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Run failed cases of earlier calls again.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print the cases and their estimated computing time; compute nothing.")
+    ] = False,
 ) -> None:
     """Run the unfinished cases of a grid file; write a table and the figures of the study."""
     with reporting():
@@ -74,6 +80,9 @@ def batch(
 
         grid = load_grid(grid_file)
         target = out if out is not None else Path("runs") / grid_file.stem
+        if dry_run:
+            _print_plan(grid, target, workers)
+            return
         try:
             with stopped_by_signals(), TerminalProgress() as progress:
                 outcomes = run_grid(grid, target, workers=workers, scheduler=scheduler, retry=retry, progress=progress)
@@ -108,6 +117,26 @@ def _print_estimate(case: Any) -> None:
     for key, value in analyses.estimate(case).items():
         shown = f"{value:.3g}" if isinstance(value, float) else str(value)
         typer.echo(f"{key.replace('_', ' '):<24} {shown}")
+
+
+def _print_plan(grid: Grid, target: Path, workers: int) -> None:
+    """Cases of a grid: folder, what is left to do, estimated seconds; their sum, and the warnings."""
+    from wroll_fem import analyses
+    from wroll_fem.jobs.folder import RunFolder
+
+    total, unknown = 0.0, 0
+    width = max(len(member.name) for member in grid.members)
+    for member in grid.members:
+        complete = RunFolder(target / member.name).check(member.case, resume=True) == "complete"
+        seconds = analyses.estimate(member.case).get("estimated_seconds")
+        left = "complete" if complete else "no estimate" if seconds is None else f"{seconds:.3g} s"
+        total += 0.0 if complete or seconds is None else seconds
+        unknown += not complete and seconds is None
+        typer.echo(f"{member.name:<{width}}  {left}")
+    for text in dict.fromkeys(text for member in grid.members for text in analyses.case_warnings(member.case)):
+        typer.echo(f"warning: {text}")
+    without = f", {unknown} cases without an estimate" if unknown else ""
+    typer.echo(f"{len(grid.members)} cases, {total / workers:.3g} s with {workers} workers{without}")
 
 
 def _explain_interrupt(target: Path, command: list[str], *, resumable: bool) -> None:

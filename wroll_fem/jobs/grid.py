@@ -14,7 +14,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from wroll_fem.case import Case, load_case
 from wroll_fem.case.base import Real, Section, Whole, validation_error
-from wroll_fem.case.loader import read_yaml
+from wroll_fem.case.loader import locate, read_yaml
 from wroll_fem.case.messages import input_error
 from wroll_fem.case.renamed import current_key
 from wroll_fem.errors import InputError
@@ -183,29 +183,51 @@ class Grid:
     figures: list[str]
 
 
+def is_grid(path: Path) -> bool:
+    """Whether a YAML file has the keys of a grid file rather than those of a case file."""
+    content = read_yaml(path, "case or grid file")
+    return "analysis" not in content and not GridFile.model_fields.keys().isdisjoint(content)
+
+
+def grid_schema_text() -> str:
+    """JSON schema of the grid file."""
+    schema = GridFile.model_json_schema() | {
+        "$schema": "https://json-schema.org/draft/2020-12/schema", "title": "wroll_fem grid",
+    }  # fmt: skip
+    return json.dumps(schema, indent=2, sort_keys=True) + "\n"
+
+
 def load_grid(path: str | Path) -> Grid:
     """Read a grid file and validate all its cases.
 
     Raises
     ------
     InputError
-        If the grid file or a case is invalid; the message names file, key, problem and remedy.
+        If the grid file or a case is invalid; the message names file, key, problem and remedy. The errors of all cases
+        are in `InputError.others`.
     """
     path = Path(path)
+    content = read_yaml(path, "grid file")
     try:
-        given = GridFile.model_validate(read_yaml(path, "grid file"))
+        given = GridFile.model_validate(content)
     except ValidationError as error:
-        raise input_error(error, GridFile, file=str(path)) from None
+        wrong = input_error(error.errors(include_url=False), GridFile, file=str(path))
+        locate(wrong, path)
+        raise wrong from None
     origin_key = "base" if given.base is not None else "cases"
     files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
     keys = list(given.grid)
     shown = short_names([key for key in keys if len(given.grid[key]) > 1])
     samples = given.samples.values() if given.samples is not None else [{}]
     numbered = list(enumerate(samples, 1))
-    members = []
+    members, errors = [], []
     for file, (number, sample), *values in itertools.product(files, numbered, *given.grid.values()):
         chosen = sample | dict(zip(keys, values, strict=True))
-        case, overrides = _case(file, chosen, path, key=origin_key, sampled=set(sample))
+        try:
+            case, overrides = _case(file, chosen, path, key=origin_key, sampled=set(sample))
+        except InputError as wrong:
+            errors += [wrong, *wrong.others]
+            continue
         read: dict[str, Any] = {"sample": number} if sample else {}
         read |= {key: _value(case, key) for key in (*sample, *keys)}
         parts = [file.stem] if len(files) > 1 else []
@@ -215,7 +237,15 @@ def load_grid(path: str | Path) -> Grid:
         members.append(Member("__".join(parts) or file.stem, file, origin | read, overrides, case))
     if given.reference is not None:
         file = path.parent / given.reference
-        members.append(Member(REFERENCE, file, {}, [], _case(file, {}, path, key="reference")[0]))
+        try:
+            members.append(Member(REFERENCE, file, {}, [], _case(file, {}, path, key="reference")[0]))
+        except InputError as wrong:
+            errors += [wrong, *wrong.others]
+    if errors:
+        first, *others = {str(wrong.alone): wrong for wrong in errors}.values()  # one error may be that of many cases
+        first.others = tuple(others)
+        locate(first, path)
+        raise first
     names = [member.name for member in members]
     for name in names:
         if names.count(name) > 1:
@@ -239,9 +269,10 @@ def _case(
     try:
         case = load_case(file, overrides)
     except InputError as error:
-        if error.key and error.key.startswith("--set "):
-            dotted = error.key.removeprefix("--set ")
-            error.key, error.file = f"{'samples.ranges' if dotted in sampled else 'grid'}.{dotted}", str(source)
+        for one in (error, *error.others):
+            if one.key and one.key.startswith("--set "):
+                dotted = one.key.removeprefix("--set ")
+                one.key, one.file = f"{'samples.ranges' if dotted in sampled else 'grid'}.{dotted}", str(source)
         raise
     return case, overrides
 

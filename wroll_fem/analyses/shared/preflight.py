@@ -14,6 +14,23 @@ if TYPE_CHECKING:
     from wroll_fem.case.preload import Preload
 
 
+USUAL_FREQUENCIES = (0.05, 1e5)
+"""Usual range of the first bending frequency of a roll, Hz."""
+
+
+def unusual_frequency(case: Any) -> list[str]:
+    """Warn if the first bending frequency of a roll is far outside the usual range: some unit is probably wrong."""
+    if not isinstance(case, OnRoll) or case.mandrel.base == "free":
+        return []
+    f, (low, high) = beam_frequency(case, bonded=False), USUAL_FREQUENCIES
+    if low <= f <= high:
+        return []
+    return [
+        f"the first bending frequency of the mandrel with its coil and tip mass is about {f:.2g} Hz, far outside the "
+        f"usual range of rolls, {low:g} to {high:g} Hz; check the units of geometry, mandrel and coil"
+    ]
+
+
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the roll as a cantilever with tip mass (Rayleigh, with shear flexibility).
 
