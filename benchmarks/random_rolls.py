@@ -36,7 +36,7 @@ from typing import Any
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
-from roll_agreement import agreement_lines, outcome_lines
+from roll_agreement import agreement_lines, outcome_lines, quality_lines
 
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.preflight import beam_frequency
@@ -62,7 +62,8 @@ SLOW_SHARE, SLOW_WIDTHS = 0.2, 2.5
 """Rate of a slow sweep over that of ISO 7626-2, and how far it reaches from the resonance, in half-power distances."""
 
 READINGS = (
-    "f_n_hz", "zeta", "peak_transmissibility", "zeta_max", "steady_magnitude", "energy_balance_error",
+    "f_n_hz", "zeta_apparent", "peak_transmissibility", "zeta_max", "zeta_spread", "stuck_resonance_hz",
+    "tip_participation", "steady_magnitude", "energy_balance_error",
     "reduction_error_estimate", "time_step_error", "half_power_low_hz", "half_power_high_hz", "frequency_hz", "steps",
 )  # fmt: skip
 
@@ -103,7 +104,7 @@ def random_roll(index: int) -> dict[str, Any]:
 def slow_sweep(harmonic: dict[str, Any]) -> dict[str, Any] | None:
     """Excitation of a slow sweep over the resonance that a harmonic curve has found; None without one."""
     low, f_n, high, zeta = (
-        harmonic.get(key, np.nan) for key in ("half_power_low_hz", "f_n_hz", "half_power_high_hz", "zeta")
+        harmonic.get(key, np.nan) for key in ("half_power_low_hz", "f_n_hz", "half_power_high_hz", "zeta_apparent")
     )
     if not np.isfinite([low, f_n, high, zeta]).all():
         return None
@@ -172,6 +173,7 @@ def solve(index: int, analysis: str, harmonic: dict[str, Any] | None) -> dict[st
     try:
         dataset = run_analysis(build_case(random_case(index, analysis, harmonic)), progress=told)
         report |= {key: float(dataset.attrs[key]) for key in READINGS if key in dataset.attrs}
+        report |= {key: str(dataset.attrs[key]) for key in ("zeta_quality", "zeta_doubts") if key in dataset.attrs}
         told.warnings = [text for text in str(dataset.attrs.get("warnings", "")).split("\n") if text]
         if analysis == "harmonic":
             size = np.hypot(dataset["transmissibility_real"].values, dataset["transmissibility_imag"].values)
@@ -258,6 +260,7 @@ def main() -> None:
                 with chosen.out.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(report) + "\n")
     print("\n".join([*outcome_lines(found.values(), ANALYSES), "", *agreement_lines(found.values())]))
+    print("\n".join(["", *quality_lines(found.values())]))
 
 
 def read_reports(path: Path) -> list[dict[str, Any]]:
@@ -292,6 +295,10 @@ def page(reports: list[dict[str, Any]]) -> list[str]:
         "of ISO 7626-2 for the zeta of the harmonic curve, or as fast as 3000 cycles ask for.",
         "",
         *agreement_lines(reports),
+        "",
+        "Quality of zeta (`zeta_quality`), and how far the sweeps differ from harmonic balance. Both ok: at most 10 %.",
+        "",
+        *quality_lines(reports),
         "",
         "Cases without a curve:",
         "",

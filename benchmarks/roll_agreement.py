@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-FREQUENCY, PEAK = 0.01, 0.05
-"""Largest relative differences of f_n and of the peak, or of a dwell's magnitude."""
+FREQUENCY, PEAK, ZETA = 0.01, 0.05, 0.1
+"""Largest relative differences of f_n, of the peak or a dwell's magnitude, and of a zeta whose quality is ok."""
 
 REASONS = {
     "sweep too fast": "ISO 7626-2 limit",
@@ -116,6 +116,37 @@ def agreement_lines(reports: Iterable[Report]) -> list[str]:
                 size = " and ".join(f"{d:+.2g} %" for d in v["differences"])
                 rest.append(f"- roll {v['roll']}, {label[name]}: {size}")
     return lines + (["", "Not explained (f_n and peak, or magnitude):", "", *rest] if rest else [])
+
+
+def quality_lines(reports: Iterable[Report]) -> list[str]:
+    """Table of the quality of zeta: how far each grade of a sweep differs from harmonic balance."""
+    by_roll: dict[int, dict[str, Report]] = {}
+    for report in reports:
+        by_roll.setdefault(report["roll"], {})[report["analysis"]] = report
+    lines = [
+        "| against harmonic | quality of zeta, harmonic | sweep | rolls | zeta apart: median, 90 % below, largest |",
+        "|---|---|---|---|---|",
+    ]
+    far = []
+    for name, label in (("slow", "slow sweep"), ("sweep", "sweep of 600 cycles")):
+        found: dict[tuple[str, str], list[float]] = {}
+        for roll, runs in sorted(by_roll.items()):
+            pair = [runs.get(kind, {}) for kind in ("harmonic", name)]
+            grades = tuple(str(run.get("zeta_quality", "")) for run in pair)
+            zeta = [run.get("zeta_apparent") or np.nan for run in pair]
+            if "" in grades:
+                continue
+            change = abs(zeta[1] / zeta[0] - 1.0)
+            found.setdefault(grades, []).append(change)  # type: ignore[arg-type]
+            if set(grades) == {"ok"} and not change <= ZETA:
+                far.append(f"- roll {roll}, {label}: {100 * zeta[0]:.3g} and {100 * zeta[1]:.3g} %")
+        for (steady, swept), changes in sorted(found.items()):
+            known = np.array([c for c in changes if isfinite(c)])
+            sizes = (
+                [f"{100 * q:.2g} %" for q in (*np.quantile(known, [0.5, 0.9]), known.max())] if known.size else ["none"]
+            )
+            lines.append(f"| {label} | {steady} | {swept} | {len(changes)} | {', '.join(sizes)} |")
+    return lines + (["", "Called ok on both sides, and apart by more than 10 %:", "", *far] if far else [])
 
 
 def outcome_lines(reports: Iterable[Report], analyses: Iterable[str]) -> list[str]:

@@ -75,8 +75,13 @@ class Result:
 
     @property
     def zeta(self) -> float | None:
-        """Damping ratio, dimensionless; None if the analysis does not estimate it."""
+        """Damping ratio, dimensionless; None if the analysis does not estimate it, or if the estimate is invalid."""
         return self.summary.get("zeta")
+
+    @property
+    def zeta_quality(self) -> str | None:
+        """Quality of the damping ratio: ok, doubtful or invalid; None if the analysis does not judge it."""
+        return self.summary.get("zeta_quality")
 
     @property
     def peak_transmissibility(self) -> float | None:

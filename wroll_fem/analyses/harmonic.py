@@ -31,6 +31,7 @@ from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.damping import HalfPower
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 from wroll_fem.signals.estimators.estimate import DampingEstimate
+from wroll_fem.signals.quality import Circumstances, judge
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
@@ -128,12 +129,17 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
     curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
     remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), loose)
-    for text in (*read.warnings, *remarks):
+    stuck, participation = condensation.main_mode
+    known = Circumstances(participation=participation, several=several_motions(curve), remarks=remarks)
+    quality = judge(read, dataset["frequency"].values, np.abs(curve.transmissibility), known)
+    for text in dict.fromkeys((*quality.reasons, *remarks)):
         if text:
             progress.warning(text)
     return dataset.assign_attrs(
-        read.as_attrs("harmonic balance")
+        quality.as_attrs(read.as_attrs("harmonic balance"))
         | {
+            "stuck_resonance_hz": stuck,
+            "tip_participation": participation,
             "solver_time_s": seconds,
             "curves_computed": trained.rounds,
             "reduction_error_estimate": trained.energy_error,
@@ -211,6 +217,15 @@ def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
     )
     shape = HalfPower(middle, np.nan, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
     return CurveDamping(shape, DampingEstimate(middle, np.nan, np.nan, np.nan, "half power", reason))
+
+
+def several_motions(curve: HarmonicCurve) -> tuple[float, float] | None:
+    """Lowest and highest frequency (Hz) of the widest fold of a curve; None without folds."""
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(curve.frequencies)))) + 1
+    ends = np.concatenate([[0], turns, [len(curve.frequencies) - 1]])
+    hertz = curve.frequencies[ends] / (2.0 * np.pi)
+    folds = [(high, low) for high, low in zip(hertz[1:], hertz[:-1], strict=True) if high < low]
+    return max(folds, key=lambda fold: fold[1] - fold[0], default=None)
 
 
 def skipped_remark(curve: HarmonicCurve) -> str:

@@ -134,7 +134,14 @@ class _Integration:
             if error.partial is not None:
                 error.partial = _described(error.partial, case, method)
             raise
-        return _described(found, case, method)
+        return _described(found, case, method).assign_attrs(_main_mode(stepper))
+
+
+def _main_mode(stepper: Stepper) -> dict[str, float]:
+    if not isinstance(stepper, CondensedStepper | ReducedStepper):
+        return {}
+    frequency, participation = stepper.condensation.main_mode
+    return {"stuck_resonance_hz": frequency, "tip_participation": participation}
 
 
 def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) -> None:
@@ -142,10 +149,8 @@ def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) 
         return
     condensation = stepper.condensation
     if stepper.system.laws.stores_slip.all():  # a law without memory sticks nowhere
-        participation = np.abs(condensation.base * condensation.tip)
-        main = int(np.argmax(participation))
-        frequency = np.sqrt(max(condensation.eigenvalues[main], 0.0)) / (2 * np.pi)
-        progress.info(f"resonance of the sticking roll: {frequency:.2f} Hz; {len(condensation.eigenvalues)} modes")
+        frequency, modes = condensation.main_mode[0], len(condensation.eigenvalues)
+        progress.info(f"resonance of the sticking roll: {frequency:.2f} Hz; {modes} modes")
     detuned = detuned_harmonic(case, condensation) if stepper.system.interfaces else ""
     if detuned:
         progress.warning(detuned)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import xarray as xr
 
 from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLES, time_history
@@ -14,13 +15,16 @@ from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import sweep_step_error
 from wroll_fem.signals.base_motion import base_motion
-from wroll_fem.signals.damping import sweep_warning
 from wroll_fem.signals.estimators import estimate_damping
-from wroll_fem.signals.transmissibility import transmissibility
+from wroll_fem.signals.quality import Circumstances, judge
+from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
 if TYPE_CHECKING:
     from wroll_fem.case import SweepCase
     from wroll_fem.progress import Progress
+
+NUMERICAL_SHARE = 0.1
+"""Numerical dissipation, relative to the input work, above which the damping ratio of a sweep is doubtful."""
 
 
 def run_sweep(
@@ -46,11 +50,28 @@ def run_sweep(
     dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
     read = estimate_damping(curve["frequency"].values, T, case.output.damping)
-    error, coarse = sweep_step_error(case, read.shape)
-    for text in (sweep_warning(motion, read.shape), *read.warnings, coarse):  # type: ignore[arg-type]
-        if text:
-            progress.warning(text)
-    return dataset.assign_attrs(history.attrs | read.as_attrs("demodulated envelope") | {"time_step_error": error})
+    participation = history.attrs.get("tip_participation")
+    error, coarse = sweep_step_error(case, read.shape, participation)
+    spectrum = magnitude(curve, "transmissibility_spectrum").values
+    quality = judge(
+        read, curve["frequency"].values, np.abs(T),
+        Circumstances(motion, participation, spectrum=spectrum, remarks=(coarse, numerical_remark(history))),  # type: ignore[arg-type]
+    )  # fmt: skip
+    for text in quality.reasons:
+        progress.warning(text)
+    attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
+    return dataset.assign_attrs(history.attrs | attrs | {"time_step_error": error})
+
+
+def numerical_remark(history: xr.Dataset) -> str:
+    """Warning if much of the energy of a sweep is dissipated by the integration scheme; empty otherwise."""
+    lost, put_in = (float(history[name].values[-1]) for name in ("numerical_dissipation", "input_work"))
+    if not put_in > 0.0 or lost <= NUMERICAL_SHARE * put_in:
+        return ""
+    return (
+        f"the integration scheme dissipates {100 * lost / put_in:.0f} % of the input work, so a part of zeta is "
+        "numerical; raise integrator.steps_per_cycle, or use harmonic"
+    )
 
 
 ANALYSIS = Analysis(

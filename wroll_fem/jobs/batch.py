@@ -230,7 +230,8 @@ def _outcome_line(outcome: Outcome, out: Path) -> str:
     if "f_n_hz" in single:
         words.append(f"f_n {single['f_n_hz']:.2f} Hz")
     if "zeta" in single:
-        words.append(f"zeta {100 * single['zeta']:.2f} %")
+        doubtful = " (doubtful)" if summary.get("zeta_quality") == "doubtful" else ""
+        words.append(f"zeta {100 * single['zeta']:.2f} %{doubtful}")
     if outcome.status == "complete" and "wall_time_s" in single:
         words.append(f"{single['wall_time_s']:.1f} s")
     return ", ".join(words)

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.resonance import resonance
+from wroll_fem.results.resonance import Resonance, resonance
 
 TABLES = (".csv", ".txt", ".dat")
 """Suffixes of files that are read as tables of numbers."""
@@ -47,10 +47,14 @@ def comparison_lines(curves: Mapping[str, xr.Dataset]) -> Iterator[str]:
     first: list[float] = []
     for name, curve in curves.items():
         read = resonance(curve)
-        values = [read.f_n, 100.0 * read.zeta if read.damped else np.nan, read.peak]
+        values = [read.f_n, 100.0 * read.zeta if read.stated else np.nan, read.peak]
         first = first or values
         cells = [_cell(value, reference, same=values is first) for value, reference in zip(values, first, strict=True)]
-        yield f"{name:<{width}}  " + "  ".join(f"{cell:>18}" for cell in cells) + f"  {read.method}"
+        yield f"{name:<{width}}  " + "  ".join(f"{cell:>18}" for cell in cells) + f"  {read.method}{_remark(read)}"
+
+
+def _remark(read: Resonance) -> str:
+    return "" if read.quality in ("", "ok") else f", zeta {read.quality}"
 
 
 def _cell(value: float, reference: float, *, same: bool) -> str:

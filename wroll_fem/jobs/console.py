@@ -16,6 +16,8 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
         values = value if isinstance(value, list) else [value]
         if entry.console and values and None not in values:
             found.append((entry.label, ", ".join(entry.console.format(v) for v in values)))
+        if key == "zeta" and summary.get("zeta_quality") == "invalid" and summary.get("zeta_apparent") is not None:
+            found.append((entry.label, f"not stated (apparent value {summary['zeta_apparent']:.4f})"))
     modes, kinds = summary.get("modes_hz") or [], summary.get("mode_kinds") or []
     for number, frequency in enumerate(modes, start=1):
         kind = kinds[number - 1] if number <= len(kinds) else ""

@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
+from wroll_fem.plotting.transmissibility import damping_words
 from wroll_fem.results.dataset import label
+from wroll_fem.results.resonance import resonance
 from wroll_fem.signals.transmissibility import magnitude
 
 
@@ -58,9 +60,8 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlabel(label("frequency"))
     ax.set_ylabel("Transmissibility |T|, tip over base (–)")
     ax.legend(fontsize=8, framealpha=0.9, loc="upper right")
-    zeta = attrs.get("zeta", np.nan)
-    method = str(attrs.get("zeta_method", "half power")).split(",")[0]
-    damping = f"damping ratio {100 * zeta:.2f} % ({method})" if np.isfinite(zeta) else "no damping estimate"
+    read = resonance(dataset)
+    damping = f"damping ratio {damping_words(read)}" if read.damped else "no damping estimate"
     friction = float(dataset["friction_work_per_cycle"].values[peak])
     style.title(
         ax,

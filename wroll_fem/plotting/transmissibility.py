@@ -22,10 +22,19 @@ def _box(read: Resonance) -> str:
     if not np.isfinite(read.f_n):
         return "no resonance in the band"
     lines = [f"$f_n$ = {read.f_n:.2f} Hz", f"$T_{{pk}}$ = {read.peak:.2f}"]
-    lines.append(rf"$\zeta$ = {100 * read.zeta:.2f} % ({read.method})" if read.damped else r"$\zeta$: no estimate")
+    lines.append(rf"$\zeta$ = {damping_words(read)}" if read.stated else rf"$\zeta$: {damping_words(read)}")
     if np.isfinite(read.skewness):
         lines.append(f"skewness = {read.skewness:+.2f}")
     return "\n".join(lines)
+
+
+def damping_words(read: Resonance) -> str:
+    """Damping ratio with its estimator and its quality, or that there is none."""
+    if not read.damped:
+        return "no estimate"
+    if not read.stated:
+        return f"not stated (apparent {100 * read.zeta:.2f} %)"
+    return f"{100 * read.zeta:.2f} % ({read.method}{', doubtful' if read.quality == 'doubtful' else ''})"
 
 
 def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -89,7 +98,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.legend(loc=f"center {side}", fontsize=8, framealpha=0.9)
     found = f"no damping estimate: {read.reason}"
     if read.damped:
-        found = f"damping ratio {100 * read.zeta:.2f} % ({read.method})"
+        found = f"damping ratio {damping_words(read)}"
         if np.isfinite(read.skewness):
             lean = "leans right" if read.skewness > 0.1 else "leans left" if read.skewness < -0.1 else "is symmetric"
             found += f"; the peak {lean}"
@@ -130,7 +139,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     ):
         style.require(dataset, _PARTS, "transmissibility curve")
         read = reads[name] = resonance(dataset)
-        damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.damped else r"no $\zeta$"
+        damping = rf"$\zeta$ = {100 * read.zeta:.1f} %" if read.stated else r"no $\zeta$"
         text = f"{name}: {read.f_n:.1f} Hz, {damping}" if np.isfinite(read.f_n) else f"{name}: no resonance"
         ax.plot(dataset["frequency"].values, magnitude(dataset).values, color=colour, lw=1.6, ls=dash, label=text)
         ax.plot(read.f_n, read.peak, "o", color=colour, ms=4.5, mec="black", mew=0.5)

@@ -22,8 +22,8 @@ from wroll_fem.results.summary import label
 Row = dict[str, str]
 
 _MAIN = (
-    "f_n_hz", "zeta", "peak_transmissibility", "bending_hz", "friction_energy_j", "energy_balance_error", "max_slip_m",
-    "slip_onset_g", "pressure_mandrel_pa", "capacity_mandrel_pa", "wall_time_s",
+    "f_n_hz", "zeta", "zeta_quality", "peak_transmissibility", "bending_hz", "friction_energy_j",
+    "energy_balance_error", "max_slip_m", "slip_onset_g", "pressure_mandrel_pa", "capacity_mandrel_pa", "wall_time_s",
 )  # fmt: skip
 _NUMBER = re.compile(r"\d[\d.eE+-]*")
 

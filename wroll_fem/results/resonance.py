@@ -26,7 +26,9 @@ class Resonance:
     f_low, f_high
         Half-power frequencies, Hz; nan if the frequency lies outside the band.
     zeta, method
-        Damping ratio (nan if none was estimated) and its estimator.
+        Damping ratio, whatever its quality (nan if none was estimated), and its estimator.
+    quality
+        "ok", "doubtful" or "invalid" (`wroll_fem.signals.quality`); "" if it was not judged.
     skewness
         (f_high - f_n) / (f_n - f_low) - 1; nan without both half-power points.
     reason
@@ -44,6 +46,7 @@ class Resonance:
     skewness: float
     reason: str
     again: bool
+    quality: str = ""
 
     @property
     def damped(self) -> bool:
@@ -51,13 +54,18 @@ class Resonance:
         return isfinite(self.zeta)
 
     @property
+    def stated(self) -> bool:
+        """Whether there is a damping ratio that is not invalid."""
+        return self.damped and self.quality != "invalid"
+
+    @property
     def rings(self) -> bool:
-        """Whether there is a damping ratio although the curve rises above the half-power level again.
+        """Whether there is a damping ratio although it is invalid, or the curve rises above the half-power level again.
 
         This happens when the response rings after a fast sweep through a sharp resonance. A half-power damping ratio
         then measures the width of the highest ripple.
         """
-        return self.damped and self.again
+        return self.damped and (self.again or not self.stated)
 
 
 def resonance(dataset: xr.Dataset) -> Resonance:
@@ -82,9 +90,10 @@ def resonance(dataset: xr.Dataset) -> Resonance:
         number("peak_transmissibility"),
         number("half_power_low_hz"),
         number("half_power_high_hz"),
-        number("zeta"),
+        number("zeta_apparent" if "zeta_apparent" in attrs else "zeta"),
         str(attrs.get("zeta_method", "half power")).partition(",")[0],
         number("skewness"),
         str(attrs.get("zeta_reason") or attrs.get("half_power_reason") or ""),
         RISES_AGAIN in str(attrs.get("half_power_reason")),
+        str(attrs.get("zeta_quality", "")),
     )

@@ -60,6 +60,12 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "damping ratio zeta",
             "(f2 - f1)/(2 f_n) by default; `null` where a half-power point lies outside the band", "{:.4f}",
         ),
+        "zeta_quality": Entry(
+            "", "quality of zeta", "`ok`, `doubtful` or `invalid`; zeta is `null` if it is invalid", "si", "{}"
+        ),
+        "zeta_doubts": Entry("", "reasons for the quality of zeta", "a list, worst first; also among the warnings"),
+        "zeta_apparent": _share("apparent damping ratio", "the estimate, whatever its quality"),
+        "zeta_spread": _share("distance of zeta to that from the spectra of the sweep", "relative"),
         "zeta_method": Entry("", "method of zeta", "estimator (`output.damping`) and curve"),
         "half_power_reason": Entry(
             "", "reason for a missing reading", "why f_n or zeta is `null`, or what makes zeta doubtful; else empty"
@@ -74,6 +80,10 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "half_power_low_hz": _number("Hz", "lower half-power frequency", "f1, where T is its peak divided by sqrt 2"),
         "half_power_high_hz": _number("Hz", "upper half-power frequency", "f2"),
+        "stuck_resonance_hz": _number("Hz", "resonance frequency with sticking interfaces", "of the main mode"),
+        "tip_participation": _number(
+            "", "participation of the main mode at the tip", "T is this value divided by twice the damping ratio"
+        ),
         "skewness": _number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
     },
     "Steady response of a dwell": {

@@ -25,6 +25,11 @@ is 1 for a single mass and 1.6 for the first mode of a cantilever. It is up to 2
 friction, whose peaks do not have the width of a linear resonance."""
 
 
+HEIGHT_FACTOR = 1.5
+"""Largest factor between a damping ratio and that from the height of the peak, p / (2 T), where p is the participation
+of the mode with sticking interfaces. For one linear mode the factor is 1."""
+
+
 @dataclass(frozen=True)
 class HalfPower:
     """Half-power damping of one resonance.
@@ -223,7 +228,7 @@ enough. Friction makes one flank steep, and the sweep lags there first: f_n of r
 (benchmarks/random_rolls.py) differs from that of harmonic balance by 0.3 % below this rate, and by 1.5 % above it."""
 
 
-def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
+def sweep_warning(motion: Chirp, read: HalfPower, participation: float | None = None) -> str | None:
     """Warning if a sweep is too fast for the resonance that it passes.
 
     Parameters
@@ -232,6 +237,8 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
         Sweep.
     read
         Half-power damping of the demodulated envelope.
+    participation
+        Participation of the resonant mode, if it is known (`likely_damping`).
 
     Returns
     -------
@@ -247,7 +254,7 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
     """
     if not read.resonant:
         return None
-    zeta, origin = likely_damping(read)
+    zeta, origin = likely_damping(read, participation)
     limit = sweep_rate_limit(read.f_n, zeta)
     share, slow = motion.rate_oct_per_min / limit, SLOW_ENOUGH * limit
     if read.complete:
@@ -266,19 +273,20 @@ def sweep_warning(motion: Chirp, read: HalfPower) -> str | None:
     )
 
 
-def likely_damping(read: HalfPower) -> tuple[float, str]:
+def likely_damping(read: HalfPower, participation: float | None = None) -> tuple[float, str]:
     """Damping ratio for the checks of sweep rate and time step, and a text about its origin.
 
     The text is empty if the damping ratio is the half-power damping.
 
-    A single mode with the participation p has a peak of height p / (2 zeta). If the half-power damping gives a p above
-    `LARGEST_PARTICIPATION`, the peak is too high for its width, because the response rings. The damping ratio is then
-    estimated from the height.
+    A single mode with the participation p has a peak of height p / (2 zeta). If the half-power damping gives more than
+    `HEIGHT_FACTOR` times the participation, or more than `LARGEST_PARTICIPATION` if the participation is unknown, the
+    peak is too high for its width, because the response rings. The damping ratio is then estimated from the height.
     """
     if not read.complete:
         return least_damping(read), " (from the height or one side of the peak, as a half-power point is missing)"
-    from_height = 0.5 * LARGEST_PARTICIPATION / read.peak
-    if from_height < read.zeta:
+    largest = LARGEST_PARTICIPATION if participation is None else HEIGHT_FACTOR * participation
+    if 2.0 * read.peak * read.zeta > largest:
+        from_height = 0.5 * (LARGEST_PARTICIPATION if participation is None else participation) / read.peak
         return from_height, " (from the height of the peak, which is too high for its width because of ringing)"
     return read.zeta, ""
 

@@ -15,8 +15,9 @@ from wroll_fem.structure.mode_shapes import main_bending
 def attributes(dataset: xr.Dataset) -> dict[str, Any]:
     """Summary entries from the attributes of the Dataset."""
     found = {name: dataset.attrs[name] for name in SUMMARY if name in dataset.attrs}
-    if "warnings" in found:
-        found["warnings"] = [text for text in str(found["warnings"]).split("\n") if text]
+    for name in ("warnings", "zeta_doubts"):
+        if name in found:
+            found[name] = [text for text in str(found[name]).split("\n") if text]
     return found
 
 

@@ -94,12 +94,15 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     return error, _warning("the history", error, case, oscillator)
 
 
-def sweep_step_error(case: SweepCase, read: HalfPower) -> tuple[float, str]:
-    """Relative error of |T| of a sweep due to its time step (nan without a peak), and a warning ("" if it is small)."""
+def sweep_step_error(case: SweepCase, read: HalfPower, participation: float | None = None) -> tuple[float, str]:
+    """Relative error of |T| of a sweep due to its time step (nan without a peak), and a warning ("" if it is small).
+
+    ``participation`` is that of the resonant mode, if it is known (`likely_damping`).
+    """
     if not read.resonant:
         return np.nan, ""
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
-    oscillator = Oscillator(read.f_n, likely_damping(read)[0])
+    oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
     error = curve_error(scheme, dt, oscillator)
     return error, _warning("|T| on the flanks of the peak", error, case, oscillator)
 

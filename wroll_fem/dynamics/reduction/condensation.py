@@ -73,6 +73,18 @@ class Condensation:
         """Number of contact points per circumferential row."""
         return int(self.profiles.shape[2])
 
+    @property
+    def main_mode(self) -> tuple[float, float]:
+        """Frequency (Hz) and participation (base times tip) of the mode with the largest tip motion; nan without modes.
+
+        The peak of this mode alone has the height participation / (2 zeta).
+        """
+        share = np.abs(self.base * self.tip)
+        if not share.any():
+            return float("nan"), float("nan")
+        main = int(np.argmax(share))
+        return float(np.sqrt(max(self.eigenvalues[main], 0.0)) / (2.0 * np.pi)), float(share[main])
+
     def displacement(self, q: FloatArray) -> FloatArray:
         """(n_dofs,) displacement from modal coordinates (r,)."""
         parts = np.split(q, self.blocks[1:-1])
