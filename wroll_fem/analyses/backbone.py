@@ -55,7 +55,9 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     dataset = xr.Dataset(data, coords={dim: tip})
     if len(system.probe_names) > 1:
         model = curve.balance.model
-        reach = np.abs([curve.fundamental(row) for row in np.vstack([model.tip, model.probes])])
+        reach = np.abs(
+            [curve.fundamental(row) for row in np.vstack([model.tip, model.probes[: len(system.named_probes)]])]
+        )
         dataset = dataset.assign_coords(probe=list(system.probe_names)).assign(probe_amplitude=(("probe", dim), reach))
     dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[most])])
     sampling = curve.balance.contact.sampling

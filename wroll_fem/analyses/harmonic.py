@@ -299,7 +299,7 @@ ANALYSIS = Analysis(
     sentence="Periodic response to sinusoidal base motion versus frequency, by harmonic balance.",
     sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
     run=run_harmonic,
-    summary=(summary.interfaces, summary.work_per_cycle, summary.slip),
+    summary=(summary.interfaces, summary.work_per_cycle, summary.slip, summary.base_loads),
     figures=(
         figures.figure("transmissibility", "harmonic_response"),
         figures.slip_maps,

@@ -38,7 +38,7 @@ FALLBACK_SIZE = 2000
 """Largest number of contact degrees of freedom for which a run falls back from `reduced` to `condensed`. With more, a
 step of `condensed` takes seconds when many points change their contact state."""
 
-SUMMARY = (summary.interfaces, summary.ledger, summary.slip)
+SUMMARY = (summary.interfaces, summary.ledger, summary.slip, summary.base_loads)
 FIGURES = (
     figures.figure("response", "response"),
     figures.figure("energy_ledger", "energy_ledger"),

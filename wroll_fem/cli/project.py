@@ -26,7 +26,9 @@ def reproduce(
             metavar="[CHAPTER]...", help="ch2 ch3 ch4 ch5 ch6 appendices; all by default.", show_default=False
         ),
     ] = None,
-    fast: Annotated[bool, typer.Option("--fast", help="Use coarse meshes and fewer values: about 15 minutes.")] = False,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="Coarse meshes and fewer values: about 25 minutes on two cores.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(

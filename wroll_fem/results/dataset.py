@@ -96,6 +96,10 @@ FIELDS: dict[str, Field] = {
     "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
     # periodic motions
     "branch_point": Field("1", "point along the branch"),
+    "base_shear": Field("N", "force of the roll on its base along the excitation"),
+    "base_moment": Field("N m", "moment of the roll on its base, about the axis normal to roll axis and excitation"),
+    "base_shear_amplitude": Field("N", "amplitude of the base shear (fundamental, 0-peak)"),
+    "base_moment_amplitude": Field("N m", "amplitude of the base moment (fundamental, 0-peak)"),
     "probe_amplitude": Field("m", "amplitude of the displacement at the probe (fundamental, 0-peak)"),
     "probe_transmissibility_real": Field(
         "1", "absolute acceleration at the probe divided by base acceleration, real part"

@@ -130,6 +130,18 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "buckling_pressure_pa": Entry("Pa", "total external pressure at buckling", console="{:.4g} Pa"),
         "buckling_wave_number": _number("", "circumferential waves of the buckling mode", console="{:d}"),
     },
+    "Loads at the base (sweep, dwell, harmonic)": {
+        "base_shear_max_n": Entry(
+            "N", "largest base shear",
+            "force of the roll on its base along the excitation; amplitude of the fundamental with harmonic", "si",
+            "{:.4g} N",
+        ),
+        "base_moment_max_nm": Entry(
+            "N m", "largest base moment",
+            "about the axis through the centre of the base, normal to roll axis and excitation; not for solid coils or "
+            "matrices", "si", "{:.4g} N m",
+        ),
+    },
     "Interfaces": {
         "interface_pressure_mean_pa": Entry(
             "Pa", "mean interface pressure", "after the preload, area mean", console="{:.4g} Pa"

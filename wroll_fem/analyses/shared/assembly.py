@@ -16,6 +16,7 @@ from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.structure.base_loads import base_rotation
 from wroll_fem.structure.body import Body
 from wroll_fem.structure.probe import Probe, probe_row, unit_vector
 
@@ -83,7 +84,8 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
 
     direction, points = DIRECTIONS[case.direction], case.probes or {}
     if len(bodies) == 1:
-        return with_probes(System.from_bodies(bodies, direction=direction), bodies, points, direction)
+        system = with_probes(System.from_bodies(bodies, direction=direction), bodies, points, direction)
+        return with_base_loads(system, bodies, direction, case.geometry.length)
     linear = isinstance(case, ModalCase) and case.modal.interface != "stuck"
     contact, preload, bonded = case.contact, case.preload, case.coil.model == "bonded"
     if contact is None and not bonded and not isinstance(case, ModalCase):
@@ -101,6 +103,7 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
         pressures=() if preload is None else external_pressures(case, preload, case.wound),
     )
     system = with_probes(system, bodies, points, direction)
+    system = with_base_loads(system, bodies, direction, case.geometry.length)
     if preload is None or preload.kind != "winding_tension" or case.wound is None or linear:
         return system
     return _wound(case, case.wound, bodies, system)
@@ -132,6 +135,13 @@ def with_probes(system: System, bodies: Sequence[Body], points: Mapping[str, Pro
         rows[name] = row
         rigid[name] = float(unit_vector(probe)[direction])
     return replace(system, probes=rows, probe_base=rigid)
+
+
+def with_base_loads(system: System, bodies: Sequence[Body], direction: int, length: float) -> System:
+    """System that records the base shear and, where the nodes of all unknowns are known, the base moment."""
+    turns = [base_rotation(body, direction, length) for body in bodies]
+    rotation = None if any(turn is None for turn in turns) else np.concatenate([t for t in turns if t is not None])
+    return system.with_base_loads(rotation, sum(body.mass_total for body in bodies))
 
 
 def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:

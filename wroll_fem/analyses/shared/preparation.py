@@ -115,7 +115,7 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     if state is None:
         _check_pressing(system, str(path))
     _check_mass(case, system)
-    return system, state
+    return system.with_base_loads(), state
 
 
 def _check_pressing(system: System, file: str) -> None:

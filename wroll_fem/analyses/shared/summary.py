@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from wroll_fem.results.energy import energy_balance_error
@@ -64,6 +65,16 @@ def slip(dataset: xr.Dataset) -> dict[str, Any]:
         "max_accumulated_slip_m": float(dataset["cumulative_slip"].max()),
         "slipping_area_fraction": slipping_area_fraction(dataset).values.tolist(),
     }
+
+
+def base_loads(dataset: xr.Dataset) -> dict[str, Any]:
+    """Largest base shear and base moment, of the fundamental for steady motions; only those that were computed."""
+    found = {}
+    for name, unit in (("base_shear", "n"), ("base_moment", "nm")):
+        for variable in (name, f"{name}_amplitude"):
+            if variable in dataset:
+                found[f"{name}_max_{unit}"] = float(np.abs(dataset[variable].values).max())
+    return found
 
 
 def modes(dataset: xr.Dataset) -> dict[str, Any]:

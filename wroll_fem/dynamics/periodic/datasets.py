@@ -109,7 +109,7 @@ def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset
     zero at zero frequency.
     """
     model = curve.balance.model
-    rows = np.vstack([model.tip, model.probes])
+    rows = np.vstack([model.tip, model.probes[: len(system.named_probes)]])
     rigid = np.array([system.rigid_motion(name) for name in system.probe_names])
     relative = np.array([curve.fundamental(row) for row in rows])
     ratio = rigid[:, None] - curve.frequencies**2 * relative / curve.balance.acceleration
@@ -117,6 +117,16 @@ def probe_response(system: System, curve: HarmonicCurve, dim: str) -> xr.Dataset
     return xr.Dataset(
         {name: (("probe", dim), values) for name, values in data.items()}, {"probe": list(system.probe_names)}
     )
+
+
+def base_load_amplitudes(system: System, curve: HarmonicCurve, dim: str) -> dict[str, tuple]:
+    """Amplitude of the fundamental of each load at the base (N, N m), along ``dim``."""
+    rows = curve.balance.model.probes[len(system.named_probes) :]
+    found: dict[str, tuple] = {}
+    for row, (name, (_, rigid)) in zip(rows, system.base_loads.items(), strict=True):
+        inertia = rigid * curve.balance.acceleration - curve.frequencies**2 * curve.fundamental(row)
+        found[f"{name}_amplitude"] = (dim, np.abs(inertia))
+    return found
 
 
 def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
@@ -131,13 +141,17 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     ratio = curve.transmissibility
     motions = [PeriodicMotion(curve.balance, q, w) for q, w in zip(curve.coefficients, curve.frequencies, strict=True)]
     tip = np.abs(curve.fundamental(curve.balance.model.tip))
-    data: dict[str, tuple] = {
-        "transmissibility_real": (dim, ratio.real.copy()),
-        "transmissibility_imag": (dim, ratio.imag.copy()),
-        "tip_amplitude": (dim, tip),
-        "stable": (dim, curve.stable),
-        "newton_iterations": (dim, curve.iterations),
-    } | per_motion(motions, system, dim)
+    data: dict[str, tuple] = (
+        {
+            "transmissibility_real": (dim, ratio.real.copy()),
+            "transmissibility_imag": (dim, ratio.imag.copy()),
+            "tip_amplitude": (dim, tip),
+            "stable": (dim, curve.stable),
+            "newton_iterations": (dim, curve.iterations),
+        }
+        | per_motion(motions, system, dim)
+        | base_load_amplitudes(system, curve, dim)
+    )
     place = {dim: hertz} if rises else {dim: np.arange(len(hertz)), "frequency": (dim, hertz)}
     dataset = xr.Dataset(data, coords=place)
     if len(system.probe_names) > 1:

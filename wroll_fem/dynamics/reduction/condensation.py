@@ -48,7 +48,7 @@ class Condensation:
     profiles : (n_blocks, 3, n_theta) shape of these components around a row
     base : (r,) modal participation factors; the modal load is -base per unit base acceleration, kg^(1/2)
     tip : (r,) tip displacement
-    probes : (p, r) displacement at the other probes
+    probes : (p, r) displacement at the other probes, then the rows of the loads at the base (`System.output_rows`)
     springs : (3 n_points,) reference contact stiffness D_0, Pa/m
     exact : False for the projection of a large structure without symmetry, whose error is about 1e-4
     damping : (r, r) viscous damping between modes, 1/s; None without damping
@@ -159,7 +159,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         profiles=np.ones((1, 3, 1)),
         base=vectors.T @ (system.mass @ system.influence),
         tip=vectors.T @ system.probes["tip"],
-        probes=system.named_probes @ vectors,
+        probes=system.output_rows @ vectors,
         springs=springs,
         exact=exact,
         damping=None if system.damping is None else vectors.T @ (system.damping @ vectors),
@@ -184,7 +184,7 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         jumps.append(np.ascontiguousarray(jump @ ritz))
         base.append(ritz.T @ ends[:, 0])
         end.append(ritz.T @ ends[:, 1])
-        probes.append(system.named_probes @ basis @ ritz)
+        probes.append(system.output_rows @ basis @ ritz)
     return Condensation(
         eigenvalues=np.concatenate(values),
         blocks=np.concatenate([[0], np.cumsum([len(v) for v in values])]),

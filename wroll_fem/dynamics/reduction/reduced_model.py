@@ -36,7 +36,7 @@ class ReducedModel:
     jump : (3 n_points, m) relative displacement per unit coordinate
     base : (m,) participation factors; the load is -base per unit base acceleration, kg^(1/2)
     tip : (m,) tip displacement per unit coordinate
-    probes : (p, m) displacement at the other probes per unit coordinate
+    probes : (p, m) displacement at the other probes and rows of the loads at the base, per unit coordinate
     springs : (3 n_points,) reference contact stiffness D_0, which the structure includes, Pa/m
     vectors : (r, m) basis vectors in modal coordinates of ``condensation``
     condensation : all modes of the structure

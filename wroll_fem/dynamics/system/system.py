@@ -50,6 +50,9 @@ class System:
     probe_base
         Displacement of probes under a unit base translation, for points near a clamped end, where degrees of freedom
         are missing. For other probes it follows from their row and the influence vector.
+    base_loads
+        By name (`BASE_LOADS`), the row (n,) whose product with the accelerations relative to the base, with the sign
+        changed, is a load on the base (N, N m), and the load per unit base acceleration of the rigid structure.
     """
 
     stiffness: sp.csr_matrix
@@ -62,6 +65,7 @@ class System:
     damping: sp.csr_matrix | None = None
     pressures: tuple[float, ...] = ()
     probe_base: Mapping[str, float] = field(default_factory=dict)
+    base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -102,6 +106,31 @@ class System:
     def named_probes(self) -> FloatArray:
         """(p, n) matrix whose rows give the displacements of all probes but the tip, in the order of `probe_names`."""
         return np.array([self.probes[name] for name in self.probe_names[1:]]).reshape(-1, self.n_dofs)
+
+    @cached_property
+    def output_rows(self) -> FloatArray:
+        """(k, n) matrix of `named_probes`, followed by the rows of `base_loads`."""
+        return np.array([*self.named_probes, *(row for row, _ in self.base_loads.values())]).reshape(-1, self.n_dofs)
+
+    def with_base_loads(self, rotation: FloatArray | None = None, mass_total: float | None = None) -> System:
+        """System that records the base shear, and the base moment if the rotation of the base is given.
+
+        The inertia forces of all degrees of freedom are summed with their rigid motions. In equilibrium this is the
+        reaction of the base.
+
+        Parameters
+        ----------
+        rotation
+            (n,) displacement of the DOFs under a unit rotation of the base.
+        mass_total
+            Mass including that of clamped nodes, which have no DOFs, kg; None if there are none.
+        """
+        shear = self.mass @ self.influence
+        moved = float(self.influence @ shear)
+        loads = {"base_shear": (shear, moved if mass_total is None else max(mass_total, moved))}
+        if rotation is not None:
+            loads["base_moment"] = (self.mass @ rotation, float(rotation @ shear))
+        return replace(self, base_loads=loads)
 
     @cached_property
     def laws(self) -> PointLaws:

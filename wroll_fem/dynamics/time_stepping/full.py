@@ -173,8 +173,8 @@ class FullStepper(Stepper):
         system, motion = self.system, self.state.motion
         tip = system.probes["tip"]
         row[TIP_DISPLACEMENT], row[TIP_VELOCITY], row[TIP_ACCELERATION] = tip @ motion.q, tip @ motion.v, tip @ motion.a
-        if len(system.named_probes):
-            row[FIRST_PROBE:] = (system.named_probes @ np.column_stack([motion.q, motion.v, motion.a])).ravel()
+        if len(system.output_rows):
+            row[FIRST_PROBE:] = (system.output_rows @ np.column_stack([motion.q, motion.v, motion.a])).ravel()
         row[KINETIC] = 0.5 * motion.v @ (system.mass @ motion.v)
         change = self.jump - self.preload.jump
         row[STRAIN] = 0.5 * motion.q @ (system.stiffness @ motion.q) - (system.weights * self.preload.traction) @ change

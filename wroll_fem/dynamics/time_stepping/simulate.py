@@ -263,7 +263,7 @@ class _Run:
         m = self.done + 1
         columns = np.vstack([np.zeros(self.stepper.record_size), self.records[: self.done]])
         columns[0, TIP_ACCELERATION] = -base[0] * (system.probes["tip"] @ system.influence)
-        columns[0, FIRST_PROBE + 2 :: OF_PROBE] = -base[0] * (system.named_probes @ system.influence)
+        columns[0, FIRST_PROBE + 2 :: OF_PROBE] = -base[0] * (system.output_rows @ system.influence)
         data: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
             name: (("time",), columns[:m, i]) for i, name in enumerate(RECORDS)
         }
@@ -272,9 +272,13 @@ class _Run:
         dataset = xr.Dataset(data, coords={"time": times[:m]})
         if len(system.probe_names) > 1:
             dataset = dataset.assign_coords(probe=list(system.probe_names))
-            motions = np.column_stack([columns[:m, :OF_PROBE], columns[:m, FIRST_PROBE:]])
+            last = FIRST_PROBE + OF_PROBE * len(system.named_probes)
+            motions = np.column_stack([columns[:m, :OF_PROBE], columns[:m, FIRST_PROBE:last]])
             for c, name in enumerate(("displacement", "velocity", "acceleration")):
                 dataset[f"probe_{name}"] = (("probe", "time"), motions[:, c::OF_PROBE].T)
+        accelerations = columns[:m, FIRST_PROBE + 2 :: OF_PROBE][:, len(system.named_probes) :]
+        for (name, (_, rigid)), relative in zip(system.base_loads.items(), accelerations.T, strict=True):
+            dataset[name] = ("time", -relative - rigid * base[:m])
         if system.interfaces:
             dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper)])
         if self.kept:

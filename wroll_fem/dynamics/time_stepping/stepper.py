@@ -108,7 +108,7 @@ class Stepper(ABC):
     @property
     def record_size(self) -> int:
         """Number of columns of a step record."""
-        return record_size(len(self.system.named_probes))
+        return record_size(len(self.system.output_rows))
 
     def step(self, dt: float) -> Step:
         """Time step ``dt`` (s) and parameters of the integration scheme, for compiled code."""

@@ -1,0 +1,35 @@
+"""Loads at the base: rigid motions of a body, with which its inertia forces are summed to base shear and moment."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wroll_fem.structure.body import Body
+from wroll_fem.typing import FloatArray
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def base_rotation(body: Body, direction: int, length: float) -> FloatArray | None:
+    """Displacement of the unknowns under a unit rotation of the base, which moves points above it along +direction.
+
+    The axis of rotation passes through the centre of the base, normal to the roll axis and to the direction.
+
+    Parameters
+    ----------
+    direction
+        0 for x, 1 for y.
+    length
+        Height of the centre of a rigid tip, m.
+
+    Returns
+    -------
+    (n,) displacement (m or rad per rad); None for an axial direction, or if the nodes of the unknowns are not known.
+    """
+    node, component = body.unknown_node, body.unknown_component
+    if node is None or component is None or direction == 2:
+        return None
+    axis = np.cross(_UP, np.eye(3)[direction])
+    places = np.where((node >= 0)[:, None], body.nodes[np.maximum(node, 0)], length * _UP)
+    moved = np.column_stack([np.cross(axis, places), np.tile(axis, (len(node), 1))])
+    return np.asarray(moved[np.arange(len(node)), component])
