@@ -68,6 +68,7 @@ def test_sections_of_another_version_are_shown_as_written() -> None:
         ("pressure_mandrel_pa", 6.2884e6, "6.288 MPa"),
         ("slipping_area_fraction", [0.34, 0.0], "34 %, 0 %"),
         ("effective_mass_fraction", 3e-29, "0 %"),
+        ("energy_balance_error", 6.8e-7, "below 0.001 %"),
         ("mass_total_kg", 0.0543, "54.3 g"),
         ("mass_total_kg", 25.0, "25 kg"),
         ("solver_time_s", 170.25, "170.2 s"),

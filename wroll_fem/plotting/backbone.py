@@ -13,6 +13,12 @@ from wroll_fem.results.dataset import label
 from wroll_fem.results.resonance import resonance
 from wroll_fem.signals.transmissibility import magnitude
 
+SAME = 1e-3
+"""Relative change of the resonance frequency along a backbone below which it is said to stay."""
+
+NO_DAMPING = 1e-9
+"""Damping ratio below which that of a backbone is rounding error."""
+
 
 def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Plot the transmissibility |T| versus frequency from harmonic balance; unstable parts between folds are dashed.
@@ -63,11 +69,11 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     read = resonance(dataset)
     damping = f"damping ratio {damping_words(read)}" if read.damped else "no damping estimate"
     friction = float(dataset["friction_work_per_cycle"].values[peak])
-    style.title(
-        ax,
-        f"Peak transmissibility {size[peak]:.1f} at {frequency[peak]:.1f} Hz; {damping}; "
-        f"friction work {style.engineering(friction, 'J')} per cycle",
+    dissipates = friction > 1e-12 * float(np.abs(dataset["input_work_per_cycle"].values).max())
+    work = (
+        f"friction work {style.engineering(friction, 'J')} per cycle" if dissipates else "friction dissipates nothing"
     )
+    style.title(ax, f"Peak transmissibility {size[peak]:.1f} at {frequency[peak]:.1f} Hz; {damping}; {work}")
     return ax
 
 
@@ -119,14 +125,39 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
                 f"{level:g} m/s²", (at, there), textcoords="offset points", xytext=(-6, 6), fontsize=8, ha="right"
             )
     ax.legend(handles=[first, second], fontsize=8, framealpha=0.9, loc="center left")
-    most = int(damping.argmax())
-    if damping[most] < 1e-6:
-        found = "the interface sticks: no damping at these amplitudes"
-    else:
-        start = tip[int(np.argmax(slipping))]
-        found = (
-            f"slip starts at {start:.3g} µm; largest damping ratio {damping[most]:.1f} % at {tip[most]:.3g} µm; "
-            "dots: base acceleration at resonance"
-        )
-    style.title(ax, f"Resonance falls from {hertz[0]:.1f} Hz to {hertz[-1]:.1f} Hz with rising amplitude; {found}")
+    dots = "; dots: base acceleration at resonance" if len(ax.texts) else ""
+    style.title(ax, "; ".join(backbone_facts(dataset)) + dots)
     return ax
+
+
+def backbone_facts(dataset: xr.Dataset) -> list[str]:
+    """What a backbone shows, in words: change of the resonance, start of slip, and largest damping.
+
+    Each statement is tested. A frequency that moves by less than `SAME` stays; a damping ratio below `NO_DAMPING` is
+    rounding error; slip starts between two points of the curve only if the first of them has none.
+    """
+    tip, damping = 1e6 * dataset["tip_amplitude"].values, dataset["modal_damping"].values
+    hertz = dataset["resonance_frequency"].values
+    change = hertz[-1] / hertz[0] - 1.0
+    if abs(change) < SAME:
+        facts = [f"Resonance stays at {hertz[0]:.1f} Hz from {tip[0]:.3g} to {tip[-1]:.3g} µm"]
+    else:
+        verb = "falls" if change < 0.0 else "rises"
+        facts = [f"Resonance {verb} from {hertz[0]:.1f} to {hertz[-1]:.1f} Hz with rising amplitude"]
+    if "slipping_fraction" in dataset:
+        share = dataset["slipping_fraction"].values
+        slips = share > 0.0
+        first = int(slips.argmax())
+        if not slips.any():
+            facts.append("no point slips")
+        elif first == 0:
+            facts.append(f"points slip from the smallest amplitude on ({100 * share[0]:.2g} %)")
+        else:
+            facts.append(f"slip starts at {tip[first]:.3g} µm")
+    most = int(damping.argmax())
+    if damping[most] < NO_DAMPING:
+        facts.append("friction dissipates nothing")
+    else:
+        end = ", the largest amplitude" if most == len(tip) - 1 else ""
+        facts.append(f"largest damping ratio {100 * damping[most]:.2g} % at {tip[most]:.3g} µm{end}")
+    return facts

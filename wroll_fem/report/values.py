@@ -8,6 +8,9 @@ from typing import Any
 
 from wroll_fem.results.summary import SUMMARY, unit_of
 
+SMALL_SHARE = 1e-5
+"""Share below which only this limit is printed: no error of a run is known to more digits."""
+
 
 def open_balance(summary: Mapping[str, Any]) -> float | None:
     """Energy balance error if it exceeds 0.1 %, else None."""
@@ -33,6 +36,8 @@ def shown(name: str, value: Any) -> str:
         return "none"
     unit, style = unit_of(name), SUMMARY[name].style if name in SUMMARY else "si"
     if style == "share":
+        if 1e-12 < abs(value) < SMALL_SHARE:
+            return f"below {100 * SMALL_SHARE:g} %"
         return f"{100.0 * value:.4g} %" if abs(value) > 1e-12 else "0 %"
     if not unit or style == "number":
         return f"{value:.6g}{_behind(unit)}" if unit == "Hz" else f"{value:.4g}{_behind(unit)}"

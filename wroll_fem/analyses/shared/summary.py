@@ -7,10 +7,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.dynamics.periodic.datasets import LEAST_LOSS
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.results.summary import SUMMARY
 from wroll_fem.signals.transmissibility import magnitude
 from wroll_fem.structure.mode_shapes import main_bending
+
+ROUNDING = 1e-12
+"""Energy, relative to the largest energy of a run, up to which a value is rounding error and is stated as zero."""
+
+_LARGE = ("input_work", "kinetic_energy", "strain_energy")
 
 
 def attributes(dataset: xr.Dataset) -> dict[str, Any]:
@@ -37,8 +43,13 @@ def ledger(dataset: xr.Dataset) -> dict[str, Any]:
     """Energies at the end of a time history."""
     last = dataset.isel(time=-1)
     names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work", "impact_dissipation")
-    found = {f"{name}_j": float(last[name]) for name in names if name in last}
+    noise = ROUNDING * float(max(np.abs(dataset[name].values).max() for name in _LARGE if name in dataset))
+    found = {f"{name}_j": _without_noise(float(last[name]), noise) for name in names if name in last}
     return found | {"energy_balance_error": energy_balance_error(dataset)}
+
+
+def _without_noise(energy: float, noise: float) -> float:
+    return 0.0 if abs(energy) <= noise else energy
 
 
 def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
@@ -48,7 +59,9 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
     else:
         at = int(magnitude(dataset).values.argmax())
     names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
-    found: dict[str, Any] = {f"{name}_j": float(dataset[name].values[at]) for name in names}
+    kinetic = dataset.attrs.get("least_work_per_cycle_j", 0.0) / LEAST_LOSS
+    noise = ROUNDING * max(kinetic, float(np.abs(dataset[names[0]].values).max()))
+    found: dict[str, Any] = {f"{name}_j": _without_noise(float(dataset[name].values[at]), noise) for name in names}
     return found | {"energy_balance_error": dataset.attrs.get("energy_balance_error")}
 
 
