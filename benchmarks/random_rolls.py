@@ -39,7 +39,8 @@ import numpy as np
 from roll_agreement import agreement_lines, outcome_lines, quality_lines
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.shared.preflight import beam_frequency
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
+from wroll_fem.analyses.forecasts.slip import slip_warnings
 from wroll_fem.case.loader import build_case
 from wroll_fem.case.roll import RollSections
 from wroll_fem.errors import WrollError
@@ -263,6 +264,25 @@ def main() -> None:
     print("\n".join(["", *quality_lines(found.values())]))
 
 
+def forecast_lines(reports: list[dict[str, Any]]) -> list[str]:
+    """Table of the forecast of slip that a run prints before it starts, against what harmonic balance found."""
+    kinds = {"clamped": "clamped at the base", "hardly": "will hardly slip", "gross": "expect gross slip", "": "none"}
+    found = {kind: dict.fromkeys(("bounded", "unbounded", "opens or slides"), 0) for kind in kinds}
+    for report in reports:
+        if report["analysis"] != "harmonic":
+            continue
+        texts = "\n".join(slip_warnings(build_case(random_case(report["roll"], "harmonic"))))
+        kind = next(kind for kind, words in kinds.items() if words in texts or not kind)
+        unbounded = "grows beyond" in "\n".join([*report.get("warnings", ()), report["cause"]])
+        curve = "bounded" if report["outcome"] == "curve" else "opens or slides"
+        found[kind]["unbounded" if unbounded else curve] += 1
+    head = [
+        "| forecast of slip | bounded resonance | beyond 500 times the base | no motion found |",
+        "|---|---|---|---|",
+    ]
+    return head + [f"| {words} | " + " | ".join(map(str, found[kind].values())) + " |" for kind, words in kinds.items()]
+
+
 def read_reports(path: Path) -> list[dict[str, Any]]:
     """Reports of a file of JSON lines."""
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
@@ -299,6 +319,10 @@ def page(reports: list[dict[str, Any]]) -> list[str]:
         "Quality of zeta (`zeta_quality`), and how far the sweeps differ from harmonic balance. Both ok: at most 10 %.",
         "",
         *quality_lines(reports),
+        "",
+        "Forecast of slip, as `wroll validate` prints it, and what harmonic balance found:",
+        "",
+        *forecast_lines(reports),
         "",
         "Cases without a curve:",
         "",

@@ -15,7 +15,7 @@ from reproduction.lab_studies import beside
 from reproduction.layer_slip import AMPLITUDE, areas
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import kpa, numbers
-from wroll_fem.analyses.shared.preflight import interface_pressures
+from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.study import StudyCase, is_sweep, read
 from wroll_fem.results.interface_slip import surface

@@ -9,7 +9,7 @@ import pytest
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import history, run_analysis, summarise
-from wroll_fem.analyses.shared.preflight import beam_frequency
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.case import load_case
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress

@@ -10,8 +10,9 @@ import pytest
 from support.paths import ROOT
 
 from wroll_fem.analyses import run_analysis
+from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
 from wroll_fem.analyses.registry import MODULES, find_analysis
-from wroll_fem.analyses.shared.preflight import CHECKS, interface_pressures
+from wroll_fem.analyses.shared.preflight import CHECKS
 from wroll_fem.case import load_case
 from wroll_fem.progress import SilentProgress
 

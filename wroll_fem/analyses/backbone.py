@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_roll
 from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass_line, reduction_remark
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
-from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import with_cause

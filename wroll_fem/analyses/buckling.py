@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_roll
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
-from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.prestress import body_pressures, contact_state, held_springs, prestressed_roll
 from wroll_fem.analyses.shared.springs import linear_springs

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import SECONDS_PER_FOURIER_DOF, fourier_dofs
 from wroll_fem.analyses.registry import Analysis
-from wroll_fem.analyses.shared.estimates import SECONDS_PER_FOURIER_DOF, fourier_dofs
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.resolution import fourier_remark
 from wroll_fem.case.coil import Coil

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_history
 from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLES, time_history
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
-from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.analyses.shared.time_step import dwell_step_error
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.transmissibility import dwell_response, unsteadiness

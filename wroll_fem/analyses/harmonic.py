@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_roll
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
-from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.contact.point import tangentials

@@ -9,11 +9,11 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.fourier import run_fourier_modal
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
-from wroll_fem.analyses.shared.estimates import estimate_modes
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll

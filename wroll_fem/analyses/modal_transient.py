@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, summary
-from wroll_fem.analyses.shared.estimates import estimate_modes
 from wroll_fem.analyses.slip_model import SlipModel
 from wroll_fem.coiled_stiff.slip_criterion import slips
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_roll
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
-from wroll_fem.analyses.shared.estimates import estimate_roll
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.time_stepping.fields import interface_fields
 from wroll_fem.results.dataset import annotate

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.forecasts.computing_time import estimate_history
 from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLES, time_history
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
-from wroll_fem.analyses.shared.estimates import estimate_history
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import sweep_step_error
 from wroll_fem.signals.base_motion import base_motion

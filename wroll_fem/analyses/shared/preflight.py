@@ -6,11 +6,18 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.analyses.forecasts.closed_forms import (
+    beam_frequency,
+    buckling_pressure,
+    interface_pressures,
+    root_element_height,
+    shear_lag_length,
+)
+from wroll_fem.analyses.forecasts.slip import slip_warnings
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Friction, HarmonicCase, RollSections, SweepCase
-    from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
+    from wroll_fem.case import HarmonicCase, SweepCase
     from wroll_fem.case.preload import Preload
 
 
@@ -29,120 +36,6 @@ def unusual_frequency(case: Any) -> list[str]:
         f"the first bending frequency of the mandrel with its coil and tip mass is about {f:.2g} Hz, far outside the "
         f"usual range of rolls, {low:g} to {high:g} Hz; check the units of geometry, mandrel and coil"
     ]
-
-
-def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
-    """First bending frequency in Hz of the roll as a cantilever with tip mass (Rayleigh, with shear flexibility).
-
-    33/140 of the mass of the beam acts at the tip. The error is a few per cent.
-
-    Parameters
-    ----------
-    roll
-        Case sections of the roll.
-    bonded
-        Whether the coil adds stiffness.
-    added_mass
-        Whether the coil adds mass.
-    """
-    g, m, coil = roll.geometry, roll.mandrel, roll.coil
-    radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
-    tubes: list[tuple[IsotropicMaterial | OrthotropicMaterial, float, float, bool]] = [
-        (m.material, radius, g.mandrel_thickness, True)
-    ]
-    if coil.model != "none":
-        radius = 0.5 * g.mandrel_outer_diameter + 0.5 * coil.total_thickness
-        stiff = bonded and coil.model != "nonstructural_mass"
-        tubes.append((coil.material, radius, coil.total_thickness, stiff))
-    bending = shear = mass = 0.0
-    for material, radius, thickness, stiff in tubes:
-        area = 2 * math.pi * radius * thickness
-        if stiff or material is m.material:
-            E, G = _axial_moduli(material)
-            bending += E * math.pi * radius**3 * thickness
-            shear += G * area / 2
-        if added_mass or material is m.material:
-            mass += material.rho * area * g.length
-    compliance = g.length**3 / (3 * bending) + g.length / shear
-    return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
-
-
-def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[float, float]:
-    """Young's modulus along the axis and in-plane shear modulus, Pa."""
-    if material.kind == "cylindrical_orthotropic":
-        return material.E_z, material.G_z_theta
-    return material.E, material.E / (2 * (1 + material.nu))
-
-
-def buckling_pressure(roll: RollSections) -> float:
-    """Linear hoop-buckling pressure in Pa: sum of mandrel and layers, each a short tube whose ends stay circular.
-
-    Windenburg and Trilling's formula for a tube is p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)).
-    """
-    g, coil = roll.geometry, roll.coil
-    tubes = [(roll.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
-    if coil.bending:
-        tubes.append(
-            (coil.layer_material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
-        )
-    total = 0.0
-    for material, diameter, thickness, count in tubes:
-        slender = thickness / diameter
-        length = g.length / diameter - 0.45 * math.sqrt(slender)
-        if length > 0:
-            total += count * 2.42 * material.E * slender**2.5 / ((1 - material.nu**2) ** 0.75 * length)
-    return total
-
-
-def interface_pressures(case: OnRoll) -> list[float]:
-    """Estimated pressure in Pa at each interface, inner first; rings share the load in proportion to E t / R^2.
-
-    The rings are thin, and end effects are neglected. The pressure of an interface that opens is zero.
-    """
-    g, coil = case.geometry, case.coil
-    if case.preload is None:
-        return [0.0] * coil.layers
-    if case.preload.kind == "winding_tension" and case.wound is not None:
-        from wroll_fem.winding.interface import target_pressures
-
-        return target_pressures(case.wound, coil.layers).tolist()
-    pressures = case.preload.per_layer(coil.layers)
-    core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
-    ring = coil.layer_material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
-    shift = sum(pressures) / (core + coil.layers * ring)
-    return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
-
-
-def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
-    """Shear-lag length in m of the transfer of axial force between layer and mandrel.
-
-    It is sqrt(s / k_t). s is the series connection of the axial stiffnesses E t of mandrel and layer; k_t is the stick
-    stiffness. The length is infinite if the friction law has no stick stiffness.
-
-    Parameters
-    ----------
-    roll
-        Case sections of a roll with layers.
-    friction
-        Case section `contact.friction`.
-    pressure
-        Interface pressure, Pa.
-    """
-    mandrel = roll.mandrel.material.E * roll.geometry.mandrel_thickness
-    layer = roll.coil.layer_material.E * roll.coil.layer_thickness
-    if friction.law == "smoothed_coulomb":  # sticks nowhere
-        return math.inf
-    stick = friction.mu * pressure / friction.elastic_slip
-    return math.sqrt(mandrel * layer / (mandrel + layer) / stick) if stick > 0 else math.inf
-
-
-def root_element_height(roll: RollSections) -> float:
-    """Height in m of the element row at the base of the generated mesh."""
-    n, grading = roll.mesh.axial, roll.mesh.grading
-    if n < 2 or grading == 1:
-        return roll.geometry.length / n
-    ratio = grading ** (1 / (n - 1))
-    return roll.geometry.length * (ratio - 1) / (ratio**n - 1)
 
 
 def scheme_warnings(case: StructuralCase) -> list[str]:
@@ -248,10 +141,10 @@ def contact_warnings(case: StructuralCase) -> list[str]:
 
 
 CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
-    "sweep": (missed_resonance, contact_warnings, structure_warnings, scheme_warnings),
+    "sweep": (missed_resonance, contact_warnings, slip_warnings, structure_warnings, scheme_warnings),
     "dwell": (contact_warnings, structure_warnings, scheme_warnings),
-    "harmonic": (missed_resonance, contact_warnings, structure_warnings),
-    "backbone": (contact_warnings, structure_warnings),
+    "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
+    "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),
     "modal_transient": (),
     "preload": (contact_warnings, structure_warnings),

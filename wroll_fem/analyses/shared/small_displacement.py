@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wroll_fem.analyses.shared.preflight import root_element_height
+from wroll_fem.analyses.forecasts.closed_forms import root_element_height
 from wroll_fem.case.structural import OnRoll
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wroll_fem.analyses.shared.preflight import beam_frequency
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.case.integrator import DEFAULT_STEPS
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
@@ -37,7 +37,7 @@ ASSUMED_DAMPING = 0.01
 the damping of the computed response."""
 
 MARGIN = 0.05
-"""Relative error of the resonance frequencies estimated by `preflight.beam_frequency`."""
+"""Relative error of the resonance frequencies estimated by `closed_forms.beam_frequency`."""
 
 ORDERS, NEAR_MULTIPLE, LEAST_SHARE = (3, 5, 7), 0.06, 0.02
 """Criteria of `detuned_harmonic`: orders of the harmonics of the friction force; largest relative difference between

@@ -1,0 +1,107 @@
+r"""Forecast of slip before a run: friction capacity of the interfaces against the shear of the sticking first mode.
+
+A bent roll with a tip displacement x has the curvature 3 x / L^2 at its root. If the layers outside an interface stick,
+they carry the axial force n = E t R 3 x / L^2 per unit of circumference, which enters them through the interface. Near
+their free end the traction decays over the shear-lag length :math:`\lambda`, so that its largest value is
+:math:`n / \lambda`. Slip starts where this value reaches mu p, and is gross where n exceeds what friction transfers on
+half of the length, mu p L / 2.
+
+The estimate of the start is within a factor of 2 to 3 of computed backbones. In random rolls (`FEW`, `GROSS`) it tells
+in advance which resonances friction does not bound, and which rolls slide and open so widely that harmonic balance
+finds no motion.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, interface_pressures
+from wroll_fem.case.structural import OnRoll
+
+if TYPE_CHECKING:
+    from wroll_fem.case.structural import StructuralCase
+
+FEW = 250.0
+"""Transmissibility at which slip starts, above which friction hardly damps the resonance. Of 71 random rolls (seed 12),
+all six with a higher value have a resonance that grows beyond 500 times the base motion."""
+
+GROSS = 4.5
+"""Transmissibility of gross slip below which the layers slide and open widely."""
+
+
+class SlipForecast(NamedTuple):
+    """Tip displacements (m) at which slip starts, and at which it is gross, at the interface that slips first."""
+
+    start: float
+    gross: float
+
+
+def slip_forecast(case: StructuralCase) -> SlipForecast | None:
+    """Estimated tip displacements of slip; None for cases without layers, friction or preload, or with clamped layers.
+
+    With `coil.base: inner_edge` the innermost layer moves with the mandrel, and the next interface is the first to
+    slip.
+    """
+    if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None or case.contact is None:
+        return None
+    g, coil, friction = case.geometry, case.coil, case.friction
+    if layers_clamped(case) or friction.law == "smoothed_coulomb" or case.mandrel.base != "clamped":
+        return None
+    first = 1 if coil.base == "inner_edge" else 0
+    layer = coil.layer_material.E * coil.layer_thickness
+    mandrel = case.mandrel.material.E * g.mandrel_thickness
+    found = []
+    for k, pressure in enumerate(interface_pressures(case)):
+        limit = friction.mu * pressure
+        if k < first or not limit > 0.0:
+            continue
+        outside, inside = (coil.layers - k) * layer, mandrel + k * layer
+        lag = math.sqrt(outside * inside / (outside + inside) * friction.elastic_slip / limit)
+        per_tip = outside * (0.5 * g.mandrel_outer_diameter + k * coil.layer_thickness) * 3.0 / g.length**2
+        found.append(SlipForecast(limit * lag / math.tanh(g.length / lag) / per_tip, 0.5 * limit * g.length / per_tip))
+    return min(found, default=None)
+
+
+def layers_clamped(case: OnRoll) -> bool:
+    """Whether all layers are held at the base, so that they bend with the mandrel and hardly slip on it."""
+    return case.coil.base == "clamped" or (case.coil.base == "inner_edge" and case.coil.layers == 1)
+
+
+def slip_warnings(case: Any) -> list[str]:
+    """Warn if friction will hardly damp the resonance at this excitation, or if the layers will slide widely."""
+    if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.contact is None:
+        return []
+    if layers_clamped(case):
+        return [
+            "the layers are clamped at the base: they bend with the mandrel and hardly slip on it, so that friction "
+            "hardly damps the resonance; check that coil.base describes the roll"
+        ]
+    forecast, excitation, backbone = slip_forecast(case), case.excitation, case.backbone
+    if forecast is None:
+        return []
+    if backbone is not None:
+        if forecast.start < 2.0 * backbone.tip_largest:
+            return []
+        return [
+            f"slip is expected to start at a tip displacement of about {forecast.start:.2g} m, above "
+            f"backbone.tip_largest = {backbone.tip_largest:.2g} m: no damping at these amplitudes; raise "
+            "backbone.tip_largest"
+        ]
+    if excitation is None or excitation.amplitude is None:
+        return []
+    per_metre = (2.0 * math.pi * beam_frequency(case, bonded=True)) ** 2 / excitation.amplitude
+    start, gross = (per_metre * tip for tip in forecast)
+    if start > FEW:
+        return [
+            f"the interfaces will hardly slip: at this excitation slip is expected to start at a transmissibility of "
+            f"about {start:.2g} (tip displacement {forecast.start:.2g} m), so that friction hardly damps the "
+            "resonance: expect a sharp peak, which a sweep has to pass slowly"
+        ]
+    if gross < GROSS:
+        return [
+            f"expect gross slip: friction holds the layers up to a transmissibility of about {gross:.2g} (tip "
+            f"displacement {forecast.gross:.2g} m); above it they slide over most of their area and may open, and "
+            "harmonic may find no periodic motion; a sweep or dwell follows the motion all the same"
+        ]
+    return []
