@@ -24,8 +24,8 @@ def agreement(rolls):
 
 HARMONIC = {
     "outcome": "curve", "f_n_hz": 100.0, "peak_transmissibility": 50.0, "zeta_apparent": 0.01,
-    "half_power_low_hz": 99.0, "half_power_high_hz": 101.0, "warnings": [], "curve_hz": [50.0, 90.0, 100.0, 110.0, 150.0],
-    "curve_magnitude": [1.3, 5.0, 50.0, 5.0, 0.8],
+    "half_power_low_hz": 99.0, "half_power_high_hz": 101.0, "warnings": [],
+    "curve_hz": [50.0, 90.0, 100.0, 110.0, 150.0], "curve_magnitude": [1.3, 5.0, 50.0, 5.0, 0.8],
 }  # fmt: skip
 FAST = "sweep of 9 oct/min runs at 90 % of the ISO 7626-2 limit for ..."
 
