@@ -70,3 +70,5 @@ def test_a_backbone_below_the_start_of_slip_is_told():
     [text] = slip_warnings(load_case(BACKBONE, ["backbone.tip_largest=1.2e-5"]))
     assert "slip is expected to start at a tip displacement of about 3.4e-05 m, above backbone.tip_largest" in text
     assert slip_warnings(load_case(BACKBONE)) == []
+    loud = load_case(SWEEP, ["excitation.amplitude=300", "backbone={tip_smallest: 1 um, tip_largest: 1 mm}"])
+    assert "expect gross slip" in slip_warnings(loud)[0]  # a section that the analysis does not use

@@ -42,6 +42,9 @@ LARGEST_ZETA = 0.2
 FOLD = 0.01
 """Width of the band with several motions, relative to the half-power width, above which zeta is doubtful."""
 
+SMOOTHED = 0.25
+"""Part of the half-power width over which spectra are averaged. It widens a linear peak by 1 %."""
+
 SPREAD = 0.25
 """Largest relative difference between the damping ratios from the demodulated envelope and from the spectra."""
 
@@ -174,10 +177,18 @@ class _Curve:
 
     @property
     def spread(self) -> float:
-        """Relative difference between the half-power damping of envelope and spectra; nan if one of them has none."""
-        if self.known.spectrum is None or not self.shape.complete:
+        """Relative difference between the half-power damping of envelope and spectra; nan if one of them has none.
+
+        The spectra are averaged over `SMOOTHED` of the half-power width, since their ripple can hide the peak.
+        """
+        shape, spectrum = self.shape, self.known.spectrum
+        if spectrum is None or not shape.complete:
             return nan
-        return abs(half_power(self.frequency, self.known.spectrum).zeta / self.shape.zeta - 1.0)
+        step = (self.frequency[-1] - self.frequency[0]) / (len(self.frequency) - 1)
+        half = min(len(spectrum) // 8, int(0.5 * SMOOTHED * (shape.f_high - shape.f_low) / step))
+        count = 1 + 2 * half
+        smooth = np.convolve(np.pad(spectrum, half, mode="edge"), np.full(count, 1.0 / count), "valid")
+        return abs(half_power(self.frequency, smooth).zeta / shape.zeta - 1.0)
 
 
 _Doubts = Iterator[_Doubt]
