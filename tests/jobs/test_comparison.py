@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import Result
 
 from wroll_fem.errors import InputError
@@ -52,6 +53,21 @@ def test_differences_are_relative_to_the_first_curve(wroll: Callable[..., Result
     assert done.exit_code == 0
     assert done.stdout.splitlines()[:3] == lines
     assert (tmp_path / "both.svg").is_file()
+
+
+def test_a_folded_curve_of_harmonic_is_compared(wroll: Callable[..., Result], tmp_path: Path) -> None:
+    """Its dimension is the point along the branch, and frequency a variable."""
+    frequency, T = oscillator(100.0, 0.02)
+    written(tmp_path / "measured.csv", frequency, np.abs(T))
+    order = np.r_[0:60, 58, 59, 60 : len(frequency)]
+    values = {"frequency": frequency, "transmissibility_real": T.real, "transmissibility_imag": T.imag}
+    folded = xr.Dataset({name: ("branch_point", part[order]) for name, part in values.items()})
+    folded.assign_attrs(f_n_hz=100.0, peak_transmissibility=25.0, zeta=0.02).to_netcdf(
+        tmp_path / "folded.nc", engine="h5netcdf"
+    )
+    done = wroll("compare", "folded.nc", "measured.csv", "--out", "both.png")
+    assert done.exit_code == 0
+    assert (tmp_path / "both.png").is_file()
 
 
 def test_what_is_no_curve_is_refused(tmp_path: Path) -> None:

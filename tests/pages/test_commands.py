@@ -77,6 +77,10 @@ SMALLER: dict[str, list[str]] = {
     "lab_sweep": [*COARSE, *SHORT_CHIRP, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
     "lab_sweep_clamped": [*COARSE, *SHORT_CHIRP],
     "lab_sweep_rate": [*COARSE, *SHORT_CHIRP],
+    "own_roll": [
+        *COARSE, "coil.layers=1", "excitation.rate_oct_per_min=60", "excitation.ramp_cycles=1", "winding.cells=100",
+        "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1", "backbone.tip_largest=2e-5",
+    ],
     "structure": SHORT_CHIRP,
     "tiny": [],
     "two_dof": ["two_dof.omega.points=60", "two_dof.friction_capacity=[5, 20]"],

@@ -71,7 +71,7 @@ def _curve(path: Path) -> xr.Dataset:
     if path.is_file() and path.suffix.lower() in TABLES:
         return _measured(path)
     found = load_dataset(path) if path.is_file() else RunFolder(path).load()
-    if "transmissibility_real" not in found or "frequency" not in found.dims:
+    if "transmissibility_real" not in found or "frequency" not in found.variables:
         remedy = "compare runs of sweep or harmonic, or measured tables"
         raise InputError("has no transmissibility curve", file=str(path), remedy=remedy)
     return found
