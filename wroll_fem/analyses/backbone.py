@@ -108,7 +108,7 @@ def end_remark(curve: BackboneCurve, largest: float) -> str:
         return ""
     return (
         f"the backbone ends at a tip amplitude of {float(curve.tip[-1]):.2g} m, below the requested {largest:.2g} m: "
-        f"{curve.cut}; lower backbone.tip_largest, raise preload.pressure, or compute a time history"
+        f"{curve.cut}; lower backbone.tip_largest; a dwell computes motions beyond it"
     )
 
 

@@ -344,11 +344,10 @@ def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[
 
 
 def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:
-    advice = "use more samples per period, more harmonics, a lower amplitude or a higher preload"
+    advice = "use more samples per period or more harmonics"
     if history and not np.isfinite(history[-1]):
         advice = (
-            "the equations are singular: nothing holds a body that slides, and its mean displacement is undetermined; "
-            "hold it, lower the amplitude or raise the preload"
+            "the equations are singular: nothing holds a body that slides, and its mean displacement is undetermined"
         )
     return ConvergenceError(
         f"{what} ({where})",

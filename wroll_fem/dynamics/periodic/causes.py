@@ -29,7 +29,7 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
     if not laws.sticks.all() and unheld(condensation):
         return (
             "the friction law transmits no traction at rest and no other support holds the layers, so that their mean "
-            "displacement is undetermined: use penalty_coulomb, or clamp coil.base"
+            "displacement is undetermined: use penalty_coulomb"
         )
     curve, share = error.partial, error.opening
     if isinstance(curve, HarmonicCurve | BackboneCurve) and len(curve.frequencies):
@@ -37,12 +37,12 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
     if isinstance(curve, HarmonicCurve) and len(curve.frequencies) and curve.drifts:
         return (
             "the mean displacement is undetermined: every point of some layer slides within each period, so that "
-            "nothing holds this layer; raise preload.pressure or contact.friction.mu, or compute a sweep"
+            "nothing holds this layer; a sweep shows the motion, and backbone the amplitudes at which friction holds it"
         )
     if share > WIDE:
         return (
             f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
-            "simple periodic motion; raise preload.pressure, lower the amplitude, or compute a time history"
+            "simple periodic motion; a dwell shows the motion, and backbone the amplitudes at which they stay closed"
         )
     if isinstance(curve, HarmonicCurve) and len(curve.frequencies):
         point = max((-1, largest(curve)), key=curve.overtones)
