@@ -56,6 +56,7 @@ def test_forecast_follows_friction_and_pressure():
         ),
         (["coil.base=clamped"], "the layers are clamped at the base"),
         (["coil.base=inner_edge"], "the layers are clamped at the base"),
+        (["coil.base=guided", "coil.base_stiffness=1e8", "excitation.amplitude=300"], ""),
         (["coil.model=bonded"], ""),
         (["preload.pressure=0"], ""),
     ],

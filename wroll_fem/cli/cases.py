@@ -67,13 +67,7 @@ def init(
                 if key not in given:
                     changed.append(f"{key}={typer.prompt(f'{key} ({description})', default=value)}")
         text = starter_text(analysis, changed)
-        try:
-            case_file.parent.mkdir(parents=True, exist_ok=True)
-            case_file.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InputError(
-                f"cannot be written ({error.strerror})", file=str(case_file), remedy="choose another name"
-            ) from None
+        _write(case_file, text, "choose another name")
         typer.echo(f"{case_file}: try `wroll validate {case_file}`, then `wroll run {case_file} --dry-run`")
 
 
@@ -90,14 +84,17 @@ def schema(
         if out is None:
             typer.echo(text, nl=False)
             return
-        try:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            out.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InputError(
-                f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"
-            ) from None
+        _write(out, text, "choose another --out")
         typer.echo(str(out))
+
+
+def _write(path: Path, text: str, remedy: str) -> None:
+    """Write a text file and its folders; an InputError with ``remedy`` if this is not possible."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=str(path), remedy=remedy) from None
 
 
 @app.command()

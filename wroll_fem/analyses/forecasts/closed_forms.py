@@ -112,8 +112,15 @@ def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) ->
     layer = roll.coil.layer_material.E * roll.coil.layer_thickness
     if friction.law == "smoothed_coulomb":  # sticks nowhere
         return math.inf
-    stick = friction.mu * pressure / friction.elastic_slip
-    return math.sqrt(mandrel * layer / (mandrel + layer) / stick) if stick > 0 else math.inf
+    return shear_lag(mandrel, layer, friction.mu * pressure / friction.elastic_slip)
+
+
+def shear_lag(inside: float, outside: float, stick: float) -> float:
+    """Shear-lag length in m between shells of axial stiffness E t (N/m) inside and outside of an interface.
+
+    ``stick`` is the stick stiffness of the interface, Pa/m; the length is infinite without it.
+    """
+    return math.sqrt(inside * outside / (inside + outside) / stick) if stick > 0 else math.inf
 
 
 def root_element_height(roll: RollSections) -> float:

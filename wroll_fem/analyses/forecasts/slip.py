@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, interface_pressures
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, interface_pressures, shear_lag
 from wroll_fem.case.structural import OnRoll
 
 if TYPE_CHECKING:
@@ -27,7 +27,8 @@ FEW = 250.0
 all six with a higher value have a resonance that grows beyond 500 times the base motion."""
 
 GROSS = 4.5
-"""Transmissibility of gross slip below which the layers slide and open widely."""
+"""Transmissibility of gross slip below which the layers slide and open widely. For the rolls with a lower value whose
+layers are not clamped (six of 78), harmonic balance finds no periodic motion."""
 
 
 class SlipForecast(NamedTuple):
@@ -38,8 +39,9 @@ class SlipForecast(NamedTuple):
 
 
 def slip_forecast(case: StructuralCase) -> SlipForecast | None:
-    """Estimated tip displacements of slip; None for cases without layers, friction or preload, or with clamped layers.
+    """Estimated tip displacements of slip; None if they do not apply.
 
+    They apply to rolls with layers, friction and preload whose layers are neither clamped nor held by springs.
     With `coil.base: inner_edge` the innermost layer moves with the mandrel, and the next interface is the first to
     slip.
     """
@@ -47,6 +49,8 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
         return None
     g, coil, friction = case.geometry, case.coil, case.friction
     if layers_clamped(case) or friction.law == "smoothed_coulomb" or case.mandrel.base != "clamped":
+        return None
+    if coil.base == "guided" and coil.base_stiffness:
         return None
     first = 1 if coil.base == "inner_edge" else 0
     layer = coil.layer_material.E * coil.layer_thickness
@@ -57,7 +61,7 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
         if k < first or not limit > 0.0:
             continue
         outside, inside = (coil.layers - k) * layer, mandrel + k * layer
-        lag = math.sqrt(outside * inside / (outside + inside) * friction.elastic_slip / limit)
+        lag = shear_lag(inside, outside, limit / friction.elastic_slip)
         per_tip = outside * (0.5 * g.mandrel_outer_diameter + k * coil.layer_thickness) * 3.0 / g.length**2
         found.append(SlipForecast(limit * lag / math.tanh(g.length / lag) / per_tip, 0.5 * limit * g.length / per_tip))
     return min(found, default=None)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wroll_fem.dynamics.periodic.datasets import LEAST_LOSS
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.results.summary import SUMMARY
 from wroll_fem.signals.transmissibility import magnitude
@@ -59,8 +58,8 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
     else:
         at = int(magnitude(dataset).values.argmax())
     names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
-    kinetic = dataset.attrs.get("least_work_per_cycle_j", 0.0) / LEAST_LOSS
-    noise = ROUNDING * max(kinetic, float(np.abs(dataset[names[0]].values).max()))
+    least = 1e-9 * dataset.attrs.get("least_work_per_cycle_j", 0.0)  # about ROUNDING times the kinetic energy
+    noise = max(least, ROUNDING * float(np.abs(dataset[names[0]].values).max()))
     found: dict[str, Any] = {f"{name}_j": _without_noise(float(dataset[name].values[at]), noise) for name in names}
     return found | {"energy_balance_error": dataset.attrs.get("energy_balance_error")}
 

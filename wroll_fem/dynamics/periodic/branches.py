@@ -131,5 +131,5 @@ def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
 def _drifting(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
     return ConvergenceError(
         f"the mean displacement of the layers is not determined ({problem.describe(point.z)})",
-        time_s=None, iterations=point.iterations, residual_history=[], advice="raise the preload or compute a sweep",
+        time_s=None, iterations=point.iterations, residual_history=[], advice="compute a sweep",
     )  # fmt: skip
