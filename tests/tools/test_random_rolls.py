@@ -57,6 +57,8 @@ def test_a_slow_sweep_runs_at_a_fifth_of_the_admissible_rate(rolls) -> None:
     motion = rolls.slow_sweep(HARMONIC)
     assert motion["rate_oct_per_min"] == pytest.approx(0.2 * 312 * 0.01**2 * 100.0, rel=1e-2)
     assert motion["f_start"] < 99.0 < 101.0 < motion["f_end"]
+    steep = rolls.slow_sweep(HARMONIC | {"half_power_low_hz": 99.6})
+    assert steep["rate_oct_per_min"] == pytest.approx(0.4 * 312 * 0.004**2 * 100.0, rel=1e-2)
     assert rolls.slow_sweep(HARMONIC | {"zeta_apparent": float("nan")}) is None
     build_case(rolls.random_case(0, "slow", HARMONIC))
 
