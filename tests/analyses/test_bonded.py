@@ -43,7 +43,7 @@ def test_periodic_motion_is_the_sum_of_the_bonded_modes() -> None:
     # twelve modes of the whole roll; those above add 2e-4 of the base motion, the transmissibility is 5 to 50
     np.testing.assert_allclose(magnitude(result).values, expected, rtol=2e-3)
     assert "cumulative_slip" not in result
-    for name in ("friction_work_per_cycle", "modulation_work_per_cycle", "viscous_work_per_cycle"):
+    for name in ("friction_work_per_cycle", "modulation_work_per_cycle", "material_damping_work_per_cycle"):
         assert not result[name].values.any()
 
 

@@ -200,8 +200,8 @@ def test_ledger_figure_states_shares_that_add_up(sweep):
     assert "closes to rounding" in texts(ax)
     leak = sweep.assign(numerical_dissipation=sweep["numerical_dissipation"] + 0.02 * sweep["input_work"])
     assert "off by 2 %" in texts(figures.energy_ledger(leak))
-    dashpot = leak.assign(viscous_energy=-0.02 * sweep["input_work"])
-    assert "viscous −2.0 %; the balance closes to rounding" in texts(figures.energy_ledger(dashpot)).replace(
+    dashpot = leak.assign(material_damping=-0.02 * sweep["input_work"])
+    assert "material damping −2.0 %; the balance closes to rounding" in texts(figures.energy_ledger(dashpot)).replace(
         "\xa0", " "
     )
 

@@ -29,11 +29,15 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import BackboneCase
     from wroll_fem.progress import Progress
 
+
+ROUNDING = 1e-6
+"""Friction part of the modal damping, relative to the whole, up to which it is regarded as round-off."""
 
 NO_DAMPING = 1e-9
 """Damping ratio up to which the damping of a backbone is regarded as round-off."""
@@ -51,6 +55,8 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     } | per_motion(motions, system, dim)
     # the work done by the negative damping is the work that the base would have to do
     data["input_work_per_cycle"] = (dim, curve.dissipation)
+    parts = _material_and_friction(curve, data["material_damping_work_per_cycle"][1])
+    data |= {f"{name}_modal_damping": (dim, values) for name, values in parts.items()}
     most = int(np.argmax(curve.damping))
     dataset = xr.Dataset(data, coords={dim: tip})
     if len(system.probe_names) > 1:
@@ -77,13 +83,26 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
         "memory_change": float(max(m.memory for m in motions)),
         "least_work_per_cycle_j": least_work(motions),
         "method": "extended periodic motion, harmonic balance",
-    }
+    } | {f"zeta_{name}": float(values[most]) for name, values in parts.items()}
     return annotate(dataset)
+
+
+def _material_and_friction(curve: BackboneCurve, lost: FloatArray) -> dict[str, FloatArray]:
+    """Parts (p,) of the modal damping ratio due to material damping, which dissipates ``lost`` (p,) J, and friction.
+
+    Empty without material damping.
+    """
+    if curve.balance.model.damping is None:
+        return {}
+    material = curve.damping * np.divide(lost, curve.dissipation, out=np.ones_like(lost), where=curve.dissipation > 0.0)
+    sticks = np.abs(curve.damping - material) <= ROUNDING * curve.damping
+    material = np.where(sticks, curve.damping, material)
+    return {"material": material, "friction": curve.damping - material}
 
 
 def range_remark(dataset: xr.Dataset) -> str:
     """Warning if the damping is largest at the end of the curve, so that it may rise further; empty otherwise."""
-    damping = dataset["modal_damping"].values
+    damping = friction_damping(dataset)
     if not damping.max() > 0.0 or int(np.argmax(damping)) < len(damping) - 1:
         return ""
     return (
@@ -93,13 +112,19 @@ def range_remark(dataset: xr.Dataset) -> str:
 
 
 def undamped_remark(dataset: xr.Dataset) -> str:
-    """Warning if the damping is zero at every amplitude; empty otherwise."""
-    if float(dataset["modal_damping"].max()) > NO_DAMPING:
+    """Warning if friction dissipates nothing at every amplitude; empty otherwise."""
+    if float(friction_damping(dataset).max()) > NO_DAMPING:
         return ""
+    rest = "material damping" if "material_modal_damping" in dataset else "round-off"
     return (
         f"friction dissipates no energy up to the largest amplitude, {float(dataset['tip_amplitude'].max()):.2g} m: "
-        "layers stick or have no friction, and zeta_max is round-off; raise backbone.tip_largest, or mu if it is 0"
+        f"layers stick or have no friction, and zeta_max is {rest}; raise backbone.tip_largest, or mu if it is 0"
     )
+
+
+def friction_damping(dataset: xr.Dataset) -> FloatArray:
+    """(p,) modal damping ratio of a backbone without the part of material damping."""
+    return np.asarray(dataset["friction_modal_damping" if "friction_modal_damping" in dataset else "modal_damping"])
 
 
 def end_remark(curve: BackboneCurve, largest: float) -> str:

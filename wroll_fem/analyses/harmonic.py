@@ -13,12 +13,12 @@ from wroll_fem.analyses.forecasts.computing_time import estimate_roll
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.analyses.shared.zeta_parts import parts_of_curve
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
-from wroll_fem.dynamics.periodic.harmonic_balance import LARGEST_GROWTH
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -135,8 +135,10 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     for text in dict.fromkeys((*quality.reasons, *remarks)):
         if text:
             progress.warning(text)
+    attrs = quality.as_attrs(read.as_attrs("harmonic balance"))
     return dataset.assign_attrs(
-        quality.as_attrs(read.as_attrs("harmonic balance"))
+        attrs
+        | parts_of_curve(dataset, attrs["zeta"])
         | {
             "stuck_resonance_hz": stuck,
             "tip_participation": participation,
@@ -209,7 +211,7 @@ def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
     low, high = (w / (2.0 * np.pi) for w in curve.gap)
     middle = 0.5 * (low + high)
     edges = np.abs(curve.transmissibility[np.isin(curve.frequencies, curve.gap)])
-    height = min(float(edges.min(initial=np.inf)), LARGEST_GROWTH)
+    height = min(float(edges.min(initial=np.inf)), curve.balance.largest_growth)
     reason = (
         f"the resonance near {middle:.5g} Hz grows beyond {height:.0f} times the base motion: its damping "
         f"ratio due to friction is below {50.0 / height:.2g} %, or friction does not limit it; the curve is "

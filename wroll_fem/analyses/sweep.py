@@ -14,6 +14,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import sweep_step_error
+from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.quality import Circumstances, judge
@@ -60,6 +61,7 @@ def run_sweep(
     for text in quality.reasons:
         progress.warning(text)
     attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
+    attrs |= parts_of_sweep(dataset, attrs["zeta"], (read.shape.f_low, read.shape.f_high))
     return dataset.assign_attrs(history.attrs | attrs | {"time_step_error": error})
 
 

@@ -33,7 +33,7 @@ from wroll_fem.case.renamed import current_key, with_current_keys, with_former_k
 from wroll_fem.errors import InputError
 
 SECTIONS = (
-    "analysis", "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation",
+    "analysis", "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation", "damping",
     "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "probes",
     "output",
 )  # fmt: skip

@@ -24,6 +24,7 @@ from wroll_fem.case.checks import (
 from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact
+from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation, SineExcitation
 from wroll_fem.case.geometry import Geometry
@@ -37,6 +38,7 @@ from wroll_fem.case.solver import Solver
 from wroll_fem.case.structural import (
     BACKBONE,
     CONTACT,
+    DAMPING,
     EXCITATION,
     HARMONIC,
     INTEGRATOR,
@@ -244,6 +246,7 @@ class WindingCase(Case):
     contact: Contact | None = Field(default=None, description=CONTACT)
     preload: Preload | None = Field(default=None, description=PRELOAD)
     excitation: Excitation | None = Field(default=None, description=EXCITATION)
+    damping: Damping | None = Field(default=None, description=DAMPING)
     integrator: Integrator | None = Field(default=None, description=INTEGRATOR)
     solver: Solver | None = Field(default=None, description=SOLVER)
     mesh: Mesh | None = Field(default=None, description="element counts or a mesh file")

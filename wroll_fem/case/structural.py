@@ -21,6 +21,7 @@ from wroll_fem.case.checks import (
 )
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
 from wroll_fem.case.contact import Contact, Friction
+from wroll_fem.case.damping import Damping
 from wroll_fem.case.excitation import Excitation
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
@@ -37,6 +38,7 @@ from wroll_fem.errors import InputError
 CONTACT, PRELOAD = INTERFACE_SECTIONS["contact"], INTERFACE_SECTIONS["preload"]
 WINDING = "winding of the roll: tension, wraps, mandrel, web"
 EXCITATION = "motion of the base"
+DAMPING = "material damping of mandrel and coil, in addition to friction"
 INTEGRATOR = "time integration"
 SOLVER = "solution of a step"
 MODAL = "the eigenvalue analysis"
@@ -57,6 +59,7 @@ class StructuralCase(Case):
     contact: Contact | None = Field(default=None, description=CONTACT)
     winding: Winding | None = Field(default=None, description=WINDING)
     excitation: Excitation | None = Field(default=None, description=EXCITATION)
+    damping: Damping | None = Field(default=None, description=DAMPING)
     integrator: Integrator = Field(default_factory=Integrator, description=INTEGRATOR)
     solver: Solver = Field(default_factory=Solver, description=SOLVER)
     modal: Modal = Field(default_factory=Modal, description=MODAL)

@@ -35,6 +35,7 @@ KINDS = {
     "Pa": Kind("stress or pressure", "Pa", "70 GPa"),
     "N/m^2": Kind("stress or pressure", "Pa", "70 GPa"),
     "Hz": Kind("frequency", "turn/s", "30 min^-1"),
+    "1/s": Kind("rate", "1/s", "300 1/min"),
     "rad/s": Kind("angular frequency", "rad/s", "30 rpm"),
     "dimensionless": Kind("pure number", "", "1 %"),
     "rad": Kind("angle", "rad", "90 deg"),

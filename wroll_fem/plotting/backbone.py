@@ -102,7 +102,10 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax = style.axes(ax, 4.6)
     tip, damping = 1e6 * dataset["tip_amplitude"].values, 100.0 * dataset["modal_damping"].values
     hertz, base = dataset["resonance_frequency"].values, dataset["resonant_base_acceleration"].values
-    (first,) = ax.plot(tip, damping, "-", color=style.RED, lw=1.8, label="damping (left)")
+    handles = ax.plot(tip, damping, "-", color=style.RED, lw=1.8, label="damping (left)")
+    if "material_modal_damping" in dataset:
+        part = 100.0 * dataset["material_modal_damping"].values
+        handles += ax.plot(tip, part, "--", color=style.ORANGE, lw=1.6, label="of it, material damping (left)")
     ax.set_xscale("log")
     ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -112,7 +115,7 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlabel(label("tip_amplitude", "µm"))
     ax.set_ylabel("Modal damping ratio (%)", color=style.RED)
     other = ax.twinx()
-    (second,) = other.plot(tip, hertz, "-", color=style.BLUE, lw=1.8, label="frequency (right)")
+    handles += other.plot(tip, hertz, "-", color=style.BLUE, lw=1.8, label="frequency (right)")
     other.set_ylabel(label("resonance_frequency"), color=style.BLUE)
     other.spines["top"].set_visible(False)
     slipping = damping > 1e-3 * damping.max()
@@ -124,7 +127,7 @@ def plot_backbone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             ax.annotate(
                 f"{level:g} m/s²", (at, there), textcoords="offset points", xytext=(-6, 6), fontsize=8, ha="right"
             )
-    ax.legend(handles=[first, second], fontsize=8, framealpha=0.9, loc="center left")
+    ax.legend(handles=handles, fontsize=8, framealpha=0.9, loc="center left")
     dots = "; dots: base acceleration at resonance" if len(ax.texts) else ""
     style.title(ax, "; ".join(backbone_facts(dataset)) + dots)
     return ax
@@ -160,4 +163,6 @@ def backbone_facts(dataset: xr.Dataset) -> list[str]:
     else:
         end = ", the largest amplitude" if most == len(tip) - 1 else ""
         facts.append(f"largest damping ratio {100 * damping[most]:.2g} % at {tip[most]:.3g} µm{end}")
+        if "friction_modal_damping" in dataset and not np.any(dataset["friction_modal_damping"].values > NO_DAMPING):
+            facts[-1] = f"material damping {100 * damping[most]:.2g} %; friction dissipates nothing"
     return facts

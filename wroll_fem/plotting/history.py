@@ -133,8 +133,8 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ("stored: kinetic + strain + contact", ledger.stored, style.GREEN, "-"),
         ("numerical: dissipation of the scheme, impacts", ledger.numerical, style.GREY, "--"),
     ]
-    if ledger.viscous.any():
-        series.insert(2, ("viscous", ledger.viscous, style.ORANGE, "-"))
+    if ledger.material.any():
+        series.insert(2, ("material damping", ledger.material, style.ORANGE, "-"))
     for name, values, colour, dash in series:
         x, low, high = style.line_envelope(time, scale * values)
         if low is not high:
@@ -151,8 +151,8 @@ def plot_energy_ledger(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         "the balance closes to rounding" if abs(error) < 1e-9 else f"the balance is off by {100 * abs(error):.1g} %"
     )
     shares = {"friction": ledger.friction, "stored": ledger.stored, "numerical": ledger.numerical}
-    if ledger.viscous.any():
-        shares["viscous"] = ledger.viscous
+    if ledger.material.any():
+        shares["material damping"] = ledger.material
     parts = ", ".join(f"{name} {100 * values[-1] / total:.1f} %" for name, values in shares.items())
     style.title(ax, f"Input work {style.engineering(given[-1], 'J')}: {parts}; {closes}")
     return ax

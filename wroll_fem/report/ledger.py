@@ -11,10 +11,10 @@ from wroll_fem.results.dataset import field
 from wroll_fem.signals.transmissibility import magnitude
 
 _SPENT = (
-    "friction_energy", "viscous_energy", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",
+    "friction_energy", "material_damping", "impact_dissipation", "pressure_modulation_work", "numerical_dissipation",
 )  # fmt: skip
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
-_CYCLE = ("friction_work_per_cycle", "viscous_work_per_cycle", "modulation_work_per_cycle")
+_CYCLE = ("friction_work_per_cycle", "material_damping_work_per_cycle", "modulation_work_per_cycle")
 
 
 def energy_ledger(dataset: xr.Dataset) -> Markup:

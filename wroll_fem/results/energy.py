@@ -9,17 +9,20 @@ import xarray as xr
 
 from wroll_fem.typing import FloatArray
 
+MATERIAL = ("material_damping", "viscous_energy")
+"""Present and former name of the energy dissipated by dashpots; a Dataset has one of them at most."""
+
 
 def energy_balance_error(dataset: xr.Dataset) -> float:
     """Largest residual of the energy balance at any time, divided by the largest input work; dimensionless.
 
-    The residual is |input - kinetic - strain - contact - friction - modulation - numerical|; viscous energy and impact
-    dissipation are also subtracted if they exist. Each term is computed independently (the dissipation of the scheme
-    from its closed form). The residual therefore reveals unconverged steps, lost slip and wrong energy terms.
+    The residual is |input - kinetic - strain - contact - friction - modulation - numerical|; material damping and
+    impact dissipation are also subtracted if they exist. Each term is computed independently (the dissipation of the
+    scheme from its closed form). The residual therefore reveals unconverged steps, lost slip and wrong energy terms.
     """
     stored = dataset["kinetic_energy"] + dataset["strain_energy"] + dataset["contact_energy"]
     spent = dataset["friction_energy"] + dataset["pressure_modulation_work"] + dataset["numerical_dissipation"]
-    for name in ("viscous_energy", "impact_dissipation"):
+    for name in (*MATERIAL, "impact_dissipation"):
         if name in dataset:
             spent = spent + dataset[name]
     gap = np.abs((dataset["input_work"] - stored - spent).values)
@@ -34,8 +37,8 @@ class EnergyLedger(NamedTuple):
     ----------
     input_work
         Work of the base motion.
-    friction, viscous
-        Energy dissipated by friction, and by dashpots (zero without dashpots).
+    friction, material
+        Energy dissipated by friction, and by material damping, the dashpots (zero without them).
     stored
         Change of kinetic, strain and contact energy, plus the work of the pressure modulation.
     numerical
@@ -44,14 +47,14 @@ class EnergyLedger(NamedTuple):
 
     input_work: FloatArray
     friction: FloatArray
-    viscous: FloatArray
+    material: FloatArray
     stored: FloatArray
     numerical: FloatArray
 
     @property
     def gap(self) -> FloatArray:
         """Residual of the energy balance."""
-        return self.input_work - self.friction - self.viscous - self.stored - self.numerical
+        return self.input_work - self.friction - self.material - self.stored - self.numerical
 
 
 def energy_ledger(dataset: xr.Dataset) -> EnergyLedger:
@@ -65,7 +68,7 @@ def energy_ledger(dataset: xr.Dataset) -> EnergyLedger:
     return EnergyLedger(
         dataset["input_work"].values,
         dataset["friction_energy"].values,
-        total("viscous_energy"),
+        total(*MATERIAL),
         stored - stored[0],
         total("numerical_dissipation", "impact_dissipation"),
     )

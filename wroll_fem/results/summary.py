@@ -70,6 +70,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "half_power_reason": Entry(
             "", "reason for a missing reading", "why f_n or zeta is `null`, or what makes zeta doubtful; else empty"
         ),
+        "zeta_material": _share(
+            "zeta due to material damping",
+            "its share of the work at the peak (harmonic), between the half-power frequencies (sweep), or of zeta_max "
+            "(backbone)",
+            "{:.4f}",
+        ),
+        "zeta_friction": _share("zeta due to friction", "the rest of zeta", "{:.4f}"),
         "zeta_error": _share("standard error of zeta", "of estimators that have one"),
         "zeta_lower_bound": _share("zeta, lower end of its error bar"),
         "zeta_misfit": _share("distance of fit and curve, divided by the peak"),
@@ -105,6 +112,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "input_work_j": Entry("J", "work put in by the base motion"),
         "friction_energy_j": Entry("J", "energy dissipated by friction", console="{:.4g} J"),
+        "material_damping_j": Entry("J", "energy dissipated by material damping", console="{:.4g} J"),
         "numerical_dissipation_j": Entry("J", "energy dissipated by the integration scheme"),
         "pressure_modulation_work_j": Entry("J", "work exchanged with the pressure-dependent stick stiffness"),
         "impact_dissipation_j": Entry("J", "energy dissipated in closing and opening contact"),
@@ -120,7 +128,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "input minus friction, modulation and viscous work, divided by the largest input; decreases with more "
             "`harmonic.samples`",
         ),
-        "viscous_work_per_cycle_j": Entry("J", "energy dissipated by viscous damping per cycle"),
+        "material_damping_work_per_cycle_j": Entry("J", "energy dissipated by material damping per cycle"),
         "memory_change": _number("", "change of the elastic slip per cycle, relative to its largest value"),
     },
     "Buckling (buckling, modal with geometric stiffness)": {

@@ -17,7 +17,7 @@ NAMES = {
     "INPUT": "input_work", "KINETIC": "kinetic_energy", "STRAIN": "strain_energy", "CONTACT": "contact_energy",
     "FRICTION": "friction_energy", "MODULATION": "pressure_modulation_work", "NUMERICAL": "numerical_dissipation",
     "INTERFACE": "interface_work", "ITERATIONS": "newton_iterations", "OPEN": "open_fraction",
-    "SLIPPING": "slipping_fraction", "VISCOUS": "viscous_energy", "IMPACT": "impact_dissipation",
+    "SLIPPING": "slipping_fraction", "VISCOUS": "material_damping", "IMPACT": "impact_dissipation",
 }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
+from wroll_fem.analyses.shared.material_damping import with_damping
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
 from wroll_fem.analyses.shared.resolution import system_remark
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
@@ -44,7 +45,7 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
             roll = prestressed_roll(case, bodies)
             bodies = bodies if roll is None else roll.bodies
             stage.update(1, "bodies assembled")
-            system = build_system(case, bodies)
+            system = with_damping(case, build_system(case, bodies), bodies)
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
         bonded = case.coil.model == "bonded"
         if remark := system_remark(case, system.bonded() if bonded else system):
@@ -57,6 +58,7 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
     elif isinstance(case, OnStructure):
         with progress.stage("matrices", 1) as stage:
             system, state = read_structure(case)
+            system = with_damping(case, system)
             stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} contact points")
         steps = case.preload_steps
     else:

@@ -41,9 +41,14 @@ def interfaces(dataset: xr.Dataset) -> dict[str, Any]:
 def ledger(dataset: xr.Dataset) -> dict[str, Any]:
     """Energies at the end of a time history."""
     last = dataset.isel(time=-1)
-    names = ("friction_energy", "input_work", "numerical_dissipation", "pressure_modulation_work", "impact_dissipation")
+    names = (
+        "friction_energy", "material_damping", "input_work", "numerical_dissipation", "pressure_modulation_work",
+        "impact_dissipation",
+    )  # fmt: skip
     noise = ROUNDING * float(max(np.abs(dataset[name].values).max() for name in _LARGE if name in dataset))
     found = {f"{name}_j": _without_noise(float(last[name]), noise) for name in names if name in last}
+    if not found.get("material_damping_j"):
+        found.pop("material_damping_j", None)
     return found | {"energy_balance_error": energy_balance_error(dataset)}
 
 
@@ -57,7 +62,7 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
         at = int(dataset["modal_damping"].values.argmax())
     else:
         at = int(magnitude(dataset).values.argmax())
-    names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "viscous")]
+    names = [f"{part}_work_per_cycle" for part in ("input", "friction", "modulation", "material_damping")]
     least = 1e-9 * dataset.attrs.get("least_work_per_cycle_j", 0.0)  # about ROUNDING times the kinetic energy
     noise = max(least, ROUNDING * float(np.abs(dataset[names[0]].values).max()))
     found: dict[str, Any] = {f"{name}_j": _without_noise(float(dataset[name].values[at]), noise) for name in names}

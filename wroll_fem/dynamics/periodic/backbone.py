@@ -99,10 +99,12 @@ class ModalMotion:
         return np.append(y, [(frequency / self.natural - 1.0) / FREQUENCY_UNIT, damping / DAMPING_UNIT, place])
 
     def start(self) -> FloatArray:
-        """(n + 1,) scaled unknowns of the undamped linear mode at the smallest amplitude."""
-        shape = np.zeros(self.shape)
+        """(n + 1,) scaled unknowns of the linear mode with sticking interfaces, at the smallest amplitude."""
+        shape, damping = np.zeros(self.shape), self.balance.model.damping
         shape[1, self.mode] = 1.0
-        return np.concatenate([(shape * self.root / self.unit).ravel()[self.active], np.zeros(3)])
+        zeta = 0.0 if damping is None else 0.5 * damping[self.mode, self.mode] / self.natural
+        ends = [0.0, zeta / DAMPING_UNIT, 0.0]
+        return np.concatenate([(shape * self.root / self.unit).ravel()[self.active], ends])
 
     def residual(self, z: FloatArray) -> FloatArray:
         """See `CurveProblem`."""

@@ -82,11 +82,11 @@ def correction(
         stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
         inverse.append(1.0 / stiffness)
         root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
-    if c.damping is not None or damping:
+    if c.damping or damping:
         speed = balance.velocity(coefficients, frequency) @ model.vectors.T  # (R, r)
         viscous = -2.0 * damping * frequency * speed
-        if c.damping is not None:
-            viscous += speed @ c.damping.T
+        if c.damping:
+            viscous += c.viscous_force(speed.T).T
         for force, part in zip(residual, every.split(viscous.T), strict=True):
             force += part
     points, blocks, _ = contact.point_blocks(state, threshold=0.0)

@@ -68,7 +68,7 @@ def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> d
         "input_work_per_cycle": (dim, np.array([w.input for w in works])),
         "friction_work_per_cycle": (dim, np.array([w.friction for w in works])),
         "modulation_work_per_cycle": (dim, np.array([w.modulation for w in works])),
-        "viscous_work_per_cycle": (dim, np.array([w.viscous for w in works])),
+        "material_damping_work_per_cycle": (dim, np.array([w.viscous for w in works])),
         "interface_work_per_cycle": (dim, np.array([w.interface for w in works])),
     }
     if system.interfaces:
@@ -189,7 +189,7 @@ def cycle_balance_error(dataset: xr.Dataset) -> float:
 
     The balance holds as exactly as the harmonic balance itself, at any number of samples.
     """
-    return _relative_gap(dataset, ("interface_work_per_cycle", "viscous_work_per_cycle"))
+    return _relative_gap(dataset, ("interface_work_per_cycle", "material_damping_work_per_cycle"))
 
 
 def quadrature_error(dataset: xr.Dataset) -> float:
@@ -198,7 +198,7 @@ def quadrature_error(dataset: xr.Dataset) -> float:
     It is the error of the friction work, which is computed as traction times slip from sample to sample:
     O(1 / samples^2).
     """
-    parts = ("friction_work_per_cycle", "modulation_work_per_cycle", "viscous_work_per_cycle")
+    parts = ("friction_work_per_cycle", "modulation_work_per_cycle", "material_damping_work_per_cycle")
     return _relative_gap(dataset, parts)
 
 

@@ -53,7 +53,7 @@ class HalfPeriod:
     def of(cls, condensation: Condensation, preload: ContactState, laws: PointLaws) -> HalfPeriod | None:
         """Half-period symmetry of a structure; None if it has none."""
         c, n_theta = condensation, condensation.n_theta
-        if n_theta < 2 or c.damping is not None or laws.n == 0:
+        if n_theta < 2 or laws.n == 0:
             return None
         index = np.arange(n_theta)
         maps = [(index[::-1], -1.0)]  # mirrored: the hoop component is reversed

@@ -24,6 +24,7 @@ import numpy as np
 
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft import PRESSURE_CHANGE, HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
@@ -33,10 +34,14 @@ BAND_SCALE = 3.0
 the same scale, the Nyquist circle of a resonance with 1 % damping has a circumference of about 2 pi."""
 
 
-LARGEST_GROWTH = 500.0
-"""Transmissibility up to which a resonance is followed. It corresponds to a damping ratio of 0.1 %, less than the
-material damping of any web."""
+LARGEST_GROWTH, HIGHER, HIGHEST_GROWTH = 500.0, 2.0, 2000.0
+"""Transmissibility up to which a resonance is followed. It corresponds to a damping ratio of 0.1 %. With less material
+damping, a resonance is followed up to `HIGHER` times the peak of the structure with sticking interfaces, at most up to
+`HIGHEST_GROWTH`."""
 
+
+LEAST_SHARE = 0.02
+"""Tip participation of a coordinate, relative to the largest one, below which it does not count as a resonance."""
 
 LARGEST_OVERTONES = 0.5
 """Energy norm of the higher harmonics, relative to the whole motion, above which an internal resonance is assumed."""
@@ -55,6 +60,7 @@ class HarmonicBalance:
         self.contact, self.model = contact, contact.model
         self.acceleration = acceleration
         self.orders = contact.sampling.orders
+        self.largest_growth = _largest_growth(self.model)
 
     def linear(self, coefficients: FloatArray, frequency: float) -> FloatArray:
         """(R, m) forces of inertia, damping and stiffness with the interface stuck, at ``frequency`` (rad/s)."""
@@ -100,12 +106,13 @@ class HarmonicBalance:
         w = self.orders[:, None] * frequency
         matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
         by_frequency = by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
-        if self.model.damping is not None:  # a structure with dashpots has no symmetry: all coefficients are unknowns
-            view = matrix.reshape(*coefficients.shape, *coefficients.shape)
-            for k in range(1, len(w), 2):
-                coupling = w[k, 0] * self.model.damping
-                view[k, :, k + 1, :] += coupling
-                view[k + 1, :, k, :] -= coupling
+        if self.model.damping is not None:
+            order, mode = np.divmod(active, self.model.size)
+            for k in range(1, len(w), 2):  # the sine of a harmonic has the same modes as its cosine
+                cosine, sine = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
+                coupling = w[k, 0] * self.model.damping[np.ix_(mode[cosine], mode[sine])]
+                matrix[np.ix_(cosine, sine)] += coupling
+                matrix[np.ix_(sine, cosine)] -= coupling.T
             by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
         return matrix, by_frequency.ravel()[active]
 
@@ -237,10 +244,13 @@ class FrequencyCurve:
         return float(np.linalg.norm(y[0])) > LARGEST_DRIFT * max(1.0, float(np.linalg.norm(y[1:])))
 
     def growth(self, z: FloatArray) -> float:
-        """Tip acceleration relative to the base, divided by the base acceleration, relative to `LARGEST_GROWTH`."""
+        """Tip acceleration relative to the base, divided by the base acceleration, relative to `LARGEST_GROWTH`.
+
+        See there for small material damping.
+        """
         q, frequency = self.motion(z)
         tip = frequency**2 * float(np.hypot(*(q[1:3] @ self.balance.model.tip)))
-        return tip / (LARGEST_GROWTH * self.balance.acceleration)
+        return tip / (self.balance.largest_growth * self.balance.acceleration)
 
     def ended(self, z: FloatArray) -> bool:
         """Whether the curve ends at ``z``: too large a response, an internal resonance, or an undetermined mean."""
@@ -250,6 +260,18 @@ class FrequencyCurve:
         """See `CurveProblem`."""
         frequency = self.motion(z)[1] / (2.0 * np.pi)
         return f"harmonic balance at {frequency:.4g} Hz, base {self.balance.acceleration:.3g} m/s^2"
+
+
+def _largest_growth(model: ReducedModel) -> float:
+    """Transmissibility up to which a resonance is followed."""
+    if model.damping is None:
+        return LARGEST_GROWTH
+    rates = np.diag(model.damping)
+    moving = (rates > 0.0) & (model.eigenvalues > 0.0)
+    share = np.abs(model.base * model.tip)[moving]
+    peaks = share * np.sqrt(model.eigenvalues[moving]) / rates[moving]
+    highest = float(peaks[share > LEAST_SHARE * share.max(initial=0.0)].max(initial=0.0))
+    return min(max(LARGEST_GROWTH, HIGHER * highest), HIGHEST_GROWTH)
 
 
 def _linear_start(balance: HarmonicBalance, frequency: float) -> FloatArray:

@@ -12,7 +12,6 @@ from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, Sampli
 from wroll_fem.dynamics.periodic.branches import STEEP, Branches
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
-    LARGEST_GROWTH,
     FrequencyCurve,
     HarmonicBalance,
     solve_motion,
@@ -96,7 +95,7 @@ class HarmonicCurve:
         kept = np.flatnonzero((self.frequencies <= low) | (self.frequencies >= high))
         part = replace(self.take(kept.tolist()), gap=(low, high))
         edges = np.abs(part.transmissibility[np.isin(part.frequencies, (low, high))])
-        return part if len(edges) and edges.min() > STEEP * LARGEST_GROWTH else None
+        return part if len(edges) and edges.min() > STEEP * self.balance.largest_growth else None
 
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None

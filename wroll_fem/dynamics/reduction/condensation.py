@@ -6,6 +6,7 @@ solutions and for time steps.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +52,8 @@ class Condensation:
     probes : (p, r) displacement at the other probes, then the rows of the loads at the base (`System.output_rows`)
     springs : (3 n_points,) reference contact stiffness D_0, Pa/m
     exact : False for the projection of a large structure without symmetry, whose error is about 1e-4
-    damping : (r, r) viscous damping between modes, 1/s; None without damping
+    damping : viscous damping of the modes of each block, 1/s: (r_b,) if they are uncoupled, otherwise (r_b, r_b); empty
+        without damping
     moments : 0 if every mode of every block is kept; otherwise see `condense`
     """
 
@@ -65,7 +67,7 @@ class Condensation:
     probes: FloatArray
     springs: FloatArray
     exact: bool
-    damping: FloatArray | None = None
+    damping: tuple[FloatArray, ...] = ()
     moments: int = 0
 
     @property
@@ -90,12 +92,13 @@ class Condensation:
         parts = np.split(q, self.blocks[1:-1])
         return np.sum([basis @ (ritz @ part) for (basis, ritz), part in zip(self.vectors, parts, strict=True)], axis=0)
 
-    def compliance(self, inverse: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Interface compliance G V diag(inverse) V^T G^T W (V: mode shapes), by block and assembled for all points.
+    def compliance(self, inverse: Sequence[FloatArray], area: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Interface compliance G V A V^T G^T W (V: mode shapes), by block and assembled for all points.
 
         Parameters
         ----------
-        inverse : (r,) factor of each mode, s^2 (1/eigenvalue for statics)
+        inverse : A, displacement per modal force, s^2, of each block: (r_b,) factor of each mode, or a matrix
+            (r_b, r_b)
         area : (n_points,) area of the contact points, m^2
 
         Returns
@@ -103,9 +106,15 @@ class Condensation:
         blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
         dense : (3 n_points, 3 n_points) jump per unit traction, m/Pa
         """
-        parts = np.split(inverse, self.blocks[1:-1])
-        blocks = np.array([(j * p) @ j.T for j, p in zip(self.jump, parts, strict=True)])
+        blocks = np.array([(j * p if p.ndim == 1 else j @ p) @ j.T for j, p in zip(self.jump, inverse, strict=True)])
         return blocks, spread(blocks, self.profiles, area)
+
+    def viscous_force(self, velocity: FloatArray) -> FloatArray:
+        """(r, k) modal forces of the dashpots at the modal velocities (r, k)."""
+        parts = np.split(velocity, self.blocks[1:-1])
+        return np.concatenate(
+            [c[:, None] * v if c.ndim == 1 else c @ v for c, v in zip(self.damping, parts, strict=True)]
+        )
 
     def coordinates(self, momentum: FloatArray) -> FloatArray:
         """(r,) modal coordinates of a displacement u; the argument is the product M u (n_dofs,)."""
@@ -122,7 +131,7 @@ def condense_cyclic(system: System, springs: FloatArray, moments: int = 0) -> Co
     moments
         See `condense`.
     """
-    blocks = Blocks.of(system, springs) if system.damping is None else None
+    blocks = Blocks.of(system, springs)
     return None if blocks is None else _condense_blocks(blocks, moments)
 
 
@@ -151,6 +160,8 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         values, vectors = la.eigh(stiffness.toarray(), system.mass.toarray())
     else:
         values, vectors = _attachment_projection(system, stiffness, scheme, dt)
+    coupled = [] if system.damping is None else [vectors.T @ (system.damping @ vectors)]
+    losses = _losses(system, sp.identity(system.n_dofs, format="csc"), vectors)
     return Condensation(
         eigenvalues=values,
         blocks=np.array([0, len(values)]),
@@ -162,14 +173,14 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         probes=system.output_rows @ vectors,
         springs=springs,
         exact=exact,
-        damping=None if system.damping is None else vectors.T @ (system.damping @ vectors),
+        damping=_damping(system, values, [len(values)], coupled, losses),
     )
 
 
 def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
     system = blocks.system
     inertia, tip = system.mass @ system.influence, system.probes["tip"]
-    values, vectors, jumps, base, end, probes = [], [], [], [], [], []
+    values, vectors, jumps, base, end, probes, coupled, losses = [], [], [], [], [], [], [], []
     for b in range(len(blocks)):
         basis, jump = blocks.basis(b), blocks.jump(b)
         stiffness, mass = blocks.stiffness(b), blocks.mass(b)
@@ -185,9 +196,13 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         base.append(ritz.T @ ends[:, 0])
         end.append(ritz.T @ ends[:, 1])
         probes.append(system.output_rows @ basis @ ritz)
+        losses.append(_losses(system, basis, ritz))
+        if (dashpots := blocks.damping(b)) is not None:
+            coupled.append(ritz.T @ (dashpots @ ritz))
+    counts = [len(v) for v in values]
     return Condensation(
         eigenvalues=np.concatenate(values),
-        blocks=np.concatenate([[0], np.cumsum([len(v) for v in values])]),
+        blocks=np.concatenate([[0], np.cumsum(counts)]),
         vectors=vectors,
         jump=jumps,
         profiles=blocks.profiles,
@@ -196,8 +211,42 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         probes=np.column_stack(probes),
         springs=blocks.springs,
         exact=True,
+        damping=_damping(system, np.concatenate(values), counts, coupled, np.concatenate(losses)),
         moments=moments,
     )
+
+
+def _losses(system: System, basis: sp.csc_matrix, ritz: FloatArray) -> FloatArray:
+    """(r,) loss of each mode shape (see `ModalDamping.loss`), rad^2/s^2; empty if no loss factors are given."""
+    if system.modal_damping is None or system.modal_damping.loss is None:
+        return np.zeros(0)
+    shapes = basis @ ritz
+    return np.asarray(np.einsum("ij,ij->j", shapes, system.modal_damping.loss @ shapes))
+
+
+def _damping(
+    system: System, eigenvalues: FloatArray, counts: Sequence[int], coupled: Sequence[FloatArray], losses: FloatArray
+) -> tuple[FloatArray, ...]:
+    """Viscous damping of the modes of each block: that of ``system.modal_damping`` and the matrices ``coupled``.
+
+    Parameters
+    ----------
+    eigenvalues
+        (r,) of all modes, rad^2/s^2.
+    counts
+        Number of modes of each block.
+    coupled
+        (r_b, r_b) ``system.damping`` in the modal coordinates of each block, 1/s; empty without it.
+    losses
+        (r,) from `_losses`.
+    """
+    if system.modal_damping is None:
+        return tuple(coupled)
+    ratios = system.modal_damping.of_modes(eigenvalues, losses if losses.size else None)
+    rates = np.split(2.0 * ratios * np.sqrt(np.maximum(eigenvalues, 0.0)), np.cumsum(counts)[:-1])
+    if not coupled:
+        return tuple(rates)
+    return tuple(matrix + np.diag(rate) for matrix, rate in zip(coupled, rates, strict=True))
 
 
 def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, moments: int) -> FloatArray:

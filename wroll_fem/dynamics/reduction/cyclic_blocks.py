@@ -63,6 +63,10 @@ class Blocks:
         """(k, k) mass matrix of a block."""
         return self._projected(self._mass, block)
 
+    def damping(self, block: int) -> sp.csr_matrix | None:
+        """(k, k) viscous damping matrix of a block; None without damping."""
+        return None if self.system.damping is None else self._projected(self.system.damping, block)
+
     def jump(self, block: int) -> sp.csr_matrix:
         """(3 n_rows, k) hoop, axial and normal jump amplitudes in each row of points, per unit motion of a block."""
         return (amplitudes(self.profiles[block], self.area) @ self.system.jump) @ self.basis(block).tocsr()
@@ -74,12 +78,17 @@ class Blocks:
     def _decoupled(self) -> bool:
         """Whether the blocks are uncoupled, tested with one random motion of every subspace."""
         rng = np.random.default_rng(0)
-        for matrix in (self._stiffness, self._mass):
+        for matrix in (self._stiffness, self._mass, self.system.damping):
+            if matrix is None or not matrix.nnz:
+                continue
             bases = [self.basis(b) for b in range(len(self))]
             motions = np.column_stack([basis @ rng.standard_normal(basis.shape[1]) for basis in bases])
             energy = motions.T @ (matrix @ motions)
-            scale = np.sqrt(np.outer(np.diag(energy), np.diag(energy)))
-            if np.abs(energy / scale - np.eye(len(energy))).max() > DECOUPLING:
+            own = np.diag(energy)
+            scale = np.sqrt(np.outer(own, own))
+            if matrix is self.system.damping:  # the dashpots may be local, and damp some blocks only
+                scale = np.maximum(scale, own.max())
+            if np.abs((energy - np.diag(own)) / scale).max() > DECOUPLING:
                 return False
         return True
 

@@ -91,7 +91,7 @@ class ReducedModel:
             springs=condensation.springs,
             vectors=vectors,
             condensation=condensation,
-            damping=None if condensation.damping is None else vectors.T @ condensation.damping @ vectors,
+            damping=vectors.T @ condensation.viscous_force(vectors) if condensation.damping else None,
         )
 
     def enriched(self, vectors: FloatArray) -> ReducedModel:

@@ -14,6 +14,7 @@ from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, P
 from wroll_fem.contact.laws import PointLaws, stack_laws
 from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
+from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
@@ -44,7 +45,9 @@ class System:
     subspaces
         Invariant subspaces of a rotationally symmetric structure (see `cyclic_symmetry`); empty without this symmetry.
     damping
-        (n, n) sparse symmetric viscous damping, N s/m; None without damping.
+        (n, n) sparse symmetric viscous damping, N s/m; None without it.
+    modal_damping
+        Damping ratios of the modes with sticking interfaces, in addition to ``damping``; None without them.
     pressures
         External pressure on each layer in Pa, inner first, that causes the load "preload"; empty for other loads.
     probe_base
@@ -63,6 +66,7 @@ class System:
     loads: Mapping[str, FloatArray] = field(default_factory=dict)
     subspaces: tuple[Subspace, ...] = ()
     damping: sp.csr_matrix | None = None
+    modal_damping: ModalDamping | None = None
     pressures: tuple[float, ...] = ()
     probe_base: Mapping[str, float] = field(default_factory=dict)
     base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)

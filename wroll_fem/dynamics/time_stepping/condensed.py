@@ -35,10 +35,10 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, InterfaceOperator, advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
+from wroll_fem.dynamics.time_stepping.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
-from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 
@@ -49,12 +49,6 @@ class CondensedStepper(Stepper):
     state: CondensedState
 
     def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
-        if system.damping is not None:
-            raise InputError(
-                "condensed time stepping has no viscous damping",
-                key="solver.method",
-                remedy="use full, or the analysis harmonic",
-            )
         super().__init__(system, preload, scheme, options)
         check_step_uniqueness(system, preload, scheme, dt)
         self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
@@ -94,11 +88,12 @@ class CondensedStepper(Stepper):
         """Operators of the structure and of the interfaces for steps of ``dt`` (s)."""
         if dt not in self._operators:
             c, s = self.condensation, self.scheme
-            inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * c.eigenvalues)
-            blocks, compliance = c.compliance((1.0 + s.alpha) * inverse, self.system.laws.area)
+            modal = modal_step(c, c.damping, s, dt)
+            scaled = [(1.0 + s.alpha) * part for part in inverse_blocks(modal, c.blocks)]
+            blocks, compliance = c.compliance(scaled, self.system.laws.area)
             profiles = np.ascontiguousarray(c.profiles.transpose(1, 0, 2))
             interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance.astype(np.float32))
-            self._operators[dt] = Modal(c.eigenvalues, c.base, c.tip, c.probes, inverse), interface
+            self._operators[dt] = modal, interface
         return self._operators[dt]
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
+from wroll_fem.dynamics.reduction.condensation import Condensation, condense
+from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -31,6 +34,9 @@ from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.numerics.newton import FULL_RENEWAL
 from wroll_fem.typing import FloatArray
 
+MOST_REFINEMENTS, REFINED = 30, 1e-13
+"""Largest number of corrections of a linear step for the dashpots of the modes, and relative change that ends them."""
+
 
 class FullState(NamedTuple):
     """State of a run with the full method: motion of all DOFs, and contact."""
@@ -52,6 +58,7 @@ class FullStepper(Stepper):
         self.trial = TrialContact(system)
         self._factor: tuple[float, Factorisation] | None = None
         self._longest_step = 0.0  # checked so far
+        self._modes: Condensation | None = None  # for modal damping
 
     def displacement(self) -> FloatArray:
         """(n_dofs,) displacement relative to the preload state, m."""
@@ -79,7 +86,7 @@ class FullStepper(Stepper):
         """New displacement (n_dofs,), m, residual r (n_dofs,), N, number of iterations; None without convergence."""
         system, s, t_0 = self.system, self.scheme, self.preload.traction
         inertia_factor, velocity_factor = 1.0 / (s.beta * dt**2), s.gamma / (s.beta * dt)
-        damping = system.damping
+        damping, damped = system.damping, self._damped
         coasting = self._coasting(dt)  # velocity at the end of a step that does not move
         state = self._committed()
         w = self.state.motion.q.copy()
@@ -89,8 +96,8 @@ class FullStepper(Stepper):
             jump = self.preload.jump + system.jump @ w
             traction = self.trial(jump, state, dt)
             r = system.stiffness @ w + system.jump.T @ (system.weights * (traction - t_0)) + self.inertia * ag
-            if damping is not None:
-                r += damping @ (coasting + velocity_factor * w)
+            if damped:
+                r += self._viscous_force(coasting + velocity_factor * w)
             out = system.mass @ (inertia_factor * w) - history_term + (1.0 + s.alpha) * r
             return out, r, jump
 
@@ -108,7 +115,7 @@ class FullStepper(Stepper):
                 self._factor = factor = dt, factorise(matrix)
             else:
                 factor = kept
-            step = factor[1].solve(force)
+            step = self._linear_step(factor[1], force, (1.0 + s.alpha) * velocity_factor)
             jump_step = system.jump @ step if system.n_points else step
             new = float(np.abs(jump_step).max(initial=0.0))
             self.last_history.append(new)
@@ -127,6 +134,37 @@ class FullStepper(Stepper):
         self._factor = None
         return None
 
+    @property
+    def _damped(self) -> bool:
+        return self.system.damping is not None or self.system.modal_damping is not None
+
+    def _viscous_force(self, velocity: FloatArray) -> FloatArray:
+        """(n_dofs,) forces of all dashpots, N, at the velocities (n_dofs,), m/s."""
+        damping = self.system.damping
+        force = np.zeros(len(velocity)) if damping is None else damping @ velocity
+        return force + self._modal_force(velocity) if self._modes is not None else force
+
+    def _modal_force(self, velocity: FloatArray) -> FloatArray:
+        """(n_dofs,) forces of the dashpots of the modes, N."""
+        modes, mass = self._modes, self.system.mass
+        assert modes is not None
+        rates = np.concatenate(modes.damping)
+        return np.asarray(mass @ modes.displacement(rates * modes.coordinates(mass @ velocity)))
+
+    def _linear_step(self, factor: Factorisation, force: FloatArray, viscous: float) -> FloatArray:
+        """(n_dofs,) Newton step; the dashpots of the modes, times ``viscous``, are not in the factorised matrix.
+
+        Their full matrix is never formed. The iteration converges by a factor of the damping ratio or better.
+        """
+        step = factor.solve(force)
+        if self._modes is None:
+            return step
+        for _ in range(MOST_REFINEMENTS):
+            last, step = step, factor.solve(force - viscous * self._modal_force(step))
+            if np.abs(step - last).max() <= REFINED * np.abs(step).max():
+                break
+        return step
+
     def _coasting(self, dt: float) -> FloatArray:
         """(n_dofs,) part of Newmark's velocity at the end of a step that the new displacement does not affect, m/s."""
         s, m = self.scheme, self.state.motion
@@ -137,6 +175,9 @@ class FullStepper(Stepper):
         """Advance by sparse Newton iterations on all DOFs; see `Stepper.try_steps`."""
         system, s = self.system, self.scheme
         self._factor = None  # so that a restored run repeats the same numbers
+        if system.modal_damping is not None and self._modes is None:
+            only = replace(system, damping=None)
+            self._modes = condense(only, reference_stiffness(system, self.preload, dt), s, dt)
         if dt > self._longest_step:
             check_step_uniqueness(system, self.preload, s, dt)
             self._longest_step = dt
@@ -156,8 +197,8 @@ class FullStepper(Stepper):
             flows[INPUT_FLOW] -= 0.5 * (ag + ag_new) * (self.inertia @ du)
             flows[NUMERICAL_FLOW] += 0.5 * s.alpha * du @ (dr + motion.residual_change) - (s.gamma - 0.5) * du @ m_da
             flows[NUMERICAL_FLOW] += dt**2 * (s.beta - 0.5 * s.gamma) * (mean_a @ m_da + (s.gamma - 0.5) * da @ m_da)
-            if system.damping is not None:
-                flows[VISCOUS_FLOW] += 0.5 * du @ (system.damping @ (v + motion.v))
+            if self._damped:
+                flows[VISCOUS_FLOW] += 0.5 * du @ self._viscous_force(v + motion.v)
             jump, e, t = self.preload.jump + system.jump @ w, self.trial.elastic_slip, self.trial.traction
             kernels.interface_work(*contact, jump, e, t, system.laws, self.accumulated.work)
             kernels.record_slip(

@@ -17,6 +17,7 @@ from wroll_fem.dynamics.time_stepping.records import (
     TIP_ACCELERATION,
     TIP_DISPLACEMENT,
     TIP_VELOCITY,
+    VISCOUS_FLOW,
     record_flows,
 )
 from wroll_fem.numerics.numba_cache import drop_stale_cache
@@ -33,12 +34,50 @@ def correction(g, t, reference, s):
 
 
 @numba.njit(cache=True)
+def damped(dashpots):
+    """Whether the structure has viscous damping."""
+    return dashpots.rates.shape[0] + dashpots.coupling.shape[0] > 0
+
+
+@numba.njit(cache=True)
+def by_block(flat, starts, x):
+    """(m,) product of a matrix of blocks, a flat array as in `Dashpots`, with ``x`` (m,)."""
+    out = np.empty(x.shape[0])
+    at = 0
+    for b in range(starts.shape[0] - 1):
+        first, last = starts[b], starts[b + 1]
+        size = last - first
+        out[first:last] = np.dot(flat[at : at + size * size].reshape(size, size), x[first:last])
+        at += size * size
+    return out
+
+
+@numba.njit(cache=True)
+def viscous_force(dashpots, velocity):
+    """(m,) forces of the dashpots at ``velocity`` (m,); the structure is damped."""
+    if dashpots.coupling.shape[0] > 0:
+        return by_block(dashpots.coupling, dashpots.starts, velocity)
+    return dashpots.rates * velocity
+
+
+@numba.njit(cache=True)
+def answer(modal, force, factor):
+    """(m,) displacement after a step due to ``factor`` times ``force`` (m,)."""
+    if modal.dashpots.coupling.shape[0] > 0:
+        return factor * by_block(modal.dashpots.solution, modal.dashpots.starts, force)
+    return factor * modal.inverse * force
+
+
+@numba.njit(cache=True)
 def predict(motion, ag_new, step, modal):
     """Newmark's history term h (m,), and displacement q_hat (m,) after the step if the traction correction is zero."""
-    dt, alpha, beta, _ = step
+    dt, alpha, beta, gamma = step
     h = (motion.q + dt * motion.v + dt * dt * (0.5 - beta) * motion.a) / (beta * dt * dt)
-    q_hat = (h - (1.0 + alpha) * modal.base * ag_new + alpha * motion.residual) * modal.inverse
-    return h, q_hat
+    force = h - (1.0 + alpha) * modal.base * ag_new + alpha * motion.residual
+    if damped(modal.dashpots):
+        coasting = motion.v + dt * ((1.0 - gamma) * motion.a - gamma * h)  # velocity after a step without displacement
+        force -= (1.0 + alpha) * viscous_force(modal.dashpots, coasting)
+    return h, answer(modal, force, 1.0)
 
 
 @numba.njit(cache=True)
@@ -54,7 +93,7 @@ def strain_energy(motion, modal, jump, reference, area):
 
 @numba.njit(cache=True)
 def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulated, record):
-    """Update the motion by Newmark's formulas; add input work and numerical dissipation (derived in docs/theory.md).
+    """Update the motion by Newmark's formulas; add the work of base, dashpots and scheme (derived in docs/theory.md).
 
     Parameters
     ----------
@@ -66,16 +105,29 @@ def commit_motion(acceleration, step, modal, h, q_hat, force, motion, accumulate
     record : (record_size(p),) output
     """
     dt, alpha, beta, gamma = step
-    eigenvalues, base, tip, probes, inverse = modal
+    eigenvalues, base, tip, probes = modal.eigenvalues, modal.base, modal.tip, modal.probes
     q, v, a, residual, residual_change = motion
     ag, ag_new = acceleration[0], acceleration[1]
     du_dr, du_da, aa, aa_new, da_da, base_du = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     u_tip, v_tip, a_tip, kinetic = 0.0, 0.0, 0.0, 0.0
+    change = answer(modal, force, 1.0 + alpha)
+    viscous, has_dashpots = force, damped(modal.dashpots)
+    if has_dashpots:
+        v_end = np.empty(q.shape[0])
+        for i in range(q.shape[0]):
+            a_new = (q_hat[i] - change[i]) / (beta * dt * dt) - h[i]
+            v_end[i] = v[i] + dt * ((1.0 - gamma) * a[i] + gamma * a_new)
+        viscous = viscous_force(modal.dashpots, v_end)
+        lost = viscous_force(modal.dashpots, v + v_end)
+        for i in range(q.shape[0]):
+            accumulated.flows[VISCOUS_FLOW] += 0.5 * (q_hat[i] - change[i] - q[i]) * lost[i]
     for i in range(q.shape[0]):
-        q_new = q_hat[i] - (1.0 + alpha) * inverse[i] * force[i]
+        q_new = q_hat[i] - change[i]
         a_new = q_new / (beta * dt * dt) - h[i]
         v_new = v[i] + dt * ((1.0 - gamma) * a[i] + gamma * a_new)
         r_new = eigenvalues[i] * q_new + force[i] + base[i] * ag_new
+        if has_dashpots:
+            r_new += viscous[i]
         du, da, dr = q_new - q[i], a_new - a[i], r_new - residual[i]
         du_dr += du * (dr + residual_change[i])
         du_da += du * da

@@ -24,7 +24,7 @@ RECORDS = (
     "newton_iterations",
     "open_fraction",
     "slipping_fraction",
-    "viscous_energy",
+    "material_damping",
     "impact_dissipation",
 )
 """Names of the columns of a step record. Energies are in J; work and dissipation are totals since the start."""

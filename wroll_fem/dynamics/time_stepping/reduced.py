@@ -32,6 +32,7 @@ from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.modal_step import modal_step
 from wroll_fem.dynamics.time_stepping.records import OPEN
 from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     KeptMatrix,
@@ -44,7 +45,7 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
-from wroll_fem.errors import InputError, ReductionError
+from wroll_fem.errors import ReductionError
 from wroll_fem.typing import FloatArray
 
 BLOCK = 50
@@ -107,12 +108,6 @@ class ReducedStepper(Stepper):
         tolerance: float = 2e-3, largest_error: float = np.inf,
     ):  # fmt: skip
         super().__init__(system, preload, scheme, options)
-        if system.damping is not None:
-            raise InputError(
-                "reduced time stepping has no viscous damping",
-                key="solver.method",
-                remedy="use full, or the analysis harmonic",
-            )
         check_step_uniqueness(system, preload, scheme, dt)
         self._checked: list[FloatArray] = []
         self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
@@ -178,7 +173,9 @@ class ReducedStepper(Stepper):
             weight = np.abs(model.tip) + 1e-12
         force = np.ascontiguousarray((model.jump * self.system.weights[:, None]).T)
         self._interface = ReducedInterface(jump, force, weight)
-        self._inertia = model.vectors / self.condensation.eigenvalues[:, None]
+        c = self.condensation
+        self._inertia = model.vectors / c.eigenvalues[:, None]
+        self._dashpots = c.viscous_force(model.vectors) / c.eigenvalues[:, None] if c.damping else None
 
     def displacement(self) -> FloatArray:
         """(n_dofs,) displacement relative to the preload state, m."""
@@ -209,20 +206,20 @@ class ReducedStepper(Stepper):
         Newton's matrix is assembled again if the step or the basis has changed.
         """
         s, model, kept = self.scheme, self.model, self.state.kept
-        inverse = 1.0 / (1.0 / (s.beta * dt**2) + (1.0 + s.alpha) * model.eigenvalues)
+        modal = modal_step(model, () if model.damping is None else (model.damping,), s, dt)
         if self.state.time_step[0] != dt:
             area, springs = self.system.laws.area, self.reference.springs
-            sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, inverse)
+            sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, modal)
             kept.inverse[:] = la.inv(kept.matrix)
             self.state.time_step[0] = dt
-        return Modal(model.eigenvalues, model.base, model.tip, model.probes, inverse)
+        return modal
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
         m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
         modal = self._prepare(dt)
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
-        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 2 * m + 3 * n + 1))
+        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 3 * m + 3 * n + 1))
         checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
         done = advance_reduced(
             np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.reference,
@@ -294,21 +291,26 @@ class ReducedStepper(Stepper):
         The shapes are (m, k), (r, k) and (m, k) for m reduced coordinates and r modes.
         """
         m, n = self.model.size, self.system.n_points
-        rows = np.vstack(self._checked) if self._checked else np.zeros((0, 2 * m + 3 * n + 1))
-        q, a, s, base = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : -1].T, rows[:, -1]
+        rows = np.vstack(self._checked) if self._checked else np.zeros((0, 3 * m + 3 * n + 1))
+        q, a, v = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : 3 * m].T
+        s, base = rows[:, 3 * m : -1].T, rows[:, -1]
         inside = self._interface.force @ s + a + np.outer(self.model.base, base)
-        return q, self._static_response(a, s, base), inside
+        if self.model.damping is not None:
+            inside += self.model.damping @ v
+        return q, self._static_response(a, v, s, base), inside
 
-    def _static_response(self, a: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
+    def _static_response(self, a: FloatArray, v: FloatArray, s: FloatArray, base: FloatArray) -> FloatArray:
         """(r, k) static response, in r modal coordinates, to the residual force at the k residual checks.
 
-        The residual force is the sum of the forces of inertia, interfaces and base motion.
+        The residual force is the sum of the forces of inertia, dashpots, interfaces and base motion.
         """
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
         if self.system.n_points:
             response += modal_force(c, self.system.weights[:, None] * s) / values
+        if self._dashpots is not None:
+            response += self._dashpots @ v
         return response
 
     def _enrich(self, level: float, time: float) -> None:

@@ -14,7 +14,14 @@ import numpy as np
 from wroll_fem.contact.kernels import consistent_tangent, interface_work, record_slip, trial_traction
 from wroll_fem.contact.point import NORMAL, axial, hoop, normal
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
-from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
+from wroll_fem.dynamics.time_stepping.modal_kernel import (
+    answer,
+    by_block,
+    commit_motion,
+    correction,
+    predict,
+    strain_energy,
+)
 from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
 from wroll_fem.numerics import newton as rates
@@ -100,8 +107,8 @@ class ResidualChecks(NamedTuple):
     Attributes
     ----------
     every : number of steps between two checked steps; the last step is checked too
-    rows : (k, 2 m + 3 n + 1) output: displacement q (m,), acceleration a (m,), traction correction s (3 n,) and base
-        acceleration of each checked step
+    rows : (k, 3 m + 3 n + 1) output: displacement q (m,), acceleration a (m,), velocity v (m,), traction correction s
+        (3 n,) and base acceleration of each checked step
     filled : (1,) output: number of rows filled
     """
 
@@ -121,21 +128,22 @@ class _Trial(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho):
+def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho):
     """Fill ``rho`` (m,) with the residual of displacement ``x`` (m,); returns an upper bound of the jump due to rho, m.
 
-    The residual is x - q_hat + scale * (G Phi)^T W s, with q_hat from `predict` and the traction correction s at x.
+    The residual is x - q_hat + (1 + alpha) A (G Phi)^T W s, with q_hat from `predict`, the displacement A per force
+    (`answer`) and the traction correction s at x.
     """
     g, t, e, status, s = trial
     g[:] = reference.jump
     g += np.dot(interface.jump, x)
-    trial_traction(g, contact.jump, contact.elastic_slip, laws, dt, t, e, status)
+    trial_traction(g, contact.jump, contact.elastic_slip, laws, step.dt, t, e, status)
     correction(g, t, reference, s)
     force[:] = np.dot(interface.force, s)
-    weight = interface.weight
+    weight, change = interface.weight, answer(modal, force, 1.0 + step.alpha)
     size = 0.0
     for i in range(x.shape[0]):
-        rho[i] = x[i] - q_hat[i] + scale[i] * force[i]
+        rho[i] = x[i] - q_hat[i] + change[i]
         if not np.isfinite(rho[i]):
             return np.inf
         size += abs(rho[i]) * weight[i]
@@ -205,7 +213,6 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
     x, x_new = np.zeros(m), np.zeros(m)
     tangent = np.zeros((n, 3, 3))
     stiffness_scale = np.zeros(n)
-    scale = (1.0 + alpha) * modal.inverse
     for k in range(n):
         stiffness_scale[k] = max(reference.springs[hoop(k)], 1e-6 * laws.kn[k])
     checks.filled[0] = 0
@@ -214,7 +221,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
         ag_new = acceleration[number + 1]
         h, q_hat = predict(motion, ag_new, step, modal)
         x[:] = 2.0 * motion.q - state.q_before
-        size = _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho)
+        size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
         history[:] = 0.0
         history[0] = size
         iterations = 0
@@ -222,12 +229,17 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
         while size > newton.limit:
             if iterations == newton.max_iterations:
                 return number
-            delta = np.dot(kept.inverse, rho / modal.inverse)
+            if modal.dashpots.matrix.shape[0] > 0:
+                delta = np.dot(kept.inverse, by_block(modal.dashpots.matrix, modal.dashpots.starts, rho))
+            else:
+                delta = np.dot(kept.inverse, rho / modal.inverse)
             iterations += 1
             damping, new = 1.0, np.inf
             while True:
                 x_new[:] = x - damping * delta
-                new = _residual(x_new, q_hat, scale, interface, reference, contact, laws, dt, trial, force_new, rho_new)
+                new = _residual(
+                    x_new, q_hat, modal, interface, reference, contact, laws, step, trial, force_new, rho_new
+                )
                 if new < size or not fresh or damping < 0.02:
                     break
                 damping *= 0.5
@@ -237,7 +249,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
                 x[:], rho[:], force[:], size = x_new, rho_new, force_new, new
                 history[iterations] = size
             else:  # the kept matrix failed: back to x, with the tangent there
-                size = _residual(x, q_hat, scale, interface, reference, contact, laws, dt, trial, force, rho)
+                size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
             fresh = False
             if rate > REDUCED_RENEWAL and size > newton.limit:
                 consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
@@ -245,7 +257,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
                 if _renew(kept, tangent, stiffness_scale, tolerance, interface.jump, laws.area, 1.0 + alpha) > 0:
                     kept.renewals[0] += 1
                     if kept.renewals[0] % REBUILD == 0:
-                        sum_up(kept, reference.springs, interface.jump, laws.area, 1.0 + alpha, modal.inverse)
+                        sum_up(kept, reference.springs, interface.jump, laws.area, 1.0 + alpha, modal)
                     kept.inverse[:] = np.linalg.inv(kept.matrix)
                 fresh = True
         if not np.isfinite(size):
@@ -265,15 +277,16 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
             row = checks.rows[checks.filled[0]]
             row[:m] = motion.q
             row[m : 2 * m] = motion.a
-            row[2 * m : 2 * m + 3 * n] = s
-            row[2 * m + 3 * n] = ag_new
+            row[2 * m : 3 * m] = motion.v
+            row[3 * m : 3 * m + 3 * n] = s
+            row[3 * m + 3 * n] = ag_new
             checks.filled[0] += 1
     return acceleration.shape[0] - 1
 
 
 @numba.njit(cache=True)
-def sum_up(kept, springs, jump, area, factor, inverse):
-    """Assemble Newton's matrix from the contact tangents ``kept.tangents`` of all points; ``inverse`` as in `Modal`."""
+def sum_up(kept, springs, jump, area, factor, modal):
+    """Assemble Newton's matrix from ``modal`` and the contact tangents ``kept.tangents`` of all points."""
     matrix = kept.matrix
     n, m = area.shape[0], matrix.shape[0]
     right = np.empty((3 * n, m))
@@ -286,5 +299,8 @@ def sum_up(kept, springs, jump, area, factor, inverse):
                     total += kept.tangents[k, i, j] * jump[dofs[j], col]
                 right[dofs[i], col] = factor * area[k] * total
     matrix[:] = np.dot(jump.T, right)
-    for i in range(m):
-        matrix[i, i] += 1.0 / inverse[i]
+    if modal.dashpots.matrix.shape[0] > 0:
+        matrix += modal.dashpots.matrix.reshape(m, m)
+    else:
+        for i in range(m):
+            matrix[i, i] += 1.0 / modal.inverse[i]

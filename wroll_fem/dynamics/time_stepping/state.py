@@ -9,10 +9,11 @@ import numpy as np
 
 from wroll_fem.contact.kernels import Reference
 from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 __all__ = [
-    "Accumulated", "ContactMemory", "Modal", "Motion", "Newton", "Reference", "SlipRecord", "Step", "named_arrays",
+    "Accumulated", "ContactMemory", "Dashpots", "Modal", "Motion", "Newton", "Reference", "SlipRecord", "Step",
+    "named_arrays",
 ]  # fmt: skip
 
 
@@ -25,6 +26,28 @@ class Step(NamedTuple):
     gamma: float
 
 
+class Dashpots(NamedTuple):
+    """Viscous damping of a structure in coordinates with unit mass, block after block.
+
+    Either ``rates`` or the matrices are given; all are empty without damping. The matrices are flat arrays of the
+    (m_b, m_b) matrices of the blocks.
+
+    Attributes
+    ----------
+    rates : (m,) damping of uncoupled coordinates, 1/s
+    starts : (n_blocks + 1,) index of the first coordinate of each block, then m
+    coupling : damping matrices C, 1/s
+    matrix : matrices of a step, 1 / (beta dt^2) + (1 + alpha) (eigenvalues + gamma / (beta dt) C), 1/s^2
+    solution : inverse of ``matrix``, s^2
+    """
+
+    rates: FloatArray
+    starts: IntArray
+    coupling: FloatArray
+    matrix: FloatArray
+    solution: FloatArray
+
+
 class Modal(NamedTuple):
     """Linear structure in coordinates with unit mass and diagonal stiffness.
 
@@ -34,7 +57,9 @@ class Modal(NamedTuple):
     base : (m,) participation factors; the load is -base per unit base acceleration, kg^(1/2)
     tip : (m,) tip displacement per unit coordinate
     probes : (p, m) displacement of the other probes per unit coordinate
-    inverse : (m,) 1 / (1 / (beta dt^2) + (1 + alpha) eigenvalue), s^2
+    inverse : (m,) 1 / (1 / (beta dt^2) + (1 + alpha) (eigenvalue + gamma / (beta dt) rate)), s^2; empty if damping
+        couples the coordinates
+    dashpots : viscous damping
     """
 
     eigenvalues: FloatArray
@@ -42,6 +67,7 @@ class Modal(NamedTuple):
     tip: FloatArray
     probes: FloatArray
     inverse: FloatArray
+    dashpots: Dashpots
 
 
 class Motion(NamedTuple):
@@ -50,7 +76,7 @@ class Motion(NamedTuple):
     Attributes
     ----------
     q, v, a : (m,) displacement, velocity, acceleration
-    residual : (m,) r = K u + G^T W t - f
+    residual : (m,) r = K u + C v + G^T W t - f
     residual_change : (m,) change of the residual during the last step
     """
 

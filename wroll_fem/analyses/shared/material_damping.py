@@ -1,0 +1,77 @@
+"""Material damping of a case: dashpots of its system."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import scipy.sparse as sp
+
+from wroll_fem.case.coil import Coil
+from wroll_fem.case.damping import LossFactor
+from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.structural import OnRoll, StructuralCase
+from wroll_fem.dynamics.system.modal_damping import ModalDamping
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import InputError
+from wroll_fem.structure.body import Body
+
+LEAST_FACTOR = 1e-12
+"""Loss factor in place of zero for one of the materials of a solid coil, relative to that of the other material."""
+
+
+def with_damping(case: StructuralCase, system: System, bodies: Sequence[Body] = ()) -> System:
+    """System with the dashpots of the section `damping`, in addition to those of a matrix file.
+
+    Parameters
+    ----------
+    system
+        Without the stiffness of bonds and of the preload: these have no loss.
+    bodies
+        Bodies of a roll, inner first; empty for matrices from a file.
+
+    Raises
+    ------
+    InputError
+        For loss factors of a matrix file, which does not tell mandrel and coil apart.
+    """
+    damping = case.damping
+    if damping is None:
+        return system
+    if damping.rayleigh is not None:
+        added = damping.rayleigh.alpha * system.mass + damping.rayleigh.beta * system.stiffness
+        given = added if system.damping is None else system.damping + added
+        return replace(system, damping=sp.csr_matrix(given))
+    if damping.loss_factor is None:
+        return replace(system, modal_damping=ModalDamping(damping.ratios, damping.table))
+    if not isinstance(case, OnRoll):
+        raise InputError(
+            "needs a mandrel and a coil, but the case has matrices from a file", key="damping.loss_factor",
+            remedy="use damping.modal or damping.rayleigh, or write the damping matrix C to the file",
+        )  # fmt: skip
+    return replace(system, modal_damping=ModalDamping(loss=_loss(case, damping.loss_factor, bodies)))
+
+
+def _loss(case: OnRoll, factor: LossFactor, bodies: Sequence[Body]) -> sp.csr_matrix:
+    """Sum of the stiffness matrices of mandrel and coil, each times its loss factor."""
+    if case.coil.model != "solid":
+        parts = [body.stiffness * (factor.coil if k else factor.mandrel) for k, body in enumerate(bodies)]
+        return sp.block_diag(parts, format="csr")
+    from wroll_fem.fem.body import assemble_bodies
+
+    symmetric = bodies[0].symmetric
+    least = LEAST_FACTOR * max(factor.mandrel, factor.coil)
+    scaled = case.model_copy(
+        update={
+            "mandrel": _scaled(case.mandrel, max(factor.mandrel, least)),
+            "coil": _scaled(case.coil, max(factor.coil, least)),
+        }
+    )
+    return sp.block_diag([body.stiffness for body in assemble_bodies(scaled, symmetric=symmetric)], format="csr")
+
+
+def _scaled(section: Mandrel | Coil, factor: float) -> Mandrel | Coil:
+    """Section with the elastic moduli of its material times ``factor``."""
+    material = section.material
+    moduli = {name: factor * getattr(material, name) for name in type(material).model_fields if name[0] in "EG"}
+    return section.model_copy(update={"material": material.model_copy(update=moduli)})
