@@ -20,19 +20,20 @@ from wroll_fem.signals.transmissibility import magnitude
 from wroll_fem.tribology import RateAndState, ShearTest, VelocitySteps, run_shear_test, shear_history
 
 COARSE = ["mesh.circumferential=8", "mesh.axial=2"]
+DAMPED = "damping.modal=0.01"
 PROBE = "probes={middle: {z: 0.15}}"
 FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20"]
 CASES: dict[str, tuple[str, list[str]]] = {
-    "sweep": ("oscillator", [*FAST, "output.damping=gaussian_fit"]),
+    "sweep": ("oscillator", [*FAST, "output.damping=gaussian_fit", DAMPED]),
     "dwell": (
         "lab_dwell",
         [
             *COARSE, "integrator.steps_per_cycle=20", "excitation.cycles=4", "excitation.ramp_cycles=1",
-            "output.every=20", PROBE,
+            "output.every=20", PROBE, DAMPED,
         ],
     ),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
-    "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE]),
+    "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED]),
     "harmonic of a roll": (
         "lab_harmonic",
         [
@@ -40,7 +41,7 @@ CASES: dict[str, tuple[str, list[str]]] = {
             PROBE,
         ],
     ),
-    "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE]),
+    "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE, DAMPED]),
     "modal_transient": ("case_study", ["mesh.discretisation=fourier", "mesh.axial=4", "mesh.radial=1"]),
     "preload": ("winding_sweep", [*COARSE, "analysis=preload", "preload.steps=2"]),
     "buckling": ("lab_buckling", [*COARSE, "modal.count=1", "preload.pressure=1e4", "preload.steps=2"]),

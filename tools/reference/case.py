@@ -118,6 +118,8 @@ def type_name(annotation: Any) -> str:
         return type_name(arguments[0])
     if origin is Literal:
         return ", ".join(code(str(value)) for value in arguments)
+    if origin is tuple:
+        return "pair"
     if origin is list:
         return f"list of {type_name(arguments[0])}s"
     if origin in (Union, UnionType):

@@ -14,6 +14,7 @@ from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.analyses.shared.zeta_parts import backbone_parts
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import (
@@ -36,9 +37,6 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 
-ROUNDING = 1e-6
-"""Friction part of the modal damping, relative to the whole, up to which it is regarded as round-off."""
-
 NO_DAMPING = 1e-9
 """Damping ratio up to which the damping of a backbone is regarded as round-off."""
 
@@ -55,8 +53,11 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
     } | per_motion(motions, system, dim)
     # the work done by the negative damping is the work that the base would have to do
     data["input_work_per_cycle"] = (dim, curve.dissipation)
-    parts = _material_and_friction(curve, data["material_damping_work_per_cycle"][1])
-    data |= {f"{name}_modal_damping": (dim, values) for name, values in parts.items()}
+    parts: dict[str, FloatArray] = {}
+    if "material_modal_damping" in data:
+        friction = backbone_parts(curve.damping, data["material_modal_damping"][1])
+        parts = {"material": curve.damping - friction, "friction": friction}
+        data |= {f"{name}_modal_damping": (dim, values) for name, values in parts.items()}
     most = int(np.argmax(curve.damping))
     dataset = xr.Dataset(data, coords={dim: tip})
     if len(system.probe_names) > 1:
@@ -85,19 +86,6 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
         "method": "extended periodic motion, harmonic balance",
     } | {f"zeta_{name}": float(values[most]) for name, values in parts.items()}
     return annotate(dataset)
-
-
-def _material_and_friction(curve: BackboneCurve, lost: FloatArray) -> dict[str, FloatArray]:
-    """Parts (p,) of the modal damping ratio due to material damping, which dissipates ``lost`` (p,) J, and friction.
-
-    Empty without material damping.
-    """
-    if curve.balance.model.damping is None:
-        return {}
-    material = curve.damping * np.divide(lost, curve.dissipation, out=np.ones_like(lost), where=curve.dissipation > 0.0)
-    sticks = np.abs(curve.damping - material) <= ROUNDING * curve.damping
-    material = np.where(sticks, curve.damping, material)
-    return {"material": material, "friction": curve.damping - material}
 
 
 def range_remark(dataset: xr.Dataset) -> str:

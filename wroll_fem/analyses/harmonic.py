@@ -212,10 +212,11 @@ def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:
     middle = 0.5 * (low + high)
     edges = np.abs(curve.transmissibility[np.isin(curve.frequencies, curve.gap)])
     height = min(float(edges.min(initial=np.inf)), curve.balance.largest_growth)
+    remedy = "" if curve.balance.model.damping is not None else "; give the material damping in section damping"
     reason = (
         f"the resonance near {middle:.5g} Hz grows beyond {height:.0f} times the base motion: its damping "
         f"ratio due to friction is below {50.0 / height:.2g} %, or friction does not limit it; the curve is "
-        f"omitted between {low:.6g} and {high:.6g} Hz"
+        f"omitted between {low:.6g} and {high:.6g} Hz{remedy}"
     )
     shape = HalfPower(middle, np.nan, np.nan, np.nan, np.nan, np.nan, complete=False, reason=reason)
     return CurveDamping(shape, DampingEstimate(middle, np.nan, np.nan, np.nan, "half power", reason))

@@ -14,6 +14,7 @@ from wroll_fem.analyses.fourier import run_fourier_modal
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.material_damping import mode_ratios, with_damping
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
@@ -56,7 +57,7 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
         roll = prestressed_roll(case, bodies)
         bodies = bodies if roll is None else roll.bodies
         stage.update(1)
-        system = build_system(case, bodies)
+        system = with_damping(case, build_system(case, bodies), bodies)
         stage.update(2, f"{system.n_dofs} DOFs")
     state, factor = None, None
     if roll is not None:
@@ -93,6 +94,7 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
                 effective_mass_fractions(system.mass, influence, vectors, total),
             ),
             "tip_participation": ("mode", tip_participation(system, vectors)),
+            **mode_ratios(system, (2.0 * np.pi * hertz) ** 2, vectors),
             **shape_variables(bodies, vectors),
         },
         coords={"mode": np.arange(1, len(hertz) + 1), "component": ["x", "y", "z"]},
@@ -125,6 +127,7 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
     """Compute frequencies and effective masses of the undamped modes of matrices read from a file."""
     stuck = case.modal.interface == "stuck"
     system, state = prepare(case, progress) if stuck else read_structure(case)
+    system = system if stuck else with_damping(case, system)
     springs = linear_springs(case, system, state) if system.interfaces else np.zeros(0)
     stiffness, mass = sp.csr_matrix(system.with_interface_springs(springs)), system.mass
     count = min(case.modal.count, system.n_dofs)
@@ -148,6 +151,7 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
             "mode_frequency": ("mode", np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)),
             "mode_residual": ("mode", residuals),
             "effective_mass_fraction": ("mode", fraction),
+            **mode_ratios(system, values, vectors),
         },
         coords={"mode": np.arange(1, count + 1)},
     )
@@ -168,7 +172,7 @@ ANALYSIS = Analysis(
     figures=(figures.figure("modes", "modes"), figures.mode_shapes),
     fields=(figures.write_modes,),
     variables={
-        "mode": ("mode_frequency", "mode_kind", "mode_harmonic", "tip_participation"),
+        "mode": ("mode_frequency", "mode_kind", "mode_harmonic", "tip_participation", "mode_damping_ratio"),
         "mode, component": ("effective_mass_fraction",),
         "mode, node, component": ("mode_shape",),
     },

@@ -19,9 +19,10 @@ def summary_lines(summary: Mapping[str, Any]) -> list[str]:
         if key == "zeta" and summary.get("zeta_quality") == "invalid" and summary.get("zeta_apparent") is not None:
             found.append((entry.label, f"not stated (apparent value {summary['zeta_apparent']:.4f})"))
     modes, kinds = summary.get("modes_hz") or [], summary.get("mode_kinds") or []
+    ratios = [f"zeta {ratio:.4f}" for ratio in summary.get("mode_damping_ratios") or []]
     for number, frequency in enumerate(modes, start=1):
-        kind = kinds[number - 1] if number <= len(kinds) else ""
-        found.append((f"mode {number}", f"{frequency:.2f} Hz  {kind}".rstrip()))
+        words = (part[number - 1] for part in (kinds, ratios) if number <= len(part))
+        found.append((f"mode {number}", "  ".join((f"{frequency:.2f} Hz", *words))))
     width = max((len(name) for name, _ in found), default=0)
     warnings = [f"warning: {text}" for text in summary.get("warnings") or []]
     return [f"{name:<{width}}  {text}" for name, text in found] + warnings

@@ -32,7 +32,7 @@ _STATUS = {
 }
 _LOGGED = re.compile(r"^\S+ (warning|error): (.*)$")
 _OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "slipping_area_fraction")
-_OF_MODES = ("modes_hz", "mode_kinds", "effective_mass_fraction")
+_OF_MODES = ("modes_hz", "mode_kinds", "mode_damping_ratios", "effective_mass_fraction")
 _DRIFT = 0.01
 _CAPTIONS = {
     "transmissibility": "Transmissibility versus frequency",

@@ -127,6 +127,7 @@ FIELDS: dict[str, Field] = {
     "critical_pressure": Field("Pa", "total external pressure at buckling"),
     "mode_kind": Field("1", "kind of the mode"),
     "mode_harmonic": Field("1", "circumferential wave number of the mode"),
+    "mode_damping_ratio": Field("1", "damping ratio of the mode due to material damping"),
     "mode_residual": Field("1", "relative residual of the eigenpair"),
     "effective_mass_fraction": Field("1", "effective mass divided by total mass"),
     "mode_at_probe": Field("kg-1/2", "displacement at the probe in the mode of unit modal mass"),

@@ -72,8 +72,8 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "zeta_material": _share(
             "zeta due to material damping",
-            "its share of the work at the peak (harmonic), between the half-power frequencies (sweep), or of zeta_max "
-            "(backbone)",
+            "work of material damping, divided by 4 pi times the kinetic energy: at the peak (harmonic), between the "
+            "half-power frequencies (sweep), at zeta_max (backbone)",
             "{:.4f}",
         ),
         "zeta_friction": _share("zeta due to friction", "the rest of zeta", "{:.4f}"),
@@ -175,6 +175,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
     "Modes": {
         "bending_hz": _number("Hz", "first bending frequency"),
         "modes_hz": _number("Hz", "frequency", "natural frequencies, rising"),
+        "mode_damping_ratios": _share("damping ratio", "of each mode, due to material damping"),
         "mode_kinds": Entry("", "kind", "bending, torsion, axial, ovalling-n, ..."),
         "effective_mass_fraction": _share("effective mass", "along the excitation, divided by the total mass"),
     },

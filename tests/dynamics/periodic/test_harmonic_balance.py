@@ -25,11 +25,9 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS
-from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
@@ -259,7 +257,7 @@ def test_a_damping_matrix_of_another_size_is_refused() -> None:
     with pytest.raises(InputError, match="damping"):
         dataclasses.replace(damped_pair(), damping=sp.csr_matrix(np.eye(2)))
     with pytest.raises(InputError, match="symmetric"):
-        dataclasses.replace(system, damping=sp.csr_matrix([[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+        dataclasses.replace(damped_pair(), damping=sp.csr_matrix([[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
 
 
 # --- the roll ---------------------------------------------------------------------------------------------------------

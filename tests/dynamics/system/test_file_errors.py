@@ -39,6 +39,16 @@ WRONG = {
     "negative mass": ({"M": np.diag([1.0, -1.0])}, "M: is not positive semi-definite: diagonal entry 1, counted"),
     "indefinite mass": ({"M": [[1.0, 2.0], [2.0, 1.0]]}, "M: is not positive semi-definite: it has a negative eigen"),
     "hollow mass": ({"M": [[1.0, 0.1], [0.1, 0.0]]}, "M: is not positive semi-definite: row 1, counted from 0, has"),
+    "negative damping ratio": ({"damping_ratios": np.array([0.01, -0.01])}, "damping_ratios: is empty or negative"),
+    "unsorted damping table": (
+        {"damping_table": np.array([[20.0, 0.01], [10.0, 0.01]])},
+        "damping_table: has negative numbers, or frequencies that do not rise",
+    ),
+    "lossy matrix": ({"damping_loss": np.diag([1.0, -1.0])}, "damping_loss: is not symmetric with a positive diagonal"),
+    "two kinds of ratios": (
+        {"damping_ratios": np.array([0.01]), "damping_loss": np.diag([1.0, 1.0])},
+        "damping_ratios: is given beside damping_loss",
+    ),
     "negative damping": ({"C": np.diag([1.0, -1.0])}, "C: is not positive semi-definite"),
     "negative stiffness": ({"K": np.diag([-K, 0.0])}, "K: is not positive semi-definite: diagonal entry 0"),
     "massless": ({"M": np.diag([1.0, 0.0])}, "M: is singular: 1 DOFs carry no mass; eliminate"),

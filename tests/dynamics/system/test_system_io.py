@@ -29,6 +29,7 @@ from wroll_fem.contact.interface import (
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system, save_system, system_size
+from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.progress import SilentProgress
@@ -91,6 +92,24 @@ def two_interfaces() -> System:
 
 
 # ---- round trip ------------------------------------------------------------------------------------------------------
+
+
+@BOTH
+@pytest.mark.parametrize("kind", ["ratios", "table", "loss"])
+def test_damping_ratios_of_modes_come_back(tmp_path: Path, suffix: str, kind: str) -> None:
+    system = two_interfaces()
+    given = {
+        "ratios": (0.01, 0.02),
+        "table": ((10.0, 0.01), (20.0, 0.03)),
+        "loss": sp.csr_matrix(0.1 * system.stiffness),
+    }
+    damped = replace(system, modal_damping=ModalDamping(**{kind: given[kind]}))
+    again = load_system(save_system(damped, tmp_path / f"system{suffix}"))[0].modal_damping
+    assert again is not None
+    assert (again.ratios, again.table) == (damped.modal_damping.ratios, damped.modal_damping.table)
+    assert (again.loss is None) == (kind != "loss")
+    if kind == "loss":
+        assert equal(again.loss, damped.modal_damping.loss)
 
 
 @BOTH

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.case.coil import Coil
@@ -15,6 +16,7 @@ from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
+from wroll_fem.typing import FloatArray
 
 LEAST_FACTOR = 1e-12
 """Loss factor in place of zero for one of the materials of a solid coil, relative to that of the other material."""
@@ -50,6 +52,27 @@ def with_damping(case: StructuralCase, system: System, bodies: Sequence[Body] = 
             remedy="use damping.modal or damping.rayleigh, or write the damping matrix C to the file",
         )  # fmt: skip
     return replace(system, modal_damping=ModalDamping(loss=_loss(case, damping.loss_factor, bodies)))
+
+
+def mode_ratios(system: System, eigenvalues: FloatArray, vectors: FloatArray) -> dict[str, tuple[str, FloatArray]]:
+    """Variable `mode_damping_ratio`: damping ratio of each mode; empty without damping.
+
+    Parameters
+    ----------
+    eigenvalues, vectors
+        (k,) rad^2/s^2 and (n_dofs, k), at modal mass 1; the lowest k modes.
+    """
+    found = np.zeros(len(eigenvalues))
+    damping, modal = system.damping, system.modal_damping
+    if damping is None and modal is None:
+        return {}
+    if damping is not None:
+        rates = np.einsum("ij,ij->j", vectors, damping @ vectors)
+        found += 0.5 * rates / np.sqrt(np.where(eigenvalues > 0.0, eigenvalues, np.inf))
+    if modal is not None:
+        losses = None if modal.loss is None else np.einsum("ij,ij->j", vectors, modal.loss @ vectors)
+        found += modal.of_modes(eigenvalues, losses)
+    return {"mode_damping_ratio": ("mode", found)}
 
 
 def _loss(case: OnRoll, factor: LossFactor, bodies: Sequence[Body]) -> sp.csr_matrix:

@@ -106,5 +106,7 @@ def modes(dataset: xr.Dataset) -> dict[str, Any]:
         if index is not None:
             found["bending_hz"] = float(dataset["mode_frequency"].values[index])
     found["modes_hz"] = dataset["mode_frequency"].values.tolist()
+    if "mode_damping_ratio" in dataset:
+        found["mode_damping_ratios"] = dataset["mode_damping_ratio"].values.tolist()
     found["effective_mass_fraction"] = fraction.values.ravel().tolist()
     return found

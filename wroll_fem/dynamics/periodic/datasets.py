@@ -34,6 +34,7 @@ class PeriodicMotion:
     peak : (n, 3) largest tangential displacement from the preload state, then its hoop and axial components, m
     slips, opens : (n,) whether a contact point slips, opens, at any time of the period
     memory : change of the elastic slip during the last period computed, relative to gamma*
+    damped : whether the structure has dashpots
     kinetic : amplitude of the kinetic energy of the motion relative to the base, sum of all harmonics, J
     """
 
@@ -53,6 +54,7 @@ class PeriodicMotion:
         self.opens = state.open.any(axis=1)
         for name in ("friction", "path", "peak", "slips", "opens"):
             setattr(self, name, contact.of_every_point(getattr(self, name)))
+        self.damped = balance.model.damping is not None
         self.memory = state.periodicity_error
         self.kinetic = 0.5 * float(np.sum(balance.velocity(coefficients, frequency) ** 2))
 
@@ -60,8 +62,9 @@ class PeriodicMotion:
 def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> dict[str, tuple]:
     """Dataset variables along dimension ``dim``: work per cycle, slip and opening.
 
-    With interfaces they include the fractions of contact points that slip and that open, and for each point the
-    amplitude of the relative displacement.
+    With dashpots they include the damping ratio that corresponds to their work, the work divided by 4 pi times the
+    kinetic energy. With interfaces they include the fractions of contact points that slip and that open, and for each
+    point the amplitude of the relative displacement.
     """
     works: Sequence[CycleWork] = [motion.work for motion in motions]
     data: dict[str, tuple] = {
@@ -71,6 +74,9 @@ def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> d
         "material_damping_work_per_cycle": (dim, np.array([w.viscous for w in works])),
         "interface_work_per_cycle": (dim, np.array([w.interface for w in works])),
     }
+    if any(motion.damped for motion in motions):
+        ratios = [w.viscous / (4.0 * np.pi * m.kinetic) for w, m in zip(works, motions, strict=True)]
+        data["material_modal_damping"] = (dim, np.array(ratios))
     if system.interfaces:
         slips = np.array([motion.slips for motion in motions])
         opens = np.array([motion.opens for motion in motions])

@@ -4,6 +4,7 @@ Field names, units, signs and orders are documented in docs/matrices.md. In shor
 
 =============================== ======================================================================================
 ``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C is optional
+``damping_...``                 ``ratios``, ``table`` or ``loss``: damping of the modes (`damping_fields`); optional
 ``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
 ``probe_<name>``                (n,) row that gives a displacement in m; "tip" is required
 ``base_<probe>``                displacement of a probe under a unit base translation, where its row does not give it
@@ -41,6 +42,7 @@ from wroll_fem.contact.pointwise import PointwiseFriction
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
+from wroll_fem.dynamics.system.damping_fields import DAMPING_FIELDS, damping_content, read_damping
 from wroll_fem.dynamics.system.law_fields import FRICTION_LAWS, law_field_names, law_fields, read_laws
 from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.system import System
@@ -57,7 +59,7 @@ CONSISTENT = 1e-6
 
 _OWN = "user_"
 _GENERAL = (
-    "wroll_format", "K", "M", "C", "influence", "preload_displacement",
+    "wroll_format", "K", "M", "C", *DAMPING_FIELDS, "influence", "preload_displacement",
     "subspaces_basis", "subspaces_harmonic", "subspaces_even", "subspaces_columns",
 )  # fmt: skip
 _MEANT = {"stiffness": "K", "mass": "M", "damping": "C", "k": "K", "m": "M", "c": "C", "D": "C", "r": "influence"}
@@ -86,6 +88,8 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
     content: dict[str, Any] = {"wroll_format": VERSION, "K": system.stiffness, "M": system.mass}
     if system.damping is not None:
         content["C"] = sp.csr_matrix(system.damping)
+    if system.modal_damping is not None:
+        content |= damping_content(system.modal_damping)
     content["influence"] = system.influence
     for kind, vectors in (("probe", system.probes), ("load", system.loads)):
         for name, vector in vectors.items():
@@ -181,6 +185,7 @@ def load_system(
         stiffness=_square(file, "K", n, "stiffness matrix, N/m"),
         mass=_square(file, "M", n, "mass matrix, kg"),
         damping=_square(file, "C", n, "damping matrix, N s/m") if "C" in file else None,
+        modal_damping=read_damping(file, n),
         influence=file.vector("influence", n, "displacement of each DOF under a unit base translation"),
         interfaces=tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
         probes=_vectors(file, "probe", n, "row that gives a displacement in m"),
