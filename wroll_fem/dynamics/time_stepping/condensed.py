@@ -29,13 +29,13 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, InterfaceOperator, advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
-from wroll_fem.dynamics.time_stepping.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness

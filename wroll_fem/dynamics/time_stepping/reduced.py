@@ -27,12 +27,12 @@ import scipy.linalg as la
 from wroll_fem.contact.kernels import Reference
 from wroll_fem.contact.point import contact_dofs, normals
 from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.modal_step import modal_step
 from wroll_fem.dynamics.time_stepping.records import OPEN
 from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     KeptMatrix,
