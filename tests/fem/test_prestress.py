@@ -16,11 +16,11 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import WrollError
 from wroll_fem.fem import compat
 from wroll_fem.fem.body import assemble_bodies
-from wroll_fem.fem.buckling import load_factors
 from wroll_fem.fem.constraints import rigid_motions
 from wroll_fem.fem.eigen import solve_modes
-from wroll_fem.fem.prestress import PrestressedShell, rigid_tip_stiffness
-from wroll_fem.fem.prestressed_roll import PrestressedRoll
+from wroll_fem.fem.prestress.buckling import load_factors
+from wroll_fem.fem.prestress.roll import PrestressedRoll
+from wroll_fem.fem.prestress.shell import PrestressedShell, rigid_tip_stiffness
 from wroll_fem.fem.shell import ShellModel, ShellSection
 from wroll_fem.mesh.generate import make_cylinders
 

@@ -35,7 +35,7 @@ def run_buckling(case: BucklingCase, *, progress: Progress) -> xr.Dataset:
     InputError
         If the preload destabilises no motion.
     """
-    from wroll_fem.fem.buckling import load_factors
+    from wroll_fem.fem.prestress.buckling import load_factors
 
     with progress.stage("mesh and matrices", 2) as stage:
         roll = prestressed_roll(case, build_bodies(case))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wroll_fem.case.structural import OnRoll
-    from wroll_fem.fem.prestressed_roll import PrestressedRoll
+    from wroll_fem.fem.prestress.roll import PrestressedRoll
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Stability:
 
 def prestressed_roll(case: OnRoll, bodies: Sequence[Body]) -> PrestressedRoll | None:
     """Bodies and preload of a case with geometric stiffness; None if the case does not request geometric stiffness."""
-    from wroll_fem.fem.prestressed_roll import PrestressedRoll
+    from wroll_fem.fem.prestress.roll import PrestressedRoll
 
     if not case.has_geometric_stiffness or case.preload is None:
         return None
@@ -97,7 +97,7 @@ def stability(
     bodies: Sequence[Body], system: System, geometric: sp.csr_matrix, springs: FloatArray
 ) -> Stability | None:
     """Lowest buckling load with interface springs (3 n_points,), Pa/m; None if the roll does not buckle."""
-    from wroll_fem.fem.buckling import load_factors
+    from wroll_fem.fem.prestress.buckling import load_factors
 
     factors, modes = load_factors(system.with_interface_springs(springs), geometric, 1)
     return Stability(float(factors[0]), classify_mode(bodies, modes[:, 0])) if len(factors) else None

@@ -24,7 +24,7 @@ from wroll_fem.contact.point import normals, tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.fem.body import shell_section
-from wroll_fem.fem.prestress import PrestressedShell, rigid_tip_stiffness
+from wroll_fem.fem.prestress.shell import PrestressedShell, rigid_tip_stiffness
 from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
 from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import shell_layout

@@ -1,0 +1,1 @@
+"""Second-order stiffness of a preloaded roll: geometric stiffness of its shells, linear buckling."""
