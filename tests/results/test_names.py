@@ -29,7 +29,7 @@ CASES: dict[str, tuple[str, list[str]]] = {
         "lab_dwell",
         [
             *COARSE, "integrator.steps_per_cycle=20", "excitation.cycles=4", "excitation.ramp_cycles=1",
-            "output.every=20", PROBE, DAMPED,
+            "output.every=20", PROBE, DAMPED, "mandrel.yield_stress=1e8",
         ],
     ),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds

@@ -10,6 +10,8 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.forecasts.computing_time import estimate_roll
+from wroll_fem.analyses.margins import stress
+from wroll_fem.analyses.margins.stress import stress_of_curve, with_yield
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
@@ -123,7 +125,9 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
             error.partial = _described(curve_dataset(system, error.partial), case)
         raise error from stop
     seconds = time.process_time() - started
-    dataset = _described(curve_dataset(system, trained.curve), case)
+    dataset = curve_dataset(system, trained.curve)
+    stressed = with_yield(stress_of_curve(system, state, trained.curve), case)
+    dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
     read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping)
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
@@ -302,7 +306,7 @@ ANALYSIS = Analysis(
     sentence="Periodic response to sinusoidal base motion versus frequency, by harmonic balance.",
     sections=("geometry", "mandrel", "coil", "contact", "preload", "excitation"),
     run=run_harmonic,
-    summary=(summary.interfaces, summary.work_per_cycle, summary.slip, summary.base_loads),
+    summary=(summary.interfaces, summary.work_per_cycle, summary.slip, summary.base_loads, stress.summary),
     figures=(
         figures.figure("transmissibility", "harmonic_response"),
         figures.slip_maps,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.margins import stress
+from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
@@ -22,6 +25,7 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import base_motion
 
 if TYPE_CHECKING:
@@ -38,7 +42,7 @@ FALLBACK_SIZE = 2000
 """Largest number of contact degrees of freedom for which a run falls back from `reduced` to `condensed`. With more, a
 step of `condensed` takes seconds when many points change their contact state."""
 
-SUMMARY = (summary.interfaces, summary.ledger, summary.slip, summary.base_loads)
+SUMMARY = (summary.interfaces, summary.ledger, summary.slip, summary.base_loads, stress.summary)
 FIGURES = (
     figures.figure("response", "response"),
     figures.figure("energy_ledger", "energy_ledger"),
@@ -129,11 +133,13 @@ class _Integration:
             found = simulate(
                 self.system, self.state, base_motion(case.excitation), dt=dt, scheme=scheme, options=options,
                 progress=self.progress, checkpoint=saving, every=case.output.every, stepper=stepper,
+                recover=partial(stress_of_displacement, self.system, self.state),
             )  # fmt: skip
         except ConvergenceError as error:
             if error.partial is not None:
                 error.partial = _described(error.partial, case, method)
             raise
+        found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
 
 

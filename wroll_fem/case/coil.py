@@ -54,6 +54,9 @@ class Coil(Section):
         description="material of the coil: isotropic (a section, or a name as in `wroll materials`), or kind: "
         "cylindrical_orthotropic for solid",
     )
+    yield_stress: Real | None = Field(
+        default=None, gt=0, description="yield stress of the layers, Pa; left out: no margin is computed"
+    )
     base: Literal["free", "clamped", "inner_edge", "guided"] = Field(
         default="free",
         description="base of the coil: free (held by friction or the bond alone), clamped (moves with the shaker), "
@@ -114,7 +117,8 @@ class Coil(Section):
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Serialise without the alias of the thickness and without keys that the model does not use."""
         data = dict(plain(self))
-        unused = {"total_thickness" if self.thickness is not None else "thickness"}
+        unused = set() if self.yield_stress is not None else {"yield_stress"}
+        unused |= {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
         return {key: value for key, value in data.items() if key not in unused}

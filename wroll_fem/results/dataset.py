@@ -121,6 +121,11 @@ FIELDS: dict[str, Field] = {
     "interface_work_per_cycle": Field(_ENERGY, "work done on the interfaces per cycle"),
     "slip_amplitude": Field("m", "largest relative tangential displacement in the cycle"),
     "memory_change": Field("1", "change of the elastic slip per cycle, relative to its largest value"),
+    # margins
+    "shell": Field("1", "shell of the roll, innermost first"),
+    "von_mises_max": Field("Pa", "largest von Mises stress of the shell"),
+    "von_mises_height": Field("m", "height of the largest von Mises stress above the base"),
+    "yield_stress": Field("Pa", "yield stress of the shell"),
     # modes
     "mode_frequency": Field("Hz", "natural frequency"),
     "load_factor": Field("1", "buckling load divided by preload"),

@@ -138,6 +138,17 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "buckling_pressure_pa": Entry("Pa", "total external pressure at buckling", console="{:.4g} Pa"),
         "buckling_wave_number": _number("", "circumferential waves of the buckling mode", console="{:d}"),
     },
+    "Stress (sweep, dwell, harmonic)": {
+        "von_mises_max_pa": Entry(
+            "Pa", "largest von Mises stress",
+            "of mandrel and layers, inner first, from preload and vibration: at the largest tip displacement (sweep, "
+            "dwell), or during the period of the highest motion (harmonic)", "si", "{:.3g} Pa",
+        ),
+        "yield_margin": Entry(
+            "", "margin against yield", "`yield_stress` divided by the largest von Mises stress, minus 1; negative: "
+            "yields; `null` without a yield stress", "number", "{:.2f}",
+        ),
+    },
     "Loads at the base (sweep, dwell, harmonic)": {
         "base_shear_max_n": Entry(
             "N", "largest base shear",

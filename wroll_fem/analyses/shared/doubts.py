@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.analyses.margins.stress import stress_doubts
 from wroll_fem.analyses.shared.small_displacement import displacement_doubts
 
 if TYPE_CHECKING:
@@ -43,5 +44,5 @@ def _energy(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list
     return [f"the energy balance error is {100 * gap:.2g} % of the input: the numbers are doubtful; {remedy}"]
 
 
-CHECKS = (_energy, displacement_doubts)
+CHECKS = (_energy, displacement_doubts, stress_doubts)
 """Checks of a finished run; each takes results, summary and case, and returns warnings."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +22,8 @@ from wroll_fem.dynamics.system.matrix_checks import is_singular, massless_dofs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
+from wroll_fem.structure.body import Body
+from wroll_fem.structure.stress import ShellStress
 
 if TYPE_CHECKING:
     from wroll_fem.progress import Progress
@@ -46,6 +50,7 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
             bodies = bodies if roll is None else roll.bodies
             stage.update(1, "bodies assembled")
             system = with_damping(case, build_system(case, bodies), bodies)
+            system = replace(system, shell_stress=partial(_shell_stresses, case, bodies))
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
         bonded = case.coil.model == "bonded"
         if remark := system_remark(case, system.bonded() if bonded else system):
@@ -79,6 +84,12 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
             system = system.bonded()
             state = replace(ContactState.unloaded(system), displacement=state.displacement)
     return system, state
+
+
+def _shell_stresses(case: OnRoll, bodies: Sequence[Body]) -> tuple[ShellStress, ...]:
+    from wroll_fem.fem.shell_stress import shell_stresses
+
+    return shell_stresses(case, bodies)
 
 
 def _pressures(system: System, state: ContactState) -> list[tuple[str, float, float, float]]:

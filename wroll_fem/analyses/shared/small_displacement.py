@@ -83,7 +83,8 @@ def _of_tip(dataset: xr.Dataset, case: OnRoll) -> list[str]:
     part, what = max((loss, "flattening of the tube"), (rotation, "rotation of the tip"))
     return [
         f"the tip moves by {1e3 * tip:.2g} mm, beyond small-displacement theory: {what} is neglected, "
-        f"with a relative error of up to {100 * part:.2g} %; lower the base acceleration"
+        f"with a relative error of up to {100 * part:.2g} %; it is below {100 * STIFFNESS_ERROR:.0f} % up to a tip "
+        f"motion of {1e3 * tip * math.sqrt(STIFFNESS_ERROR / part):.2g} mm"
     ]
 
 
@@ -97,6 +98,5 @@ def _of_slip(slip: float | None, case: OnRoll) -> list[str]:
         return []
     return [
         f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points "
-        f"are matched only once, which is accurate up to {1e3 * limit:.2g} mm; lower the base acceleration or raise "
-        "the preload"
+        f"are matched only once, which is accurate up to {1e3 * limit:.2g} mm: results at larger slip are doubtful"
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -17,6 +17,7 @@ from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
+from wroll_fem.structure.stress import ShellStress
 from wroll_fem.typing import FloatArray
 
 TIE_FACTOR = 100.0
@@ -56,6 +57,8 @@ class System:
     base_loads
         By name (`BASE_LOADS`), the row (n,) whose product with the accelerations relative to the base, with the sign
         changed, is a load on the base (N, N m), and the load per unit base acceleration of the rigid structure.
+    shell_stress
+        Function that returns the stress recovery of each shell, innermost first; None if it is not known.
     """
 
     stiffness: sp.csr_matrix
@@ -70,6 +73,7 @@ class System:
     pressures: tuple[float, ...] = ()
     probe_base: Mapping[str, float] = field(default_factory=dict)
     base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)
+    shell_stress: Callable[[], tuple[ShellStress, ...]] | None = None
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -86,6 +90,11 @@ class System:
                     f"the operator of interface {interface.name} has {interface.operator.shape[1]} columns, "
                     f"but the system has {n} degrees of freedom"
                 )
+
+    @cached_property
+    def shells(self) -> tuple[ShellStress, ...]:
+        """Stress recovery of each shell, innermost first; empty if it is not known."""
+        return () if self.shell_stress is None else self.shell_stress()
 
     @property
     def n_dofs(self) -> int:

@@ -92,6 +92,6 @@ def check_energy(records: FloatArray, times: FloatArray, largest: float, roundin
             iterations=int(records[first + 1, ITERATIONS]),
             residual_history=[],
             advice="where surfaces open and impact, use a smaller contact.friction.elastic_slip, smaller steps "
-            "(integrator.steps_per_cycle), a higher preload, or integrator.scheme: moderate_dissipation",
+            "(integrator.steps_per_cycle), or integrator.scheme: moderate_dissipation",
         )
     return float(most[-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ from wroll_fem.dynamics.time_stepping.records import (
     OF_PROBE,
     RECORDS,
     TIP_ACCELERATION,
+    TIP_DISPLACEMENT,
 )
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
@@ -105,6 +107,7 @@ def simulate(
     checkpoint: Checkpointing | None = None,
     every: int = 0,
     stepper: Stepper | None = None,
+    recover: Callable[[FloatArray], xr.Dataset] | None = None,
 ) -> xr.Dataset:
     """Time history of a preloaded system under base motion.
 
@@ -118,6 +121,9 @@ def simulate(
         Number of steps between two stored fields of the relative displacement of all points; 0 stores none.
     stepper
         Stepper from `make_stepper`, for example to inspect its modes first; created here when None.
+    recover
+        Function whose Dataset is merged into the result; it is called with the displacement (n_dofs,) at the largest
+        tip displacement, m, relative to the preload state.
 
     Returns
     -------
@@ -157,7 +163,10 @@ def simulate(
         if isinstance(stop, ConvergenceError):
             stop.partial = run.dataset(system, preload, times, base, motion)
         raise
-    return run.dataset(system, preload, times, base, motion)
+    found = run.dataset(system, preload, times, base, motion)
+    if recover is None:
+        return found
+    return xr.merge([found, recover(run.at_largest(base, dt))], combine_attrs="override")
 
 
 def saved_method(checkpoint: Checkpointing | None) -> str | None:
@@ -182,6 +191,7 @@ class _Run:
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
+        self._largest = self._committed  # before the chunk with the largest tip displacement
         self._rounding = rounding_energy(self.stepper.system.laws, self.stepper.preload)
 
     @property
@@ -204,6 +214,8 @@ class _Run:
         part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
+        if np.abs(part[:, TIP_DISPLACEMENT]).max() > np.abs(self.records[:done, TIP_DISPLACEMENT]).max(initial=0.0):
+            self._largest = self._committed
         first = max(done - 1, 0)
         self.largest_energy = check_energy(
             self.records[first : done + count], times[first + 1 : done + count + 1], self.largest_energy, self._rounding
@@ -214,6 +226,17 @@ class _Run:
             self.kept.append(tangentials(jump).ravel().copy())
             self.kept_times.append(float(times[done]))
         self._committed = (done, self.stepper.snapshot())
+
+    def at_largest(self, base: FloatArray, dt: float) -> FloatArray:
+        """(n_dofs,) displacement at the largest tip displacement; the steps of its chunk are computed again."""
+        before, state = self._largest
+        last = int(np.abs(self.records[: self.done, TIP_DISPLACEMENT]).argmax())
+        stepper = self.stepper
+        stepper.restore(state)
+        stepper.advance(base[before : last + 2], dt, before * dt)
+        found = stepper.displacement()
+        stepper.restore(self.state)
+        return found
 
     def save(self, path: Path, fingerprint: FloatArray) -> None:
         """Write a checkpoint; an existing file is replaced once the new one is complete."""
@@ -228,7 +251,9 @@ class _Run:
                 records=self.records[: self.done],
                 kept=np.array(self.kept).reshape(len(self.kept), n),
                 kept_times=np.array(self.kept_times),
+                largest_done=self._largest[0],
                 **{f"state_{name}": value for name, value in self.state.items()},
+                **{f"largest_{name}": value for name, value in self._largest[1].items()},
             )
 
     def load(self, path: Path, fingerprint: FloatArray) -> None:
@@ -245,8 +270,13 @@ class _Run:
                     raise InputError(
                         "the checkpoint belongs to another run", file=str(path), remedy="run without --resume"
                     )
-                self.stepper.restore({k[6:]: data[k] for k in data.files if k.startswith("state_")})
+                states = {
+                    part: {k.removeprefix(part): data[k] for k in data.files if k.startswith(part)}
+                    for part in ("state_", "largest_")
+                }
+                self.stepper.restore(states["state_"])
                 self._committed = (int(data["done"]), self.stepper.snapshot())
+                self._largest = (int(states["largest_"].pop("done")), states["largest_"])
                 self.records[: self.done] = data["records"]
                 self.largest_energy = float(largest_energies(self.records[: self.done]).max(initial=0.0))
                 self.seconds = float(data["seconds"])

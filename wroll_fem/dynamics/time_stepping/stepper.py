@@ -126,6 +126,10 @@ class Stepper(ABC):
     def base_motion(self) -> tuple[FloatArray, FloatArray]:
         """Influence vector i, and M i, the inertia force per unit base acceleration, in the stepper's coordinates."""
 
+    @abstractmethod
+    def displacement(self) -> FloatArray:
+        """(n_dofs,) displacement relative to the preload state, m."""
+
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         """Advance k steps of size ``dt``; steps that do not converge are cut.
 
@@ -185,8 +189,8 @@ class Stepper(ABC):
             time_s=time,
             iterations=self.options.max_iterations,
             residual_history=history,
-            advice=f"the step was cut {self.options.max_cuts} times; raise integrator.steps_per_cycle or the preload, "
-            "or lower the excitation",
+            advice=f"the step was cut {self.options.max_cuts} times; raise integrator.steps_per_cycle or "
+            "solver.max_cuts",
         )
 
     def report(self) -> dict[str, float]:

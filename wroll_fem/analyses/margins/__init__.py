@@ -1,0 +1,1 @@
+"""Margins of a finished run: stress against yield."""
