@@ -54,6 +54,11 @@ def test_forecast_follows_friction_and_pressure():
             ["excitation.amplitude=300"],
             "expect gross slip: friction holds the layers up to a transmissibility of about",
         ),
+        (["excitation.amplitude=0.5"], ""),
+        (  # the peak of the damping lies below the start of slip
+            ["excitation.amplitude=0.5", "damping.modal=0.05"],
+            "the interfaces will hardly slip: at this excitation slip is expected to start",
+        ),
         (["coil.base=clamped"], "the layers are clamped at the base"),
         (["coil.base=inner_edge"], "the layers are clamped at the base"),
         (["coil.base=guided", "coil.base_stiffness=1e8", "excitation.amplitude=300"], ""),

@@ -6,6 +6,7 @@ from typing import Any
 
 from wroll_fem.case.base import validation_error
 from wroll_fem.case.coil import Coil
+from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
 from wroll_fem.case.geometry import Geometry
@@ -39,6 +40,16 @@ FOURIER_COILS = ("solid", "bonded", "nonstructural_mass", "none")
 """Coil models without friction: their circumferential harmonics are uncoupled."""
 
 _ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}
+
+
+def check_damping_of_file(damping: Damping | None) -> None:
+    """Refuse loss factors with matrices from a file, which do not tell mandrel and coil apart."""
+    if damping is not None and damping.loss_factor is not None:
+        raise validation_error(
+            "needs a mandrel and a coil, but the case has matrices from a file", key="damping.loss_factor",
+            show_value=False,
+            remedy="use damping.modal or damping.rayleigh, or write damping_loss or C to the file",
+        )  # fmt: skip
 
 
 def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:

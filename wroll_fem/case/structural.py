@@ -12,6 +12,7 @@ from wroll_fem.case.case import Case, Check
 from wroll_fem.case.checks import (
     INTERFACE_SECTIONS,
     check_base,
+    check_damping_of_file,
     check_direction_of_file,
     check_fourier,
     check_geometric_stiffness,
@@ -161,6 +162,7 @@ class OnStructure(StructuralCase):
 
     def _checks(self) -> Iterator[Check]:
         yield lambda: check_direction_of_file(self.excitation)
+        yield lambda: check_damping_of_file(self.damping)
         yield lambda: check_winding_mandrel(self.winding, described=False)
         yield from super()._checks()
 

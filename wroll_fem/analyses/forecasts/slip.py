@@ -20,6 +20,7 @@ from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, interface_
 from wroll_fem.case.structural import OnRoll
 
 if TYPE_CHECKING:
+    from wroll_fem.case.damping import Damping
     from wroll_fem.case.structural import StructuralCase
 
 FEW = 250.0
@@ -29,6 +30,10 @@ all six with a higher value have a resonance that grows beyond 500 times the bas
 GROSS = 4.5
 """Transmissibility of gross slip below which the layers slide and open widely. For the rolls with a lower value whose
 layers are not clamped (six of 78), harmonic balance finds no periodic motion."""
+
+
+PARTICIPATION = 1.57
+"""Participation of the first bending mode at the tip of a uniform cantilever; a tip mass makes it smaller."""
 
 
 class SlipForecast(NamedTuple):
@@ -72,6 +77,13 @@ def layers_clamped(case: OnRoll) -> bool:
     return case.coil.base == "clamped" or (case.coil.base == "inner_edge" and case.coil.layers == 1)
 
 
+def _highest_peak(damping: Damping | None) -> float:
+    """Largest transmissibility that the first bending mode can have with the material damping of the case."""
+    if damping is None or not damping.ratios or not damping.ratios[0] > 0.0:
+        return math.inf
+    return PARTICIPATION / (2.0 * damping.ratios[0])
+
+
 def slip_warnings(case: Any) -> list[str]:
     """Warn if friction will hardly damp the resonance at this excitation, or if the layers will slide widely."""
     if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.contact is None:
@@ -96,11 +108,12 @@ def slip_warnings(case: Any) -> list[str]:
         return []
     per_metre = (2.0 * math.pi * beam_frequency(case, bonded=True)) ** 2 / excitation.amplitude
     start, gross = (per_metre * tip for tip in forecast)
-    if start > FEW:
+    if start > min(FEW, _highest_peak(case.damping)):
         return [
             f"the interfaces will hardly slip: at this excitation slip is expected to start at a transmissibility of "
             f"about {start:.2g} (tip displacement {forecast.start:.2g} m), so that friction hardly damps the "
-            "resonance: expect a sharp peak, which a sweep has to pass slowly"
+            f"resonance: expect {'a sharp peak' if start > FEW else 'the peak of the material damping'}, which a sweep "
+            "has to pass slowly"
         ]
     if gross < GROSS:
         return [

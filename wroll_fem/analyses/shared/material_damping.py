@@ -14,7 +14,6 @@ from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.structural import OnRoll, StructuralCase
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.errors import InputError
 from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
 
@@ -31,11 +30,6 @@ def with_damping(case: StructuralCase, system: System, bodies: Sequence[Body] = 
         Without the stiffness of bonds and of the preload: these have no loss.
     bodies
         Bodies of a roll, inner first; empty for matrices from a file.
-
-    Raises
-    ------
-    InputError
-        For loss factors of a matrix file, which does not tell mandrel and coil apart.
     """
     damping = case.damping
     if damping is None:
@@ -46,12 +40,8 @@ def with_damping(case: StructuralCase, system: System, bodies: Sequence[Body] = 
         return replace(system, damping=sp.csr_matrix(given))
     if damping.loss_factor is None:
         return replace(system, modal_damping=ModalDamping(damping.ratios, damping.table))
-    if not isinstance(case, OnRoll):
-        raise InputError(
-            "needs a mandrel and a coil, but the case has matrices from a file", key="damping.loss_factor",
-            remedy="use damping.modal or damping.rayleigh, or write the damping matrix C to the file",
-        )  # fmt: skip
-    return replace(system, modal_damping=ModalDamping(loss=_loss(case, damping.loss_factor, bodies)))
+    loss = _loss(case.expect(OnRoll), damping.loss_factor, bodies)
+    return replace(system, modal_damping=ModalDamping(loss=loss))
 
 
 def mode_ratios(system: System, eigenvalues: FloatArray, vectors: FloatArray) -> dict[str, tuple[str, FloatArray]]:
