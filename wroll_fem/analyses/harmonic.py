@@ -126,7 +126,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
         raise error from stop
     seconds = time.process_time() - started
     dataset = curve_dataset(system, trained.curve)
-    stressed = with_yield(stress_of_curve(system, state, trained.curve), case)
+    stressed = with_yield(stress_of_curve(system, state, progress, trained.curve), case)
     dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
     read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping)
     resonance = 2.0 * np.pi * read.shape.f_n

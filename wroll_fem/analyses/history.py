@@ -133,7 +133,7 @@ class _Integration:
             found = simulate(
                 self.system, self.state, base_motion(case.excitation), dt=dt, scheme=scheme, options=options,
                 progress=self.progress, checkpoint=saving, every=case.output.every, stepper=stepper,
-                recover=partial(stress_of_displacement, self.system, self.state),
+                recover=partial(stress_of_displacement, self.system, self.state, self.progress),
             )  # fmt: skip
         except ConvergenceError as error:
             if error.partial is not None:

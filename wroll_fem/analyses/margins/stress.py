@@ -22,30 +22,43 @@ from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import Case
+    from wroll_fem.progress import Progress
 
 SAMPLES = 64
-"""Number of times per period at which the stress of a periodic motion is evaluated."""
+"""Least number of times per period at which the stress of a periodic motion is evaluated."""
 
 
-def stress_of_displacement(system: System, state: ContactState, displacement: FloatArray) -> xr.Dataset:
+def stress_of_displacement(
+    system: System, state: ContactState, progress: Progress, displacement: FloatArray
+) -> xr.Dataset:
     """Largest von Mises stress at one time; ``displacement`` (n_dofs,) is relative to the preload state, m."""
-    shells = system.shells
+    shells = _shells(system, progress)
     total = state.displacement + displacement
     return _largest(shells, [shell.resultants(total)[:, None] for shell in shells])
 
 
-def stress_of_curve(system: System, state: ContactState, curve: HarmonicCurve) -> xr.Dataset:
+def stress_of_curve(system: System, state: ContactState, progress: Progress, curve: HarmonicCurve) -> xr.Dataset:
     """Largest von Mises stress during the period of the motion with the highest transmissibility."""
-    shells = system.shells
+    shells = _shells(system, progress)
     if not shells:
         return xr.Dataset()
     model = curve.balance.model
     peak = int(np.abs(curve.transmissibility).argmax())
     motion = curve.coefficients[peak]  # (R, m)
-    series = Sampling((len(motion) - 1) // 2, SAMPLES).values @ motion  # (SAMPLES, m)
+    harmonics = (len(motion) - 1) // 2
+    series = Sampling(harmonics, max(SAMPLES, 4 * harmonics + 4)).values @ motion  # (samples, m)
     shapes = model.condensation.displacement(model.vectors)
     found = [shell.resultants(shapes) @ series.T + shell.resultants(state.displacement)[:, None] for shell in shells]
     return _largest(shells, found)
+
+
+def _shells(system: System, progress: Progress) -> tuple[ShellStress, ...]:
+    if system.shell_stress is None:
+        return ()
+    with progress.stage("stress", 1) as stage:
+        found = system.shells
+        stage.update(1)
+    return found
 
 
 def _largest(shells: tuple[ShellStress, ...], resultants: list[FloatArray]) -> xr.Dataset:

@@ -27,8 +27,9 @@ SAME = 1e-6
 """Relative difference of two natural frequencies up to which they count as one, as those of a pair of modes that
 differ by a turn about the axis."""
 
-FLOATING = 1e-12
-"""Eigenvalue of a mode, relative to the largest one, below which it counts as a rigid motion and has no dashpot."""
+FLOATING = 1e-15
+"""Eigenvalue of a mode, relative to the largest one, below which it counts as a rigid motion and has no dashpot. With
+stiff contact springs the largest one is some 1e10 times that of the first bending mode."""
 
 
 @dataclass(frozen=True)

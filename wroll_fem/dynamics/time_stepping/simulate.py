@@ -188,6 +188,7 @@ class _Run:
     kept_times: list[float]
     seconds: float = 0.0
     largest_energy: float = 0.0  # stored so far, J
+    largest_tip: float = 0.0  # displacement so far, m
 
     def __post_init__(self) -> None:
         self._committed = (0, self.stepper.snapshot())
@@ -214,8 +215,9 @@ class _Run:
         part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
-        if np.abs(part[:, TIP_DISPLACEMENT]).max() > np.abs(self.records[:done, TIP_DISPLACEMENT]).max(initial=0.0):
-            self._largest = self._committed
+        tip = float(np.abs(part[:, TIP_DISPLACEMENT]).max())
+        if tip > self.largest_tip:
+            self.largest_tip, self._largest = tip, self._committed
         first = max(done - 1, 0)
         self.largest_energy = check_energy(
             self.records[first : done + count], times[first + 1 : done + count + 1], self.largest_energy, self._rounding
@@ -278,6 +280,7 @@ class _Run:
                 self._committed = (int(data["done"]), self.stepper.snapshot())
                 self._largest = (int(states["largest_"].pop("done")), states["largest_"])
                 self.records[: self.done] = data["records"]
+                self.largest_tip = float(np.abs(self.records[: self.done, TIP_DISPLACEMENT]).max(initial=0.0))
                 self.largest_energy = float(largest_energies(self.records[: self.done]).max(initial=0.0))
                 self.seconds = float(data["seconds"])
                 self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
