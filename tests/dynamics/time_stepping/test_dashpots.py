@@ -53,18 +53,19 @@ def roll() -> tuple[System, ContactState]:
 @pytest.mark.parametrize("method", METHODS)
 def test_the_steady_peak_of_sticking_layers_is_that_of_the_damping_ratio(method: str) -> None:
     """At the natural frequency of a mode T = participation / (2 zeta), plus the small motion of the other modes."""
-    system = damped(slipping_pair(mu=3.0), "modal")
+    zeta = 0.05
+    system = dataclasses.replace(slipping_pair(mu=3.0), modal_damping=ModalDamping(ratios=(zeta,)))
     preload = solve_preload(system)
     c = modes(system, preload)
     hertz, participation = c.main_mode
-    weak = Dwell(1e-4, hertz, 60.0, ramp_cycles=2.0)
-    history = simulate(system, preload, weak, dt=1.0 / (100.0 * hertz), scheme=HHT, method=method)
-    last = history.isel(time=slice(-100, None))
+    weak = Dwell(1e-4, hertz, 25.0, ramp_cycles=2.0)
+    history = simulate(system, preload, weak, dt=1.0 / (60.0 * hertz), scheme=HHT, method=method)
+    last = history.isel(time=slice(-60, None))
     absolute = (last["tip_acceleration"] + last["base_acceleration"]).values
     turn = 2.0 * np.pi * hertz * last["time"].values
     peak = 2.0 * abs(np.mean(absolute * np.exp(-1j * turn))) / 1e-4
     assert participation > 1.0
-    assert peak == pytest.approx(participation / (2.0 * ZETA), rel=5e-3)
+    assert peak == pytest.approx(participation / (2.0 * zeta), rel=5e-3)
     assert float(history["friction_energy"][-1]) == pytest.approx(0.0, abs=1e-9 * float(history["input_work"][-1]))
     assert energy_balance_error(history) < 1e-8
 
@@ -74,12 +75,12 @@ def test_all_methods_give_the_same_motion_with_friction_and_material_damping(kin
     """The full model forms no matrix of modal damping; the condensed model has diagonal or full blocks."""
     system, preload = roll()
     system = damped(system, kind)
-    strong = Dwell(60.0, 150.0, 2.5, ramp_cycles=1.0)
+    strong = Dwell(60.0, 150.0, 1.5, ramp_cycles=0.5)
     full, condensed, reduced = (
         simulate(system, preload, strong, dt=1.0 / (150.0 * 40.0), scheme=HHT, method=method) for method in METHODS
     )
     assert float(full["slipping_fraction"].max()) > 0.05
-    for other, motion, energy in ((condensed, 1e-7, 1e-6), (reduced, 3e-3, 3e-3)):
+    for other, motion, energy in ((condensed, 1e-7, 1e-6), (reduced, 3e-3, 1e-2)):
         size = float(np.abs(full["tip_displacement"]).max())
         np.testing.assert_allclose(other["tip_displacement"], full["tip_displacement"], atol=motion * size)
         for name in ("friction_energy", "material_damping"):
