@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.interrupted import interrupted
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis, summarise
@@ -90,17 +91,7 @@ def test_stress_at_the_largest_motion_survives_a_resumed_run(tmp_path: Path, mon
     whole = run_analysis(case, progress=SilentProgress())
     assert int(np.abs(whole["tip_displacement"].values).argmax()) < 400
     file = tmp_path / "run.ckpt"
-    advance, calls = ReducedStepper.advance, []
-
-    def interrupted(self: ReducedStepper, *arguments: object) -> np.ndarray:
-        calls.append(1)
-        if len(calls) == 6:
-            raise KeyboardInterrupt
-        return advance(self, *arguments)  # type: ignore[arg-type]
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ReducedStepper, "advance", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            run_analysis(case, progress=SilentProgress(), checkpoint=file)
+    with interrupted(monkeypatch, ReducedStepper, 6):
+        run_analysis(case, progress=SilentProgress(), checkpoint=file)
     again = run_analysis(case, progress=SilentProgress(), checkpoint=file, resume=True)
     np.testing.assert_array_equal(again["von_mises_max"], whole["von_mises_max"])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from support.exact_systems import orbiting_mass, slipping_pair
+from support.interrupted import interrupted
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import history as history_module
@@ -131,18 +132,8 @@ def test_a_resumed_run_is_the_same_bit_by_bit(tmp_path: Path, monkeypatch: pytes
     system, preload = prepared()
     whole = simulate(system, preload, STRONG, dt=DT, scheme=HHT, method="reduced")
     checkpoint = Checkpointing(tmp_path / "state.npz")
-    advance, calls = ReducedStepper.advance, []
-
-    def interrupted(self: ReducedStepper, *arguments: object) -> np.ndarray:
-        calls.append(1)
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-        return advance(self, *arguments)  # type: ignore[arg-type]
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ReducedStepper, "advance", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            simulate(system, preload, STRONG, dt=DT, scheme=HHT, method="reduced", checkpoint=checkpoint)
+    with interrupted(monkeypatch, ReducedStepper, 3):
+        simulate(system, preload, STRONG, dt=DT, scheme=HHT, method="reduced", checkpoint=checkpoint)
     resume = Checkpointing(tmp_path / "state.npz", resume=True)
     rest = simulate(system, preload, STRONG, dt=DT, scheme=HHT, method="reduced", checkpoint=resume)
     np.testing.assert_array_equal(rest["tip_displacement"].values, whole["tip_displacement"].values)
