@@ -1,7 +1,7 @@
 """Stress resultants of the shells of a roll, recovered at the corners of their elements.
 
-The resultants are exact at the 2 x 2 Gauss points of an element, where membrane forces of quadratic elements converge
-fastest (Barlow 1976). The bilinear function through these four values is evaluated at the corners.
+The resultants are evaluated at the 2 x 2 Gauss points of an element, where membrane forces of quadratic elements
+converge fastest (Barlow 1976). The bilinear function through these four values gives them at the corners.
 
 References
 ----------
@@ -63,11 +63,12 @@ def stress_operator(model: ShellModel, section: ShellSection) -> tuple[sp.csr_ma
     weight = ufl.inner(ufl.TrialFunction(corners), ufl.TestFunction(corners)) * dx
     mass = compat.assemble_csr(compat.compile_form(weight)).tocsr()
     cells = compat.cell_dofs(corners)
-    inverse = np.array([np.linalg.inv(mass[row][:, row].toarray()) for row in cells])
-    rows, columns = (np.broadcast_to(part, inverse.shape).ravel() for part in (cells[:, :, None], cells[:, None, :]))
+    shape = (*cells.shape, cells.shape[1])
+    rows, columns = (np.broadcast_to(part, shape).ravel() for part in (cells[:, :, None], cells[:, None, :]))
+    inverse = np.linalg.inv(np.asarray(mass[rows, columns]).reshape(shape))
     local = sp.csr_matrix((inverse.ravel(), (rows, columns)), shape=mass.shape)
     operator = sp.kron(local, sp.identity(6)).tocsr() @ projected
-    x = ufl.SpatialCoordinate(model.mesh)
-    test = ufl.TestFunction(corners)
-    points = local @ np.column_stack([compat.assemble_array(compat.compile_form(x[k] * test * dx)) for k in range(3)])
+    vectors = compat.function_space(model.mesh, compat.discontinuous(_CELL, 1, components=3))
+    place = ufl.inner(ufl.SpatialCoordinate(model.mesh), ufl.TestFunction(vectors)) * dx
+    points = local @ compat.assemble_array(compat.compile_form(place)).reshape(-1, 3)
     return operator[:, model.dof_order].tocsr(), points

@@ -166,6 +166,7 @@ class ReducedStepper(Stepper):
 
     def _use(self, model: ReducedModel) -> None:
         self.model, self.vectors = model, model.vectors
+        self._steps: dict[float, Modal] = {}  # by step size, for this model
         jump = np.ascontiguousarray(model.jump)
         # largest displacement jump that a unit coordinate makes: a residual in coordinates is bounded in metres
         weight = np.abs(model.jump).max(axis=0, initial=0.0)
@@ -206,7 +207,9 @@ class ReducedStepper(Stepper):
         Newton's matrix is assembled again if the step or the basis has changed.
         """
         s, model, kept = self.scheme, self.model, self.state.kept
-        modal = modal_step(model, () if model.damping is None else (model.damping,), s, dt)
+        if dt not in self._steps:
+            self._steps[dt] = modal_step(model, () if model.damping is None else (model.damping,), s, dt)
+        modal = self._steps[dt]
         if self.state.time_step[0] != dt:
             area, springs = self.system.laws.area, self.reference.springs
             sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, modal)
