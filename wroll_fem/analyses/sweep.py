@@ -52,7 +52,7 @@ def run_sweep(
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
     read = estimate_damping(curve["frequency"].values, T, case.output.damping)
     participation = history.attrs.get("tip_participation")
-    error, coarse = sweep_step_error(case, read.shape, participation)
+    error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation)
     spectrum = magnitude(curve, "transmissibility_spectrum").values
     quality = judge(
         read, curve["frequency"].values, np.abs(T),
