@@ -17,7 +17,9 @@ from support.exact_systems import (
 from support.friction_point import AREA, CLOSED, GAMMA, KN, MU, PRESSURE, V0, Point
 
 from wroll_fem.contact import kernels
+from wroll_fem.contact.bouc_wen import BoucWen
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
+from wroll_fem.contact.polynomial_spring import PolynomialSpring
 from wroll_fem.contact.rate_coulomb import coefficient
 from wroll_fem.contact.smoothed_coulomb import regularised_sign
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness, stick_springs
@@ -44,7 +46,12 @@ RATES, COEFFICIENTS = (0.0, 0.008, 0.02, 0.1), (MU, MU, 0.3, 0.42)
 PENALTY = PenaltyCoulomb(MU, GAMMA)
 RATE = RateCoulomb(MU, GAMMA, RATES, COEFFICIENTS)
 SMOOTHED = SmoothedCoulomb(MU, V0)
-LAWS = pytest.mark.parametrize("law", [PENALTY, RATE, SMOOTHED], ids=["penalty", "rate", "smoothed"])
+BOUC_WEN = BoucWen(MU, GAMMA, 1.5, 0.7)
+POLYNOMIAL = PolynomialSpring(GAMMA, (0.4, 0.3, 0.5))
+LAWS = pytest.mark.parametrize(
+    "law", [PENALTY, RATE, SMOOTHED, BOUC_WEN, POLYNOMIAL],
+    ids=["penalty", "rate", "smoothed", "bouc_wen", "polynomial"],
+)  # fmt: skip
 BOTH = pytest.mark.parametrize("method", STEPPERS)
 
 
@@ -263,8 +270,9 @@ SYSTEM_LAWS = {
     "rate": RateCoulomb(0.3, 2e-6, (0.0, 0.02, 0.1, 0.4), (0.3, 0.3, 0.45, 0.6)),
     "falling": RateCoulomb(0.3, 2e-6, (0.0, 0.02, 0.4), (0.3, 0.3, 0.2)),
     "smoothed": SmoothedCoulomb(0.3, 5e-3),
+    "bouc_wen": BoucWen(0.3, 2e-6, 1.5, 0.7),
 }
-EVERY_LAW = pytest.mark.parametrize("name", ["penalty", "rate", "falling", "smoothed"])
+EVERY_LAW = pytest.mark.parametrize("name", ["penalty", "rate", "falling", "smoothed", "bouc_wen"])
 
 
 def shaken(method, name, *, pair=True, steps=1500, options=None):

@@ -114,7 +114,7 @@ generated from `contact.registry`."""
 if TYPE_CHECKING:
     Friction = PenaltyFriction | RateFriction | SmoothedFriction
 else:
-    _SECTIONS = tuple(WRITTEN.get(law.name) or derived_section(law) for law in LAWS)
+    _SECTIONS = tuple(WRITTEN.get(law.name) or derived_section(law) for law in LAWS if law.in_rolls)
     Friction = Annotated[Union[_SECTIONS], Field(discriminator="law"), BeforeValidator(_law_of)]  # noqa: UP007
 
 

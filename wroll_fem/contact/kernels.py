@@ -88,7 +88,8 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
     e_c : (2 n,) committed elastic slip, m
     laws : `PointLaws`
     dt : step from the committed state, s; infinite in statics
-    t, e, status : outputs (3 n,), (2 n,), (n,); e is the stored elastic slip, which is 0 for a law without memory
+    t, e, status : outputs (3 n,), (2 n,), (n,); e is the stored elastic slip, which is 0 for a law without memory and
+        the displacement from the reference state for an elastic law
     """
     n = laws.kn.shape[0]
     for k in range(n):
@@ -103,7 +104,9 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
         t[h] = kt * eh
         t[z] = kt * ez
         t[r] = tn
-        if not laws.stores_slip[k]:
+        if laws.elastic[k]:
+            eh, ez = e_c[h] + dh, e_c[z] + dz
+        elif not laws.stores_slip[k]:
             eh, ez = 0.0, 0.0
         e[h] = eh
         e[z] = ez

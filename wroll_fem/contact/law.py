@@ -34,6 +34,11 @@ class FrictionLaw:
     stores_slip : True: e is an elastic slip, kept from step to step, and its energy is recovered. False: the law has no
         memory
     sticks : True: at a point that does not slide, e is equal to the trial slip
+    elastic : True: e depends on the relative displacement from the reference state alone. The trial slip is then this
+        displacement, and it is stored in place of e
+    exact_increment : True: harmonic balance passes the difference between two samples as the increment, as a law that
+        integrates along the path requires; False: the slip rate times the time between samples
+    in_rolls : True: the law can be chosen in `contact.friction`; False: only in matrix files and joints
     mu : coefficient of friction at rest
     elastic_slip : gamma*, m; relative displacement at which sliding starts, or the length that normalises the traction
     """
@@ -42,6 +47,9 @@ class FrictionLaw:
     sentence: ClassVar[str]
     stores_slip: ClassVar[bool] = True
     sticks: ClassVar[bool] = True
+    elastic: ClassVar[bool] = False
+    exact_increment: ClassVar[bool] = False
+    in_rolls: ClassVar[bool] = True
     mu: float
     elastic_slip: float
 

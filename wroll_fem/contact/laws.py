@@ -49,7 +49,7 @@ class PointLaws(NamedTuple):
     mu : (n,) coefficient of friction; its value at rest if the law depends on the slip rate
     gamma : (n,) largest elastic slip, m; for a law without memory the length that normalises its traction
     kind : (n,) int64, index of the law in `registry.LAWS`
-    stores_slip, sticks : (n,) bool, traits of the law (see `FrictionLaw`)
+    stores_slip, sticks, elastic, exact_increment : (n,) bool, traits of the law (see `FrictionLaw`)
     weakening : (n,) velocity-weakening slope of the law, s/m
     own : (n, c) other parameters of the law that are numbers, in the order of its parameters; c is the largest number
         of such parameters in a law
@@ -66,6 +66,8 @@ class PointLaws(NamedTuple):
     kind: IntArray
     stores_slip: BoolArray
     sticks: BoolArray
+    elastic: BoolArray
+    exact_increment: BoolArray
     weakening: FloatArray
     own: FloatArray
     table: IntArray
@@ -124,6 +126,8 @@ def stack_laws(
         kind=column([LAWS.index(type(law)) for law in found], np.int64),
         stores_slip=column([law.stores_slip for law in found], bool),
         sticks=column([law.sticks for law in found], bool),
+        elastic=column([law.elastic for law in found], bool),
+        exact_increment=column([law.exact_increment for law in found], bool),
         weakening=column([law.weakening_slope for law in found]),
         own=_padded([[[getattr(law, name)] for name in own_parameters(type(law))] for law in found])[which, :, 0],
         table=column([sum(bool(row) for row in rows[:i]) if row else 0 for i, row in enumerate(rows)], np.int64),
@@ -154,6 +158,8 @@ _INLINED: dict[Callable[..., Any], Callable[..., Any]] = {}
 def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function from the file of a law such that numba inlines it and every Python function that it calls.
 
+    Functions of numbers alone that the file lists in ``CALLED`` are called instead; long ones compile faster so.
+
     `register_jitable` with inlining would also work, but numba would then count references to the array arguments, and
     the loops over the points would take twenty times as long.
     """
@@ -162,7 +168,10 @@ def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
         for name in function.__code__.co_names:
             if inspect.isfunction(names.get(name)):
                 names[name] = _inlined(names[name])
-        _INLINED[function] = numba.njit(inline="always")(FunctionType(function.__code__, names, function.__name__))
+        called = function.__name__ in names.get("CALLED", ())
+        _INLINED[function] = numba.njit(inline="never" if called else "always")(
+            FunctionType(function.__code__, names, function.__name__)
+        )
     return _INLINED[function]
 
 

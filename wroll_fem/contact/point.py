@@ -185,7 +185,8 @@ def tangential_work(k, p_c, p, t_c, t, dg, e_c, e, laws):
     old = 0.5 * stick_stiffness(k, p_c, laws) * (e_c[0] ** 2 + e_c[1] ** 2)
     new = 0.5 * stick_stiffness(k, p, laws) * (e[0] ** 2 + e[1] ** 2)
     friction = mean_h * (dg[0] - de_h) + mean_z * (dg[1] - de_z)
-    return friction, mean_h * de_h + mean_z * de_z, new - old
+    elastic = mean_h * de_h + mean_z * de_z
+    return friction, elastic, elastic if laws.elastic[k] else new - old
 
 
 @numba.njit(cache=True, inline="always")

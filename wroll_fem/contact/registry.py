@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from wroll_fem.contact.bouc_wen import BoucWen
 from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
+from wroll_fem.contact.polynomial_spring import PolynomialSpring
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
@@ -12,6 +14,8 @@ LAWS: tuple[type[FrictionLaw], ...] = (
     PenaltyCoulomb,
     RateCoulomb,
     SmoothedCoulomb,
+    BoucWen,
+    PolynomialSpring,
 )
 """All friction laws. The index of a law in this tuple is its number `PointLaws.kind`."""
 

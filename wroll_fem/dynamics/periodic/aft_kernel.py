@@ -56,7 +56,7 @@ class Hysteresis(NamedTuple):
 
     Attributes
     ----------
-    slip : (2 n, N) elastic slip, m
+    slip : (2 n, N) elastic slip, m: the traction divided by the stick stiffness
     sliding : (n, N) whether the point slides
     moved : (n,) whether the point slid in any period, the ramp included
     periods : (n,) number of whole periods computed
@@ -103,14 +103,18 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
         eh, ez = reference.elastic_slip[h], reference.elastic_slip[z]
         before_h = before_z = 0.0
         moved[k] = not laws.sticks[k]
+        exact, elastic = laws.exact_increment[k], laws.elastic[k]
         for i in range(1, count + 1):
             j = i % count
             now_h, now_z = ramp[i] * motion[h, j], ramp[i] * motion[z, j]
-            eh, ez, slides = slip_update(
-                k, eh + now_h - before_h, ez + now_z - before_z,
-                ramp[i] * rate[h, j] + ramp_rate[i] * motion[h, j], ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j],
-                laws, dt,
-            )  # fmt: skip
+            th, tz = eh + now_h - before_h, ez + now_z - before_z
+            vh = ramp[i] * rate[h, j] + ramp_rate[i] * motion[h, j]
+            vz = ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j]
+            if exact:
+                vh, vz = now_h - before_h, now_z - before_z
+            eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
+            if elastic:
+                eh, ez = th, tz
             before_h, before_z = now_h, now_z
             if slides:
                 moved[k] = True
@@ -119,11 +123,14 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
             start_h, start_z = eh, ez
             for i in range(1, count + 1):
                 j = i % count
-                eh, ez, slides = slip_update(
-                    k, eh + motion[h, j] - before_h, ez + motion[z, j] - before_z, rate[h, j], rate[z, j], laws, dt
-                )
+                th, tz, vh, vz = eh + motion[h, j] - before_h, ez + motion[z, j] - before_z, rate[h, j], rate[z, j]
+                if exact:
+                    vh, vz = motion[h, j] - before_h, motion[z, j] - before_z
+                eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
                 before_h, before_z = motion[h, j], motion[z, j]
                 slip[h, j], slip[z, j] = eh, ez
+                if elastic:
+                    eh, ez = th, tz
                 sliding[k, j] = slides
                 if slides:
                     moved[k] = True
@@ -203,7 +210,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
         before_h = before_z = 0.0
         dh[:] = 0.0
         dz[:] = 0.0
-        wh = wz = 0.0
+        wh = wz = last = 0.0
+        exact, elastic, last_j = laws.exact_increment[k], laws.elastic[k], 0
         end = (periods[k] + 1) * count
         for step in range(1 if moved[k] else end - count + 1, end + 1):
             j = step % count
@@ -216,19 +224,27 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
                 th, tz = eh + now_h - before_h, ez + now_z - before_z
                 vh = grown * rate[h, j] + growth * motion[h, j]
                 vz = grown * rate[z, j] + growth * motion[z, j]
+                if exact:
+                    vh, vz = now_h - before_h, now_z - before_z
                 eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
                 if slides or not laws.sticks[k]:
                     a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, laws, dt)
                     for r in range(size):
                         here = grown * values[j, r]
                         fast = grown * velocities[j, r] + growth * values[j, r]
+                        if exact:
+                            fast = here - last * values[last_j, r]
+                        if elastic:
+                            dh[r] = dh[size + r] = dz[r] = dz[size + r] = 0.0
                         hh, hz, zh, zz = dh[r] + here, dh[size + r], dz[r], dz[size + r] + here
                         dh[r] = a00 * hh + a01 * zh + b00 * fast - here
                         dh[size + r] = a00 * hz + a01 * zz + b01 * fast
                         dz[r] = a10 * hh + a11 * zh + b10 * fast
                         dz[size + r] = a10 * hz + a11 * zz + b11 * fast - here
                     # at fixed coefficients the velocity is (change per sample)/dt, so d/d ln(w) = B (change per sample)
-                    wh, wz = a00 * wh + a01 * wz + b00 * vh + b01 * vz, a10 * wh + a11 * wz + b10 * vh + b11 * vz
+                    if not exact and not elastic:
+                        wh, wz = a00 * wh + a01 * wz + b00 * vh + b01 * vz, a10 * wh + a11 * wz + b10 * vh + b11 * vz
+                last, last_j = grown, j
             else:
                 eh, ez = e_0[h] + now_h, e_0[z] + now_z
             before_h, before_z = now_h, now_z
@@ -250,6 +266,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
                     row[6 * size + r] = stiffness * here
                 row[7 * size] = kt * wh
                 row[7 * size + 1] = kt * wz
+            if elastic:
+                eh, ez = e_0[h] + now_h, e_0[z] + now_z
         found = np.dot(project, rows)
         for r in range(size):
             for q in range(size):
@@ -292,12 +310,15 @@ def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
             p_b = pressure(penalty_traction(g_0[r] + motion[r, b], kn, separates))
             dh, dz = motion[h, j] - motion[h, b], motion[z, j] - motion[z, b]
             eh, ez, eh_b, ez_b = keeps * slip[h, j], keeps * slip[z, j], keeps * slip[h, b], keeps * slip[z, b]
+            if laws.elastic[k]:
+                eh, ez, eh_b, ez_b = motion[h, j], motion[z, j], motion[h, b], motion[z, b]
             plastic, _, _ = tangential_work(
                 k, p_b, p, (stick * p_b * slip[h, b], stick * p_b * slip[z, b]),
                 (stick * p * slip[h, j], stick * p * slip[z, j]), (dh, dz), (eh_b, ez_b), (eh, ez), laws,
             )  # fmt: skip
             friction[k] += plastic
-            modulation[k] += modulation_work(k, p_b, p, (eh_b, ez_b), (eh, ez), laws)
+            if not laws.elastic[k]:
+                modulation[k] += modulation_work(k, p_b, p, (eh_b, ez_b), (eh, ez), laws)
             ph, pz = dh - (eh - eh_b), dz - (ez - ez_b)
             path[k] += np.sqrt(ph * ph + pz * pz)
             size = np.sqrt(motion[h, j] ** 2 + motion[z, j] ** 2)

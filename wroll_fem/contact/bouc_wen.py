@@ -1,0 +1,154 @@
+r"""Bouc-Wen hysteresis with a limit: the elastic slip approaches gamma* smoothly (Bouc 1967, Wen 1976).
+
+.. math:: \frac{de}{d\lambda} = u - \left(\frac{|e|}{\gamma^*}\right)^{n}
+          \frac{b\, |e \cdot u| + (1 - b)\, e \cdot u}{|e|^2}\, e, \qquad u = \frac{dg}{|dg|}, \quad d\lambda = |dg|
+
+In one direction this is :math:`\dot z = \dot x - \beta |\dot x| |z|^{n-1} z - \gamma \dot x |z|^n` with
+:math:`\beta = b / \gamma^{*n}` and :math:`\gamma = (1 - b) / \gamma^{*n}`. The law does not depend on the slip rate.
+An increment is integrated by the classical Runge-Kutta method in substeps.
+
+References
+----------
+Wen (1976), J. Eng. Mech. Div. ASCE 102, 249, doi:10.1061/JMCEA3.0002106.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from wroll_fem.contact.law import FrictionLaw, Parameter
+from wroll_fem.contact.penalty_coulomb import check_stick
+from wroll_fem.errors import InputError
+
+EXPONENT, UNLOADING = 0, 1
+"""Columns of `PointLaws.own`."""
+
+SUBSTEP, MOST_SUBSTEPS = 0.037, 1000
+"""Length of a Runge-Kutta substep, relative to gamma* and to 1 / max(1, n / 2), and the largest number of them. Where
+the number changes, the elastic slip jumps by the error of the method, 1e-9 gamma*."""
+
+DIFFERENCE = 1e-5
+"""Increment of the central differences for the derivatives, relative to gamma*."""
+
+SLIDES = 0.9
+"""Elastic slip, relative to gamma*, above which a point counts as sliding."""
+
+
+@dataclass(frozen=True)
+class BoucWen(FrictionLaw):
+    """Bouc-Wen hysteresis: the traction approaches mu p without a corner.
+
+    Attributes
+    ----------
+    mu
+        Coefficient of friction of the limit mu p.
+    elastic_slip
+        gamma* in m: the limit divided by the stiffness at rest.
+    exponent
+        n: the larger, the sharper the transition from sticking to sliding.
+    unloading
+        b = beta / (beta + gamma): 0.5 unloads with the stiffness at rest, 1 with up to twice this stiffness.
+    """
+
+    name: ClassVar[str] = "bouc_wen"
+    sentence: ClassVar[str] = "Bouc-Wen hysteresis: approaches mu p without a corner"
+    sticks: ClassVar[bool] = False
+    exact_increment: ClassVar[bool] = True
+    mu: Annotated[float, Parameter("coefficient of friction of the limit mu p, dimensionless", least=0.0)]
+    elastic_slip: Annotated[
+        float, Parameter("elastic slip gamma*, m: limit mu p divided by the stiffness at rest", above=0.0)
+    ]
+    exponent: Annotated[
+        float, Parameter("exponent n, dimensionless: sharpness of the transition to sliding", least=1.0)
+    ]
+    unloading: Annotated[
+        float, Parameter("beta / (beta + gamma), dimensionless: 0.5 unloads with the stiffness at rest", least=0.5)
+    ]
+
+    def __post_init__(self) -> None:
+        check_stick(self.mu, self.elastic_slip)
+        if not self.exponent >= 1.0:
+            raise InputError(
+                f"exponent {self.exponent} is below 1", key="contact.friction.exponent", remedy="give 1 or more"
+            )
+        if not self.unloading >= 0.5:
+            raise InputError(
+                f"unloading {self.unloading} is below 0.5: the loop would create energy",
+                key="contact.friction.unloading",
+                remedy="give beta / (beta + gamma) of 0.5 or more",
+            )
+
+
+def flow(e_h: float, e_z: float, u_h: float, u_z: float, gamma: float, n: float, b: float) -> tuple[float, float]:
+    """Rate de/d lambda of the elastic slip for motion in the unit direction u."""
+    square = e_h * e_h + e_z * e_z
+    if square == 0.0:
+        return u_h, u_z
+    along = e_h * u_h + e_z * u_z
+    c = (math.sqrt(square) / gamma) ** n * (b * abs(along) + (1.0 - b) * along) / square
+    return u_h - c * e_h, u_z - c * e_z
+
+
+def advance(
+    e_h: float, e_z: float, dg_h: float, dg_z: float, gamma: float, n: float, b: float, count: int
+) -> tuple[float, float]:
+    """Elastic slip (m) after an increment, in ``count`` Runge-Kutta substeps."""
+    size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
+    if size == 0.0:
+        return e_h, e_z
+    u_h, u_z, step = dg_h / size, dg_z / size, size / count
+    for _ in range(count):
+        a_h, a_z = flow(e_h, e_z, u_h, u_z, gamma, n, b)
+        b_h, b_z = flow(e_h + 0.5 * step * a_h, e_z + 0.5 * step * a_z, u_h, u_z, gamma, n, b)
+        c_h, c_z = flow(e_h + 0.5 * step * b_h, e_z + 0.5 * step * b_z, u_h, u_z, gamma, n, b)
+        d_h, d_z = flow(e_h + step * c_h, e_z + step * c_z, u_h, u_z, gamma, n, b)
+        e_h += step / 6.0 * (a_h + 2.0 * b_h + 2.0 * c_h + d_h)
+        e_z += step / 6.0 * (a_z + 2.0 * b_z + 2.0 * c_z + d_z)
+    return e_h, e_z
+
+
+def substeps(dg_h: float, dg_z: float, gamma: float, n: float) -> int:
+    """Number of Runge-Kutta substeps of an increment."""
+    size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
+    return 1 + int(min(size * max(1.0, 0.5 * n) / (SUBSTEP * gamma), MOST_SUBSTEPS))
+
+
+def slip_update(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, bool]:
+    """Elastic slip (m) after the increment, and whether it exceeds `SLIDES` gamma*."""
+    gamma, n, b = laws.gamma[k], laws.own[k, EXPONENT], laws.own[k, UNLOADING]
+    count = substeps(dg_h, dg_z, gamma, n)
+    e_h, e_z = advance(trial_h - dg_h, trial_z - dg_z, dg_h, dg_z, gamma, n, b, count)
+    return e_h, e_z, e_h * e_h + e_z * e_z > (SLIDES * gamma) ** 2
+
+
+def slip_derivatives(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Derivatives of the elastic slip by the trial slip at fixed increment, then by the increment at fixed trial slip.
+
+    With the committed slip c and the increment dg as independent variables, they are de/dc, and de/d(dg) - de/dc.
+    """
+    gamma, n, b = laws.gamma[k], laws.own[k, EXPONENT], laws.own[k, UNLOADING]
+    count, d = substeps(dg_h, dg_z, gamma, n), DIFFERENCE * gamma
+    c_h, c_z = trial_h - dg_h, trial_z - dg_z
+    r_h, r_z = advance(c_h + d, c_z, dg_h, dg_z, gamma, n, b, count)
+    l_h, l_z = advance(c_h - d, c_z, dg_h, dg_z, gamma, n, b, count)
+    a00, a10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z = advance(c_h, c_z + d, dg_h, dg_z, gamma, n, b, count)
+    l_h, l_z = advance(c_h, c_z - d, dg_h, dg_z, gamma, n, b, count)
+    a01, a11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z = advance(c_h, c_z, dg_h + d, dg_z, gamma, n, b, count)
+    l_h, l_z = advance(c_h, c_z, dg_h - d, dg_z, gamma, n, b, count)
+    g00, g10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z = advance(c_h, c_z, dg_h, dg_z + d, gamma, n, b, count)
+    l_h, l_z = advance(c_h, c_z, dg_h, dg_z - d, gamma, n, b, count)
+    g01, g11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    return a00, a01, a10, a11, g00 - a00, g01 - a01, g10 - a10, g11 - a11
+
+
+CALLED = ("advance", "substeps")
+"""Functions that numba compiles once and calls; it would inline them otherwise. Their arguments are numbers."""
