@@ -11,10 +11,10 @@ from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
 from reproduction.verdict import Verdict
 from reproduction.words import numbers
+from wroll_fem.bodies.mode_shapes import main_bending
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, crossing
 from wroll_fem.plotting.study import StudyCase
-from wroll_fem.structure.mode_shapes import main_bending
 from wroll_fem.typing import FloatArray
 
 STIFF, KAPTON, MANDREL = "coiled_stiff", "kapton_roll", "kapton_mandrel"

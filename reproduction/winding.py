@@ -9,12 +9,12 @@ from reproduction.claim_group import ClaimGroup, study_figure
 from reproduction.evidence import Evidence
 from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import exactly
+from wroll_fem.bodies.beam import Cantilever
 from wroll_fem.case import WindingCase
 from wroll_fem.case.winding import ConstantModulus, Winding
 from wroll_fem.plotting.cantilever import plot_cantilever
 from wroll_fem.plotting.winding import plot_winding
 from wroll_fem.results.pressure_profile import middle_slope
-from wroll_fem.structure.beam import Cantilever
 from wroll_fem.winding import RadialModulus, WoundRoll, closed_form, kernels, tube_stiffness, wound_roll
 
 

@@ -14,7 +14,7 @@ PACKAGE = ROOT / "wroll_fem"
 
 LAYERS = (
     ("errors", "typing", "progress"),
-    ("structure", "results"),
+    ("bodies", "results"),
     ("contact", "signals", "numerics"),
     ("case",),
     ("dynamics",),

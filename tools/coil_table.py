@@ -15,10 +15,10 @@ import numpy as np
 
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.bodies.mode_shapes import classify_mode, effective_mass_fractions, main_bending
 from wroll_fem.case import Case, load_case
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.progress import SilentProgress
-from wroll_fem.structure.mode_shapes import classify_mode, effective_mass_fractions, main_bending
 
 ROOT = Path(__file__).resolve().parents[1]
 ROLLS = {

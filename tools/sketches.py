@@ -20,7 +20,7 @@ SMALL = 8.0
 
 ROOMS = (
     (("errors", "typing", "progress"), GREY, "what every room may use"),
-    (("structure", "results"), SKY, "bodies, materials; names, units and files of results"),
+    (("bodies", "results"), SKY, "bodies, materials; names, units and files of results"),
     (("contact", "signals", "numerics"), GREEN, "friction law at a point; spectra, damping; solvers"),
     (("case",), ORANGE, "the YAML file as typed, frozen sections"),
     (("dynamics",), GREEN, "system, reduction, statics, time stepping, harmonic balance"),

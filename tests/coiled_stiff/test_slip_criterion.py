@@ -16,6 +16,7 @@ from support.coil_modes import MASS, SHAPE, beam, coil_points
 from wroll_fem.analyses import modal_transient, slip_model
 from wroll_fem.analyses.modal_transient import slip_statement, slip_summary
 from wroll_fem.analyses.slip_dataset import remarks, transient_dataset
+from wroll_fem.bodies.levels import levels
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.modal_response import Oscillators
 from wroll_fem.coiled_stiff.slip_criterion import (
@@ -32,7 +33,6 @@ from wroll_fem.plotting.coil_slip import level_colours, plot_root_section, plot_
 from wroll_fem.plotting.coil_slip_space import plot_slip_in_coil, write_coil_vtu
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
-from wroll_fem.structure.levels import levels
 
 LEVELS = [1.0, 3.0, 5.0, 8.0, 11.0, 15.0]
 CAPACITY = 3e5  # Pa, at the mandrel

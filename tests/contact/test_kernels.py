@@ -8,12 +8,12 @@ import pytest
 import scipy.sparse as sp
 from scipy.integrate import trapezoid
 
+from wroll_fem.bodies.body import Trace
 from wroll_fem.contact import kernels
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, facing
 from wroll_fem.contact.laws import stack_laws
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Trace
 
 MU, GAMMA, KN, PRESSURE = 0.3, 2.0e-6, 1.0e12, 1.0e5
 STICK_STIFFNESS = MU * PRESSURE / GAMMA  # Pa/m

@@ -9,6 +9,7 @@ import scipy.sparse.linalg as spla
 from support.beam_theory import beam_frequency
 from support.paths import CONFIGS
 
+from wroll_fem.bodies.mode_shapes import classify_mode
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError, WrollError
 from wroll_fem.fem import eigen
@@ -18,7 +19,6 @@ from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_modes, solve_pairs
 from wroll_fem.fem.shell import ShellSection
 from wroll_fem.mesh.generate import build_mesh, make_cylinders, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh
-from wroll_fem.structure.mode_shapes import classify_mode
 
 TINY = CONFIGS / "tiny.yaml"
 LAB = ShellSection(2.7e9, 0.35, 1200.0, 1.5e-3)

@@ -9,9 +9,9 @@ import ufl
 from dolfinx import fem
 from support.fourier_rolls import NU, PLASTIC, RHO, WEB, E, L, half_plane, model
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.fem import compat
 from wroll_fem.fem.fourier import COIL, strains
-from wroll_fem.structure.materials import CylindricalOrthotropic
 
 
 def solve_with(matrix, fixed, values):

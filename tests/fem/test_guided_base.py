@@ -8,10 +8,10 @@ import scipy.linalg as la
 from scipy.optimize import brentq
 from support.paths import CONFIGS
 
+from wroll_fem.bodies.body import Body
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.fem.body import assemble_bodies
-from wroll_fem.structure.body import Body
 
 GUIDED = ("coil.base=guided", "mesh.circumferential=12", "mesh.axial=6", "mesh.grading=1")
 E, RHO, LENGTH = 2.8e9, 2000.0, 0.3

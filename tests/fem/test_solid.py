@@ -9,6 +9,8 @@ import scipy.sparse.linalg as spla
 import sympy
 from support.shell_patches import patch
 
+from wroll_fem.bodies.body import SolidPart
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.coiled_stiff.solid_stress import coil_shear_strain, quadratic_basis
 from wroll_fem.fem.coil import in_vtk_order
 from wroll_fem.fem.eigen import solve_pairs
@@ -16,8 +18,6 @@ from wroll_fem.fem.shell import radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import make_cylinders
 from wroll_fem.mesh.shells import VTK_GRID
-from wroll_fem.structure.body import SolidPart
-from wroll_fem.structure.materials import CylindricalOrthotropic
 
 STRIP = CylindricalOrthotropic(10e9, 5e9, 0.1e9, 0.3, 0.3, 0.3, 1e9, 0.4e9, 0.7e9, 1600.0)
 SOFT = replace(STRIP, G_r_theta=1e4, G_r_z=1e4)

@@ -11,6 +11,7 @@ from support.paths import CONFIGS
 from wroll_fem.analyses.modal import run_modal
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.analyses.slip_model import shear_modes
+from wroll_fem.bodies.mode_shapes import circumferential_content, classify_mode, main_bending
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.solid_stress import quadratic_basis
 from wroll_fem.coiled_stiff.solid_stress import shear_modes as shear_modes_of_bodies
@@ -23,7 +24,6 @@ from wroll_fem.mesh.files import write_mesh
 from wroll_fem.mesh.generate import build_mesh
 from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.progress import SilentProgress
-from wroll_fem.structure.mode_shapes import circumferential_content, classify_mode, main_bending
 
 STIFF = CONFIGS / "coiled_stiff.yaml"
 KAPTON = CONFIGS / "kapton_roll.yaml"

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from wroll_fem.bodies.mode_shapes import main_bending
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.shear_stiffness import MODULUS, SHEAR, bending_mode, crossing
 from wroll_fem.plotting.study import StudyCase
-from wroll_fem.structure.mode_shapes import main_bending
 
 
 def member(bending, *, lower=(), values=None, reference=False):

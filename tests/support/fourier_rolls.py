@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.case import Case
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel
 from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
-from wroll_fem.structure.materials import CylindricalOrthotropic
 
 E, NU, RHO, L = 2.7e9, 0.35, 1200.0, 0.3
 PLASTIC = CylindricalOrthotropic.isotropic(E, NU, RHO)

@@ -14,10 +14,10 @@ from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.prestress import body_pressures, contact_state, held_springs, prestressed_roll
 from wroll_fem.analyses.shared.springs import linear_springs
+from wroll_fem.bodies.mode_shapes import classify_mode
 from wroll_fem.case.kinds import BucklingCase
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.mode_shapes import classify_mode
 
 if TYPE_CHECKING:
     from wroll_fem.progress import Progress

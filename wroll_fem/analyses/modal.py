@@ -20,10 +20,10 @@ from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
 from wroll_fem.analyses.shared.resolution import frequency_remark
 from wroll_fem.analyses.shared.springs import linear_springs
+from wroll_fem.bodies.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
 from wroll_fem.case.kinds import ModalCase, RollModalCase, StructureModalCase
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.results.dataset import annotate
-from wroll_fem.structure.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

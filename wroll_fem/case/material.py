@@ -11,9 +11,9 @@ from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validat
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from wroll_fem.bodies.material_library import LIBRARY
+from wroll_fem.bodies.materials import CONSTANTS, CylindricalOrthotropic, violation
 from wroll_fem.case.base import Real, Section, validation_error
-from wroll_fem.structure.material_library import LIBRARY
-from wroll_fem.structure.materials import CONSTANTS, CylindricalOrthotropic, violation
 
 
 class IsotropicMaterial(Section):

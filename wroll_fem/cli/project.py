@@ -77,7 +77,7 @@ def _reproduction() -> Any:
 @app.command()
 def materials() -> None:
     """Print the materials that a case file may name, with their properties and sources."""
-    from wroll_fem.structure.material_library import LIBRARY
+    from wroll_fem.bodies.material_library import LIBRARY
 
     for name, known in LIBRARY.items():
         low, high = known.range_E

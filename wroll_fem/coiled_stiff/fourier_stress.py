@@ -6,6 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
+from wroll_fem.bodies.probe import Probe
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COSINE, SINE, FourierModel
@@ -13,8 +15,6 @@ from wroll_fem.fem.fourier_modes import lowest_modes
 from wroll_fem.fem.fourier_probe import mode_at_probe
 from wroll_fem.fem.fourier_roll import FourierRoll
 from wroll_fem.mesh.axisymmetric import AxisymmetricMesh
-from wroll_fem.structure.materials import CylindricalOrthotropic
-from wroll_fem.structure.probe import Probe
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2

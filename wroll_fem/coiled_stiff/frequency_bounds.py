@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.fem.fourier_modes import FourierMode, lowest_modes, symmetry_class_modes
 from wroll_fem.fem.fourier_roll import AXIAL, BENDING, TORSION, FourierRoll, SymmetryClass
-from wroll_fem.structure.materials import CylindricalOrthotropic
 
 LOWEST_MODULUS = 1.0
 """Lowest interlayer shear modulus of the search, Pa. If bending is still the fundamental mode at this modulus, the

@@ -15,13 +15,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from wroll_fem.bodies.body import Body, SolidPart
+from wroll_fem.bodies.materials import CylindricalOrthotropic
+from wroll_fem.bodies.mode_shapes import align_pairs, are_degenerate, classify_mode
+from wroll_fem.bodies.probe import Probe, probe_row
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.mesh.shells import VTK_GRID
-from wroll_fem.structure.body import Body, SolidPart
-from wroll_fem.structure.materials import CylindricalOrthotropic
-from wroll_fem.structure.mode_shapes import align_pairs, are_degenerate, classify_mode
-from wroll_fem.structure.probe import Probe, probe_row
 from wroll_fem.typing import FloatArray
 
 GAUSS_POINTS = 2

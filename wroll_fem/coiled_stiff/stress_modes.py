@@ -44,7 +44,7 @@ class ShearModes:
     mass_total
         Mass of the roll, tip mass included, kg.
     kinds
-        Kind of each mode ("bending", "torsion", ...) as in `wroll_fem.structure.mode_shapes`; empty if unknown.
+        Kind of each mode ("bending", "torsion", ...) as in `wroll_fem.bodies.mode_shapes`; empty if unknown.
     probes
         Name -> (n_modes,) displacement at a named probe per modal coordinate, 1/sqrt(kg).
 

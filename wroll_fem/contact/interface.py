@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.body import Trace
 from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.pointwise import PointwiseFriction
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Trace
 from wroll_fem.typing import FloatArray
 
 __all__ = [

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
+from wroll_fem.bodies.body import Body, Trace
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
@@ -16,7 +17,6 @@ from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import build_mesh, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh, ring_edges
-from wroll_fem.structure.body import Body, Trace
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:

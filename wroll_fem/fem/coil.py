@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.body import Body, SolidPart
 from wroll_fem.errors import InputError
 from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints, mirrored_values
@@ -30,7 +31,6 @@ from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import axial_stations
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
-from wroll_fem.structure.body import Body, SolidPart
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ HIGHEST_WAVE_NUMBER = 80
 """Largest circumferential wave number in a search for modes; a search not complete by then stops with an error."""
 _BEYOND = 4
 """Number of consecutive wave numbers without a wanted mode, after which the search ends."""
-_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.structure.mode_shapes: modes with a smaller eigenvalue are rigid
+_NO_STRAIN = 1.0  # (rad/s)^2, as in wroll_fem.bodies.mode_shapes: modes with a smaller eigenvalue are rigid
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class FourierMode:
     values
         (n_nodes, 3) nodal [U, V, W], m per modal coordinate.
     kind
-        "bending", "torsion", "axial", "breathing", "ovalling-n" or "rigid", as in `wroll_fem.structure.mode_shapes`.
+        "bending", "torsion", "axial", "breathing", "ovalling-n" or "rigid", as in `wroll_fem.bodies.mode_shapes`.
     participation
         phi^T M i along the direction of the symmetry class, sqrt(kg); its square is the effective mass.
     tip

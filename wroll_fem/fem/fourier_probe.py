@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wroll_fem.bodies.probe import Probe, unit_vector
 from wroll_fem.fem.fourier_modes import FourierMode
 from wroll_fem.fem.fourier_roll import FourierRoll
-from wroll_fem.structure.probe import Probe, unit_vector
 
 
 def mode_at_probe(roll: FourierRoll, mode: FourierMode, probe: Probe, radius: float, *, turned: bool = False) -> float:

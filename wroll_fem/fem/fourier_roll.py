@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel, angular_weight
 from wroll_fem.mesh.axisymmetric import MESHED_COILS, refined_mesh
-from wroll_fem.structure.materials import CylindricalOrthotropic
 from wroll_fem.typing import BoolArray, FloatArray
 
 if TYPE_CHECKING:

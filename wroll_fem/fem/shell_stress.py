@@ -17,12 +17,12 @@ import numpy as np
 import scipy.sparse as sp
 import ufl
 
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.fem import compat
 from wroll_fem.fem.body import shell_section
 from wroll_fem.fem.shell import ShellModel, ShellSection
 from wroll_fem.mesh.generate import shell_layout
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.stress import ShellStress
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

@@ -29,9 +29,9 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import Director, drop_small, radial_director
-from wroll_fem.structure.materials import CylindricalOrthotropic
 from wroll_fem.typing import FloatArray, IntArray
 
 _CELL = "hexahedron"

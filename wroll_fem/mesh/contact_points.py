@@ -34,8 +34,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.levels import SAME, levels
 from wroll_fem.mesh.shells import CylinderMesh, canonical_vertices
-from wroll_fem.structure.levels import SAME, levels
 from wroll_fem.typing import FloatArray, IntArray
 
 _GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)  # heights in a cell of unit height

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wroll_fem.structure.levels import levels
+from wroll_fem.bodies.levels import levels
 from wroll_fem.typing import FloatArray, IntArray
 
 # Points of one element row agree in height and radius within rounding errors on straight edges, and within the error of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from wroll_fem.structure.levels import levels
+from wroll_fem.bodies.levels import levels
 from wroll_fem.typing import FloatArray, IntArray
 
 VTK_GRID: list[tuple[int, int, int]] = [

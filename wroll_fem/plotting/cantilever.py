@@ -6,8 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
+from wroll_fem.bodies.beam import Cantilever
 from wroll_fem.plotting import style
-from wroll_fem.structure.beam import Cantilever
 
 
 def plot_cantilever(beam: Cantilever) -> Axes:

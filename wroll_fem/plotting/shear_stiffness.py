@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from wroll_fem.bodies.mode_shapes import main_bending
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.study import StudyCase, grid_cases, having, shown, values_of
-from wroll_fem.structure.mode_shapes import main_bending
 from wroll_fem.typing import FloatArray
 
 SHEAR, MODULUS = "coil.material.G_r_theta", "coil.material.E_theta"

@@ -15,8 +15,8 @@ import xarray as xr
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import Delaunay
 
+from wroll_fem.bodies.levels import levels
 from wroll_fem.errors import InputError
-from wroll_fem.structure.levels import levels
 from wroll_fem.typing import FloatArray
 
 ODD_FIELDS = frozenset({"peak_slip_hoop", "traction_hoop"})  # change sign under theta -> -theta

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wroll_fem.bodies.base_loads import base_rotation
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.probe import Probe, probe_row, unit_vector
 from wroll_fem.case.contact import Friction, Normal
 from wroll_fem.case.kinds import ModalCase
 from wroll_fem.case.probes import ProbePoint
@@ -16,9 +19,6 @@ from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.structure.base_loads import base_rotation
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.probe import Probe, probe_row, unit_vector
 
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections

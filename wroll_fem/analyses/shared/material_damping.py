@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.body import Body
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.damping import LossFactor
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.structural import OnRoll, StructuralCase
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
 
 LEAST_FACTOR = 1e-12

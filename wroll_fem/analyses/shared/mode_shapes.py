@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wroll_fem.structure.body import Body
+from wroll_fem.bodies.body import Body
 from wroll_fem.typing import FloatArray
 
 

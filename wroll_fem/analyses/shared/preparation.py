@@ -14,6 +14,8 @@ from wroll_fem.analyses.shared.assembly import build_bodies, build_system, frict
 from wroll_fem.analyses.shared.material_damping import with_damping
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
 from wroll_fem.analyses.shared.resolution import system_remark
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -22,8 +24,6 @@ from wroll_fem.dynamics.system.matrix_checks import is_singular, massless_dofs
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.stress import ShellStress
 
 if TYPE_CHECKING:
     from wroll_fem.progress import Progress

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.mode_shapes import ModeKind, classify_mode
 from wroll_fem.contact.point import normals, per_dof, tangentials
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
@@ -16,8 +18,6 @@ from wroll_fem.dynamics.statics.preload import equilibrium_force, solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.mode_shapes import ModeKind, classify_mode
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

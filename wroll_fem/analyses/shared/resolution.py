@@ -39,7 +39,7 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     case
         Case on a roll.
     kinds, hertz
-        Kind (`wroll_fem.structure.mode_shapes`) and frequency of the lowest modes of the mesh.
+        Kind (`wroll_fem.bodies.mode_shapes`) and frequency of the lowest modes of the mesh.
     pairs
         Whether both modes of a degenerate pair are listed.
     """

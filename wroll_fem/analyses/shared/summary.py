@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.bodies.mode_shapes import main_bending
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.results.summary import SUMMARY
 from wroll_fem.signals.transmissibility import magnitude
-from wroll_fem.structure.mode_shapes import main_bending
 
 ROUNDING = 1e-12
 """Energy, relative to the largest energy of a run, up to which a value is rounding error and is stated as zero."""

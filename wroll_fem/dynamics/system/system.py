@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, PointwiseFriction, matched_interface
 from wroll_fem.contact.laws import PointLaws, stack_laws
 from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.stress import ShellStress
 from wroll_fem.typing import FloatArray
 
 TIE_FACTOR = 100.0

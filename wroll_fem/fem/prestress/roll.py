@@ -20,6 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
+from wroll_fem.bodies.body import Body, Trace
 from wroll_fem.contact.point import normals, tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
@@ -29,7 +30,6 @@ from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
 from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import shell_layout
 from wroll_fem.mesh.shells import CylinderMesh
-from wroll_fem.structure.body import Body, Trace
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

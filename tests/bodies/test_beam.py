@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from wroll_fem.bodies.beam import Cantilever
 from wroll_fem.errors import InputError
 from wroll_fem.plotting.cantilever import plot_cantilever
 from wroll_fem.plotting.style import save_figure
-from wroll_fem.structure.beam import Cantilever
 
 THIN = Cantilever(0.300, 0.040, 1.5e-3, distributed=70.0, tip=12.0)
 THICK = Cantilever(0.300, 0.010, 6.0e-3, distributed=70.0, tip=12.0)

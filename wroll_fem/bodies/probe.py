@@ -7,8 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from wroll_fem.bodies.body import Body
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Body
 from wroll_fem.typing import FloatArray
 
 Direction = Literal["x", "y", "z", "radial", "hoop"]

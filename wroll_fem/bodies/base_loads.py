@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.structure.body import Body
+from wroll_fem.bodies.body import Body
 from wroll_fem.typing import FloatArray
 
 _UP = np.array([0.0, 0.0, 1.0])

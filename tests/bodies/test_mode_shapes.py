@@ -7,16 +7,16 @@ import pytest
 import scipy.sparse as sp
 from support.paths import CONFIGS
 
-from wroll_fem.case import load_case
-from wroll_fem.fem.body import assemble_bodies
-from wroll_fem.fem.eigen import solve_modes, solve_pairs
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.mode_shapes import (
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.mode_shapes import (
     align_pairs,
     circumferential_content,
     classify_mode,
     effective_mass_fractions,
 )
+from wroll_fem.case import load_case
+from wroll_fem.fem.body import assemble_bodies
+from wroll_fem.fem.eigen import solve_modes, solve_pairs
 
 TINY = CONFIGS / "tiny.yaml"
 

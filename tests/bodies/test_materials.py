@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from wroll_fem.bodies.materials import CONSTANTS, Constituent, CylindricalOrthotropic, homogenise, violation
 from wroll_fem.case.coil import Coil
 from wroll_fem.errors import InputError
-from wroll_fem.structure.materials import CONSTANTS, Constituent, CylindricalOrthotropic, homogenise, violation
 
 STRIP = CylindricalOrthotropic(10e9, 5e9, 0.1e9, 0.3, 0.3, 0.3, 1e9, 0.4e9, 0.7e9, 1600.0)  # Table 2.4, G_r distinct
 RR, TT, ZZ, TZ, RZ, RT = range(6)

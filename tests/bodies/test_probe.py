@@ -9,9 +9,9 @@ import pytest
 
 import wroll_fem as wf
 from wroll_fem.analyses.shared.assembly import build_bodies
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.probe import DIRECTIONS, Probe, _slopes, probe_row, shape_functions
 from wroll_fem.errors import InputError
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.probe import DIRECTIONS, Probe, _slopes, probe_row, shape_functions
 
 SEED = 20261122
 

@@ -7,8 +7,8 @@ from support.paths import CONFIGS
 from typer.testing import CliRunner
 
 from wroll_fem import cli, load_case
+from wroll_fem.bodies.material_library import LIBRARY
 from wroll_fem.errors import InputError
-from wroll_fem.structure.material_library import LIBRARY
 
 
 @pytest.mark.parametrize("name", LIBRARY)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wroll_fem.structure.levels import levels
+from wroll_fem.bodies.levels import levels
 
 
 @pytest.mark.parametrize("scale", [1e-3, 0.3, 50.0])

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.structure.body import Body
-from wroll_fem.structure.levels import levels
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.levels import levels
 from wroll_fem.typing import FloatArray
 
 _HIGHEST = 12
