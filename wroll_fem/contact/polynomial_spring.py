@@ -31,7 +31,6 @@ class PolynomialSpring(FrictionLaw):
     sticks: ClassVar[bool] = False
     elastic: ClassVar[bool] = True
     in_rolls: ClassVar[bool] = False
-    mu: ClassVar[float] = 1.0
     elastic_slip: Annotated[float, Parameter("length L, m, that divides the displacement", above=0.0)]
     coefficients: Annotated[tuple[float, ...], Parameter("coefficients of the powers 1, 2, ..., dimensionless")]
 
@@ -45,6 +44,11 @@ class PolynomialSpring(FrictionLaw):
             raise InputError(
                 "all coefficients of a polynomial spring are zero", remedy="give those of the powers 1, 2, ..."
             )
+
+    @property
+    def mu(self) -> float:  # type: ignore[override]
+        """One: the force of the spring is the pressure times the polynomial."""
+        return 1.0
 
     def rest_length(self, dt: float) -> float:
         """Infinite: the linear part of a spring belongs to the stiffness matrix, the rest has no stiffness at rest."""

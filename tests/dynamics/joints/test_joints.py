@@ -9,14 +9,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.integrate import quad
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
-from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.reduction.condensation import condense
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_springs import stick_springs
-from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.dynamics.system.joints import (
+from wroll_fem.dynamics.joints import (
     BoucWen,
     Gap,
     Iwan,
@@ -26,6 +19,13 @@ from wroll_fem.dynamics.system.joints import (
     joint_force,
     with_joints,
 )  # fmt: skip
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
+from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.contact_springs import stick_springs
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
