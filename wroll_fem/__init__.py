@@ -53,9 +53,11 @@ if TYPE_CHECKING:
     from wroll_fem.case.solver import Solver
     from wroll_fem.case.winding import Winding
     from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+    from wroll_fem.dynamics import joints
     from wroll_fem.dynamics.system.system import System
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
     from wroll_fem.jobs.grid import load_grid
+    from wroll_fem.own_structure import OwnStructure, structure
     from wroll_fem.plotting import names as plot
     from wroll_fem.plotting.study import StudyCase
     from wroll_fem.report import write_report
@@ -67,6 +69,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "roll": "Roll",
+    "own_structure": "OwnStructure structure",
     "result": "Result",
     "api": "run load_result summarise case_of run_series run_grid load_series batch_table slip_model transmissibility "
     "CaseWarning",
@@ -100,7 +103,12 @@ _HOMES = {
 }
 """Module -> its public names; "public=own" if the name in the module differs."""
 
-_MODULES = {"plot": "plotting.names", "two_dof": "two_dof", "estimators": "signals.estimators"}
+_MODULES = {
+    "joints": "dynamics.joints",
+    "plot": "plotting.names",
+    "two_dof": "two_dof",
+    "estimators": "signals.estimators",
+}
 """Public name -> module."""
 
 _WHERE = {
@@ -112,12 +120,12 @@ _WHERE = {
 __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
     "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal",
-    "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "PenaltyCoulomb", "PenaltyFriction", "Preload",
-    "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "Sine", "SlipModel",
+    "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "OwnStructure", "PenaltyCoulomb", "PenaltyFriction",
+    "Preload", "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "Sine", "SlipModel",
     "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding", "WrollError", "__version__",
-    "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "load_case",
-    "load_grid", "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result", "slip_model",
-    "summarise", "transmissibility", "two_dof", "write_report",
+    "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "joints",
+    "load_case", "load_grid", "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result",
+    "slip_model", "structure", "summarise", "transmissibility", "two_dof", "write_report",
 ]  # fmt: skip
 
 

@@ -11,23 +11,21 @@ from wroll_fem.case import Case
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact
 from wroll_fem.case.design_map import DesignMap
-from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, SineExcitation
+from wroll_fem.case.excitation import SineExcitation
 from wroll_fem.case.geometry import Geometry
-from wroll_fem.case.harmonic import Backbone, Harmonic
-from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.output import Output
 from wroll_fem.case.preload import Preload
 from wroll_fem.case.probes import ProbePoint
-from wroll_fem.case.solver import Solver
 from wroll_fem.case.winding import Winding
-from wroll_fem.result import Result, ShowProgress, run_case
+from wroll_fem.result import Result, ShowProgress
+from wroll_fem.runs import Runs
 
 
 @dataclass(frozen=True, kw_only=True)
-class Roll:
+class Roll(Runs):
     """Web wound on a mandrel, with a method per analysis.
 
     Each attribute is a case section with the keys, units and checks of the case file.
@@ -111,131 +109,6 @@ class Roll:
         own = {f.name: getattr(self, f.name) for f in fields(self)}
         given = {name: section for name, section in (own | sections).items() if section is not None}
         return Case(analysis=analysis, **given)
-
-    def run(
-        self, analysis: str, *, out: str | Path | None = None, progress: ShowProgress = None, **sections: Any
-    ) -> Result:
-        """Run an analysis of this roll by name.
-
-        Parameters
-        ----------
-        analysis, sections
-            As for `case`.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return run_case(self.case(analysis, **sections), out=out, progress=progress)
-
-    def run_sweep(
-        self,
-        excitation: ChirpExcitation,
-        *,
-        integrator: Integrator | None = None,
-        solver: Solver | None = None,
-        output: Output | None = None,
-        out: str | Path | None = None,
-        progress: ShowProgress = None,
-    ) -> Result:
-        """Compute the time history of a sine sweep: transmissibility, f_n, zeta, slip map, energy ledger.
-
-        Parameters
-        ----------
-        excitation, integrator, solver, output
-            Case sections; None gives the default.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return self.run(
-            "sweep", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
-            progress=progress,
-        )  # fmt: skip
-
-    def run_dwell(
-        self,
-        excitation: DwellExcitation,
-        *,
-        integrator: Integrator | None = None,
-        solver: Solver | None = None,
-        output: Output | None = None,
-        out: str | Path | None = None,
-        progress: ShowProgress = None,
-    ) -> Result:
-        """Compute the time history of a dwell at one frequency: response, slip map, energy ledger.
-
-        Parameters
-        ----------
-        excitation, integrator, solver, output
-            Case sections; None gives the default.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return self.run(
-            "dwell", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
-            progress=progress,
-        )  # fmt: skip
-
-    def run_harmonic(
-        self,
-        excitation: ChirpExcitation,
-        *,
-        harmonic: Harmonic | None = None,
-        output: Output | None = None,
-        out: str | Path | None = None,
-        progress: ShowProgress = None,
-    ) -> Result:
-        """Compute the steady response versus frequency by harmonic balance; the sweep rate is not used.
-
-        Parameters
-        ----------
-        excitation, harmonic, output
-            Case sections; None gives the default.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return self.run("harmonic", excitation=excitation, harmonic=harmonic, output=output, out=out, progress=progress)
-
-    def run_backbone(
-        self,
-        backbone: Backbone | None = None,
-        *,
-        harmonic: Harmonic | None = None,
-        output: Output | None = None,
-        out: str | Path | None = None,
-        progress: ShowProgress = None,
-    ) -> Result:
-        """Compute frequency and damping of the resonance versus amplitude.
-
-        Parameters
-        ----------
-        backbone, harmonic, output
-            Case sections; None gives the default.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return self.run("backbone", backbone=backbone, harmonic=harmonic, output=output, out=out, progress=progress)
-
-    def run_modal(
-        self,
-        modal: Modal | None = None,
-        *,
-        output: Output | None = None,
-        out: str | Path | None = None,
-        progress: ShowProgress = None,
-    ) -> Result:
-        """Compute natural frequencies and mode shapes.
-
-        Parameters
-        ----------
-        modal, output
-            Case sections; None gives the default.
-        out, progress
-            As of `wroll_fem.run`.
-        """
-        return self.run("modal", modal=modal, output=output, out=out, progress=progress)
-
-    def run_preload(self, *, out: str | Path | None = None, progress: ShowProgress = None) -> Result:
-        """Compute the static preload of the layers: interface pressure and friction traction."""
-        return self.run("preload", out=out, progress=progress)
 
     def run_buckling(
         self,

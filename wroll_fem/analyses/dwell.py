@@ -13,7 +13,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.time_step import dwell_step_error
 from wroll_fem.signals.base_motion import base_motion
-from wroll_fem.signals.transmissibility import dwell_response, unsteadiness
+from wroll_fem.signals.transmissibility import absolute_tip, dwell_response, unsteadiness
 
 if TYPE_CHECKING:
     from wroll_fem.case import DwellCase
@@ -44,9 +44,8 @@ def run_dwell(
     motion = base_motion(case.excitation)
     steady = int(case.excitation.cycles - case.excitation.ramp_cycles)
     if steady >= 2:
-        tip = history["tip_acceleration"] + history["base_acceleration"]
         cycles = min(STEADY_CYCLES, steady)
-        response = dwell_response(history["time"].values, tip.values, motion, cycles=cycles)  # type: ignore[arg-type]
+        response = dwell_response(history["time"].values, absolute_tip(history), motion, cycles=cycles)  # type: ignore[arg-type]
         doubt = unsteadiness(response)
         history.attrs |= {f"steady_{key}": value for key, value in response.items()} | {"steady_doubt": doubt}
         if doubt:

@@ -134,7 +134,9 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
     remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), loose)
     stuck, participation = condensation.main_mode
-    known = Circumstances(participation=participation, several=several_motions(curve), remarks=remarks)
+    known = Circumstances(
+        participation=participation, several=several_motions(curve), remarks=remarks, rigid=system.rigid_tip
+    )
     quality = judge(read, dataset["frequency"].values, np.abs(curve.transmissibility), known)
     for text in dict.fromkeys((*quality.reasons, *remarks)):
         if text:

@@ -143,8 +143,9 @@ def run_structure(case: StructureModalCase, *, progress: Progress) -> xr.Dataset
             pairs = solve_pairs(stiffness, mass, count, sigma=DEFAULT_SHIFT)
             values, vectors, residuals = pairs.values, pairs.vectors, pairs.residuals
         stage.update(1)
-    inertia = mass @ system.influence
-    moved = float(system.influence @ inertia)
+    influence = system.influence if system.force is None else np.zeros(system.n_dofs)
+    inertia = mass @ influence
+    moved = float(influence @ inertia)
     fraction = (vectors.T @ inertia) ** 2 / moved if moved > 0.0 else np.zeros(count)
     dataset = xr.Dataset(
         {

@@ -18,7 +18,7 @@ from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.quality import Circumstances, judge
-from wroll_fem.signals.transmissibility import magnitude, transmissibility
+from wroll_fem.signals.transmissibility import magnitude, rigid_tip, transmissibility
 
 if TYPE_CHECKING:
     from wroll_fem.case import SweepCase
@@ -54,10 +54,9 @@ def run_sweep(
     participation = history.attrs.get("tip_participation")
     error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation)
     spectrum = magnitude(curve, "transmissibility_spectrum").values
-    quality = judge(
-        read, curve["frequency"].values, np.abs(T),
-        Circumstances(motion, participation, spectrum=spectrum, remarks=(coarse, numerical_remark(history))),  # type: ignore[arg-type]
-    )  # fmt: skip
+    remarks = coarse, numerical_remark(history)
+    known = Circumstances(motion, participation, spectrum=spectrum, remarks=remarks, rigid=rigid_tip(history))  # type: ignore[arg-type]
+    quality = judge(read, curve["frequency"].values, np.abs(T), known)
     for text in quality.reasons:
         progress.warning(text)
     attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))

@@ -14,6 +14,7 @@ from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.results.energy import energy_ledger
 from wroll_fem.signals.base_motion import chirp_law
+from wroll_fem.signals.transmissibility import absolute_tip
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
 _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_STORED)
@@ -70,7 +71,7 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     style.require(dataset, ("time", "tip_acceleration", "base_acceleration", "friction_energy"), "response figure")
     ax = style.axes(ax)
     time = dataset["time"].values
-    tip = dataset["tip_acceleration"].values + dataset["base_acceleration"].values
+    tip = absolute_tip(dataset)
     work = dataset["friction_energy"].values
     x, low, high = style.line_envelope(time, tip)
     if low is high:

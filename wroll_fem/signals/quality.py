@@ -99,6 +99,8 @@ class Circumstances:
         (n,) magnitude of the ratio of the spectra of the same sweep, at the frequencies of the curve; None without it.
     remarks
         Warnings of the run that concern its damping ratio.
+    rigid
+        |T| of the rigid structure: 1, or 0 if a force excites it.
     """
 
     motion: Chirp | None = None
@@ -106,6 +108,7 @@ class Circumstances:
     several: tuple[float, float] | None = None
     spectrum: FloatArray | None = None
     remarks: tuple[str, ...] = ()
+    rigid: float = 1.0
 
 
 def judge(read: CurveDamping, frequency: FloatArray, magnitude: FloatArray, known: Circumstances) -> Quality:
@@ -132,9 +135,12 @@ def judge(read: CurveDamping, frequency: FloatArray, magnitude: FloatArray, know
     return Quality(grade, tuple(dict.fromkeys(worst + rest)), curve.spread)
 
 
-def height_damping(shape: HalfPower, participation: float) -> float:
-    """Damping ratio of one linear mode whose peak has this height: p / (2 sqrt(T^2 - 1)); nan if T is 1 or less."""
-    return 0.5 * participation / sqrt(shape.peak**2 - 1.0) if shape.peak > 1.0 else nan
+def height_damping(shape: HalfPower, participation: float, rigid: float = 1.0) -> float:
+    """Damping ratio of one linear mode whose peak has this height: p / (2 sqrt(T^2 - 1)); nan if T is 1 or less.
+
+    ``rigid`` replaces 1 (`Circumstances`).
+    """
+    return 0.5 * participation / sqrt(shape.peak**2 - rigid**2) if shape.peak > rigid else nan
 
 
 class _Doubt(NamedTuple):
@@ -207,7 +213,7 @@ def _height(curve: _Curve) -> _Doubts:
     participation = curve.known.participation
     if participation is None:
         return
-    expected = height_damping(curve.shape, participation)
+    expected = height_damping(curve.shape, participation, curve.known.rigid)
     factor = curve.zeta / expected
     if not isfinite(factor) or 1.0 / HEIGHT_FACTOR <= factor <= HEIGHT_FACTOR:
         return

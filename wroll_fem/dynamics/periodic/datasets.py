@@ -12,6 +12,7 @@ from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBala
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
+from wroll_fem.signals.transmissibility import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
 SLIP_SHARE = 1e-9
@@ -165,6 +166,8 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     peak = int(np.abs(ratio).argmax())
     dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[peak])])
     sampling = curve.balance.contact.sampling
+    if system.force is not None:
+        dataset.attrs[EXCITED_BY] = "force"
     dataset.attrs |= {
         "folds": curve.folds,
         "branch_points": len(hertz),

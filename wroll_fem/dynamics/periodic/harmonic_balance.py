@@ -263,7 +263,10 @@ class FrequencyCurve:
 
 
 def _largest_growth(model: ReducedModel) -> float:
-    """Transmissibility up to which a resonance is followed."""
+    """Transmissibility up to which a resonance is followed; of a force, relative to its largest participation."""
+    if not model.condensation.rigid_tip:
+        unit = float(np.abs(model.base * model.tip).max(initial=0.0)) or 1.0
+        return unit * HIGHEST_GROWTH
     if model.damping is None:
         return LARGEST_GROWTH
     rates = np.diag(model.damping)

@@ -165,9 +165,12 @@ class HarmonicCurve:
 
     @property
     def transmissibility(self) -> np.ndarray:
-        """(p,) complex fundamental of the absolute tip acceleration, divided by the base acceleration."""
+        """(p,) complex fundamental of the absolute tip acceleration, divided by the base acceleration.
+
+        If a force excites the structure, it is the tip acceleration divided by the factor of the force.
+        """
         tip = self.fundamental(self.balance.model.tip)
-        return 1.0 - self.frequencies**2 * tip / self.balance.acceleration
+        return self.balance.model.condensation.rigid_tip - self.frequencies**2 * tip / self.balance.acceleration
 
 
 def solve_response(

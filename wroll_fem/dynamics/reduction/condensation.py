@@ -55,6 +55,7 @@ class Condensation:
     damping : viscous damping of the modes of each block, 1/s: (r_b,) if they are uncoupled, otherwise (r_b, r_b); empty
         without damping
     moments : 0 if every mode of every block is kept; otherwise see `condense`
+    rigid_tip : displacement of the tip under a unit base translation; 0 if a force excites the structure
     """
 
     eigenvalues: FloatArray
@@ -69,6 +70,7 @@ class Condensation:
     exact: bool
     damping: tuple[FloatArray, ...] = ()
     moments: int = 0
+    rigid_tip: float = 1.0
 
     @property
     def n_theta(self) -> int:
@@ -174,6 +176,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         springs=springs,
         exact=exact,
         damping=_damping(system, values, [len(values)], coupled, losses),
+        rigid_tip=system.rigid_tip,
     )
 
 
@@ -213,6 +216,7 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         exact=True,
         damping=_damping(system, np.concatenate(values), counts, coupled, np.concatenate(losses)),
         moments=moments,
+        rigid_tip=system.rigid_tip,
     )
 
 

@@ -6,6 +6,7 @@ Field names, units, signs and orders are documented in docs/matrices.md. In shor
 ``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C is optional
 ``damping_...``                 ``ratios``, ``table`` or ``loss``: damping of the modes (`damping_fields`); optional
 ``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
+``force``                       (n,) instead: force in N that excites the structure, per unit of the excitation
 ``probe_<name>``                (n,) row that gives a displacement in m; "tip" is required
 ``base_<probe>``                displacement of a probe under a unit base translation, where its row does not give it
 ``load_<name>``                 (n,) force in N; "preload" is applied before the motion
@@ -44,7 +45,7 @@ from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.damping_fields import DAMPING_FIELDS, damping_content, read_damping
 from wroll_fem.dynamics.system.law_fields import FRICTION_LAWS, law_field_names, law_fields, read_laws
-from wroll_fem.dynamics.system.matrix_checks import negative_problem, symmetry_problem
+from wroll_fem.dynamics.system.matrix_checks import is_singular, negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray, IntArray
@@ -54,12 +55,15 @@ __all__ = ["FRICTION_LAWS", "load_system", "save_system", "system_size"]
 VERSION = 1
 """Version of the file format; files of a newer version are refused."""
 
+INFLUENCE = "displacement of each DOF under a unit base translation; or give force"
+"""Meaning of the field `influence` in messages."""
+
 CONSISTENT = 1e-6
 """Largest accepted relative error of the tractions of a preload state, and of its equilibrium with load_preload."""
 
 _OWN = "user_"
 _GENERAL = (
-    "wroll_format", "K", "M", "C", *DAMPING_FIELDS, "influence", "preload_displacement",
+    "wroll_format", "K", "M", "C", *DAMPING_FIELDS, "influence", "force", "preload_displacement",
     "subspaces_basis", "subspaces_harmonic", "subspaces_even", "subspaces_columns",
 )  # fmt: skip
 _MEANT = {"stiffness": "K", "mass": "M", "damping": "C", "k": "K", "m": "M", "c": "C", "D": "C", "r": "influence"}
@@ -90,7 +94,10 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
         content["C"] = sp.csr_matrix(system.damping)
     if system.modal_damping is not None:
         content |= damping_content(system.modal_damping)
-    content["influence"] = system.influence
+    if system.force is None:
+        content["influence"] = system.influence
+    else:
+        content["force"] = system.force
     for kind, vectors in (("probe", system.probes), ("load", system.loads)):
         for name, vector in vectors.items():
             if not re.fullmatch(r"\w{1,40}", name, re.ASCII):
@@ -186,7 +193,7 @@ def load_system(
         mass=_square(file, "M", n, "mass matrix, kg"),
         damping=_square(file, "C", n, "damping matrix, N s/m") if "C" in file else None,
         modal_damping=read_damping(file, n),
-        influence=file.vector("influence", n, "displacement of each DOF under a unit base translation"),
+        influence=np.zeros(n) if "force" in file else file.vector("influence", n, INFLUENCE),
         interfaces=tuple(_interface(file, k, n, *laws[k - 1][:2]) for k in range(1, count + 1)),
         probes=_vectors(file, "probe", n, "row that gives a displacement in m"),
         probe_base={name: float(value[0]) for name, value in _vectors(file, "base", 1, "motion with the base").items()},
@@ -196,6 +203,8 @@ def load_system(
     if "tip" not in system.probes:
         remedy = "add it (row that gives the displacement to follow, along the excitation)"
         raise file.error("required field is missing", key="probe_tip", remedy=remedy)
+    if "force" in file:
+        system = _forced(file, system)
     stale = any(changed for *_, changed in laws) and np.any(system.loads.get("preload", 0.0))
     return system, None if stale else _state(file, system)
 
@@ -206,6 +215,15 @@ def system_size(path: str | os.PathLike[str]) -> tuple[int, int]:
     n = file.matrix("K", (None, None), "stiffness matrix, N/m").shape[0]
     areas = [name for name in file.names if re.fullmatch(r"interface_\d+_area", name)]
     return int(n), sum(file.vector(name, None, "area of each point, m^2").size for name in areas)
+
+
+def _forced(file: ArrayFile, system: System) -> System:
+    """System excited by the force in the file."""
+    if "influence" in file:
+        raise file.error("is given with influence", key="force", remedy="keep one: a force, or the motion of the base")
+    if is_singular(sp.csr_matrix(system.mass)):
+        raise file.error("needs a regular mass matrix", key="force", remedy="give every degree of freedom a mass")
+    return system.excited_by(file.vector("force", system.n_dofs, "force on each DOF, N"))
 
 
 def _check_names(file: ArrayFile) -> int:
@@ -256,9 +274,13 @@ def _interface(
     meaning = "operator with rows (normal, hoop, axial) of every point"
     operator = file.matrix(f"{own}operator", (3 * area.size, n), meaning)
     silent = np.flatnonzero(np.asarray(abs(operator[::3]).sum(axis=1)).ravel() == 0.0)
-    if silent.size:
+    pressed = f"{own}preload_pressure" in file or f"{own}preload_traction" in file  # constant, where the row is zero
+    if silent.size and not pressed:
         problem = f"the normal row of point {silent[0]}, counted from 0, is zero"
-        remedy = "rows 0, 3, 6, ... give the normal displacement of the outer body relative to the inner body"
+        remedy = (
+            "rows 0, 3, 6, ... give the normal displacement of the outer body relative to the inner body; "
+            f"for a constant normal force give {own}preload_pressure"
+        )
         raise file.error(problem, key=f"{own}operator", remedy=remedy)
     points = np.full((area.size, 3), np.nan)
     if f"{own}points" in file:

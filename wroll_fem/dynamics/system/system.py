@@ -18,6 +18,7 @@ from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.errors import InputError
+from wroll_fem.numerics.linear import factorise
 from wroll_fem.typing import FloatArray
 
 TIE_FACTOR = 100.0
@@ -57,6 +58,8 @@ class System:
     base_loads
         By name (`BASE_LOADS`), the row (n,) whose product with the accelerations relative to the base, with the sign
         changed, is a load on the base (N, N m), and the load per unit base acceleration of the rigid structure.
+    force
+        (n,) force in N that excites the structure in place of the base, per unit of the excitation; see `excited_by`.
     shell_stress
         Function that returns the stress recovery of each shell, innermost first; None if it is not known.
     """
@@ -74,6 +77,7 @@ class System:
     probe_base: Mapping[str, float] = field(default_factory=dict)
     base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)
     shell_stress: Callable[[], tuple[ShellStress, ...]] | None = None
+    force: FloatArray | None = None
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
@@ -111,6 +115,21 @@ class System:
         """Names of the probes: the tip first, then the probes of the case or of the file."""
         return ("tip", *(name for name in self.probes if name != "tip"))
 
+    def excited_by(self, force: FloatArray) -> System:
+        """System that a ``force`` (n,), N, excites in place of the base.
+
+        The inertia force -M r a of a base acceleration a is this force for r = -M^-1 F. The displacements relative to
+        the base are then those of the structure, so no probe moves with the base. The mass matrix has to be regular.
+        """
+        influence = -factorise(sp.csc_matrix(self.mass)).solve(force)
+        rigid = dict.fromkeys(self.probes, 0.0)
+        return replace(self, influence=influence, force=force, probe_base=rigid, base_loads={})
+
+    @property
+    def rigid_tip(self) -> float:
+        """Displacement of the tip under a unit base translation: 1, or 0 if a force excites the structure."""
+        return 1.0 if self.force is None else 0.0
+
     def rigid_motion(self, probe: str) -> float:
         """Displacement of a probe under a unit base translation along the excitation."""
         return float(self.probe_base.get(probe, self.probes[probe] @ self.influence))
@@ -140,6 +159,8 @@ class System:
         """
         shear = self.mass @ self.influence
         moved = float(self.influence @ shear)
+        if self.force is not None:
+            return self
         loads = {"base_shear": (shear, moved if mass_total is None else max(mass_total, moved))}
         if rotation is not None:
             loads["base_moment"] = (self.mass @ rotation, float(rotation @ shear))

@@ -35,6 +35,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate
+from wroll_fem.signals.transmissibility import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
 CHUNK = 200
@@ -328,5 +329,6 @@ class _Run:
             "dofs": system.n_dofs,
             "interface_points": system.n_points,
             **self.stepper.report(),
+            **({} if system.force is None else {EXCITED_BY: "force"}),
         }
         return annotate(dataset)
