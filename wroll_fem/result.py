@@ -113,6 +113,10 @@ class Result:
         """Draw the steady response versus frequency."""
         return self._plot("harmonic_response", ax)
 
+    def plot_hysteresis(self, ax: Axes | None = None) -> Axes:
+        """Draw force versus relative displacement of the joints at the peak of a steady response."""
+        return self._plot("hysteresis", ax)
+
     def plot_backbone(self, ax: Axes | None = None) -> Axes:
         """Draw frequency and damping versus the amplitude of the tip."""
         return self._plot("backbone", ax)

@@ -311,6 +311,7 @@ ANALYSIS = Analysis(
     summary=(summary.interfaces, summary.work_per_cycle, summary.slip, summary.base_loads, stress.summary),
     figures=(
         figures.figure("transmissibility", "harmonic_response"),
+        figures.figure("hysteresis", "hysteresis", needs="loop_force"),
         figures.slip_maps,
         figures.slip_in_space,
     ),
@@ -320,7 +321,7 @@ ANALYSIS = Analysis(
         "frequency, interface, point": ("slip_amplitude",),
         "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
     },
-    plots=("harmonic_response", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
+    plots=("harmonic_response", "hysteresis", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
     preflight=preflight.CHECKS["harmonic"],
     estimate=estimate_roll,
 )

@@ -142,6 +142,17 @@ class StructureBackboneCase(BackboneCase, OnStructure):
     """Backbone of a structure whose matrices come from a file."""
 
 
+def _stuck(value: Any) -> Any:
+    """Section `modal` with sticking interfaces if it does not name them: joints of matrices rarely mean bonds."""
+    if isinstance(value, Modal):
+        return value if "interface" in value.model_fields_set else value.model_copy(update={"interface": "stuck"})
+    return {"interface": "stuck", **value} if isinstance(value, dict) else value
+
+
+def _stuck_modes() -> Modal:
+    return Modal(interface="stuck")
+
+
 class ModalCase(StructuralCase):
     """Natural frequencies and mode shapes."""
 
@@ -156,6 +167,8 @@ class RollModalCase(ModalCase, OnRoll):
 @case_kind
 class StructureModalCase(ModalCase, OnStructure):
     """Modes of a structure whose matrices come from a file."""
+
+    modal: Annotated[Modal, BeforeValidator(_stuck)] = Field(default_factory=_stuck_modes, description=MODAL)
 
 
 @case_kind

@@ -16,5 +16,5 @@ class Modal(Section):
     interface: Literal["stuck", "bonded", "frictionless"] = Field(
         default="bonded",
         description="stuck: normal and stick stiffness of the preloaded interface; bonded: no relative motion; "
-        "frictionless: normal contact only",
+        "frictionless: normal contact only; default for matrices from a file: stuck",
     )

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
-from wroll_fem.plotting.transmissibility import damping_words
+from wroll_fem.plotting.transmissibility import damping_words, peak_words, ratio_label
 from wroll_fem.results.dataset import label
 from wroll_fem.results.resonance import resonance
 from wroll_fem.signals.transmissibility import magnitude
@@ -64,7 +64,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlim(frequency.min(), frequency.max())
     ax.set_ylim(0.0, 1.12 * size.max())
     ax.set_xlabel(label("frequency"))
-    ax.set_ylabel("Transmissibility |T|, tip over base (–)")
+    ax.set_ylabel(ratio_label(dataset))
     ax.legend(fontsize=8, framealpha=0.9, loc="upper right")
     read = resonance(dataset)
     damping = f"damping ratio {damping_words(read)}" if read.damped else "no damping estimate"
@@ -73,7 +73,7 @@ def plot_harmonic_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     work = (
         f"friction work {style.engineering(friction, 'J')} per cycle" if dissipates else "friction dissipates nothing"
     )
-    style.title(ax, f"Peak transmissibility {size[peak]:.1f} at {frequency[peak]:.1f} Hz; {damping}; {work}")
+    style.title(ax, f"{peak_words(dataset, size[peak])} at {frequency[peak]:.1f} Hz; {damping}; {work}")
     return ax
 
 

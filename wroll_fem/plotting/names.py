@@ -25,6 +25,7 @@ from wroll_fem.plotting.cylinder import write_slip_vtu
 from wroll_fem.plotting.design_map import plot_design_map as design_map
 from wroll_fem.plotting.history import plot_energy_ledger as energy_ledger
 from wroll_fem.plotting.history import plot_response as response
+from wroll_fem.plotting.hysteresis import plot_hysteresis as hysteresis
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes as mode_shapes
 from wroll_fem.plotting.modes import plot_modes as modes
 from wroll_fem.plotting.scene import jupyter_backend, slip_scene
@@ -56,7 +57,8 @@ _OLD = {
 """Old name of a figure function -> current name."""
 
 __all__ = [
-    "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "jupyter_backend",
+    "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "hysteresis",
+    "jupyter_backend",
     "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "response", "root_section", "root_sections", "save",
     "shear_along", "shear_distribution", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_zone",
     "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements", "two_dof_design_space",

@@ -13,8 +13,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.results.resonance import Resonance, resonance
-from wroll_fem.signals.transmissibility import magnitude
+from wroll_fem.signals.transmissibility import magnitude, rigid_tip
 
+_BASE = "Transmissibility |T|, tip over base (–)"
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")
 
 
@@ -26,6 +27,16 @@ def _box(read: Resonance) -> str:
     if np.isfinite(read.skewness):
         lines.append(f"skewness = {read.skewness:+.2f}")
     return "\n".join(lines)
+
+
+def ratio_label(dataset: xr.Dataset) -> str:
+    """Label of the axis of |T|: transmissibility, or accelerance if a force excites the structure."""
+    return _BASE if rigid_tip(dataset) else "Accelerance, tip over force factor (1/kg)"
+
+
+def peak_words(dataset: xr.Dataset, peak: float) -> str:
+    """Words about the largest |T|."""
+    return f"Peak transmissibility {peak:.1f}" if rigid_tip(dataset) else f"Peak accelerance {peak:.3g} per kg"
 
 
 def damping_words(read: Resonance) -> str:
@@ -94,7 +105,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_xlim(frequency[0], frequency[-1])
     ax.set_ylim(0.0, 1.12 * top)
     ax.set_xlabel(label("frequency"))
-    ax.set_ylabel("Transmissibility |T|, tip over base (–)")
+    ax.set_ylabel(ratio_label(dataset))
     ax.legend(loc=f"center {side}", fontsize=8, framealpha=0.9)
     found = f"no damping estimate: {read.reason}"
     if read.damped:
@@ -102,7 +113,7 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         if np.isfinite(read.skewness):
             lean = "leans right" if read.skewness > 0.1 else "leans left" if read.skewness < -0.1 else "is symmetric"
             found += f"; the peak {lean}"
-    head = f"Peak transmissibility {read.peak:.1f} at {read.f_n:.1f} Hz; {found}"
+    head = f"{peak_words(dataset, read.peak)} at {read.f_n:.1f} Hz; {found}"
     style.title(ax, head if resonant else f"No resonance: {read.reason}")
     return ax
 
@@ -146,7 +157,7 @@ def plot_comparison(runs: Mapping[str, xr.Dataset], ax: Axes | None = None) -> A
     ax.set_ylim(bottom=0.0)
     ax.margins(x=0.0)
     ax.set_xlabel(label("frequency"))
-    ax.set_ylabel("Transmissibility |T|, tip over base (–)")
+    ax.set_ylabel(_BASE)
     ax.legend(fontsize=8, framealpha=0.9)
     reads = {name: read for name, read in reads.items() if np.isfinite(read.f_n)}
     if not reads:

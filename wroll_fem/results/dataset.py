@@ -120,6 +120,9 @@ FIELDS: dict[str, Field] = {
     "material_damping_work_per_cycle": Field(_ENERGY, "energy dissipated by material damping (dashpots) per cycle"),
     "interface_work_per_cycle": Field(_ENERGY, "work done on the interfaces per cycle"),
     "slip_amplitude": Field("m", "largest relative tangential displacement in the cycle"),
+    "phase": Field("degree", "phase of the excitation"),
+    "loop_displacement": Field("m", "relative displacement of a joint at the peak"),
+    "loop_force": Field("N", "force of a joint at the peak"),
     "memory_change": Field("1", "change of the elastic slip per cycle, relative to its largest value"),
     # margins
     "shell": Field("1", "shell of the roll, innermost first"),

@@ -9,6 +9,7 @@ import xarray as xr
 
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance
+from wroll_fem.dynamics.periodic.loops import loops
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
@@ -164,7 +165,13 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     if len(system.probe_names) > 1:
         dataset = xr.merge([dataset, probe_response(system, curve, dim)])
     peak = int(np.abs(ratio).argmax())
-    dataset = xr.merge([dataset, at_one_motion(system, curve.balance, motions[peak])])
+    dataset = xr.merge(
+        [
+            dataset,
+            at_one_motion(system, curve.balance, motions[peak]),
+            loops(system, curve.balance, curve.coefficients[peak], float(curve.frequencies[peak])),
+        ]
+    )
     sampling = curve.balance.contact.sampling
     if system.force is not None:
         dataset.attrs[EXCITED_BY] = "force"
