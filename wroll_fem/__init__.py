@@ -53,6 +53,9 @@ if TYPE_CHECKING:
     from wroll_fem.case.solver import Solver
     from wroll_fem.case.winding import Winding
     from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb, SmoothedCoulomb
+    from wroll_fem.contact.law import FrictionLaw
+    from wroll_fem.contact.law import Parameter as LawParameter
+    from wroll_fem.contact.registry import register_law
     from wroll_fem.dynamics import joints
     from wroll_fem.dynamics.system.system import System
     from wroll_fem.errors import ConvergenceError, InputError, WrollError
@@ -91,6 +94,8 @@ _HOMES = {
     "case.design_map": "DesignMap",
     "case.output": "Output",
     "dynamics.system.system": "System",
+    "contact.law": "FrictionLaw LawParameter=Parameter",
+    "contact.registry": "register_law",
     "contact.interface": "Interface NormalPenalty PenaltyCoulomb RateCoulomb SmoothedCoulomb",
     "analyses": "case_warnings estimate",
     "analyses.slip_model": "SlipModel",
@@ -119,13 +124,14 @@ _WHERE = {
 
 __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
-    "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "Mandrel", "Mesh", "Modal",
-    "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "OwnStructure", "PenaltyCoulomb", "PenaltyFriction",
-    "Preload", "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result", "Roll", "Sine", "SlipModel",
-    "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding", "WrollError", "__version__",
-    "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power", "joints",
-    "load_case", "load_grid", "load_result", "load_series", "plot", "run", "run_grid", "run_series", "save_result",
-    "slip_model", "structure", "summarise", "transmissibility", "two_dof", "write_report",
+    "FrictionLaw", "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "LawParameter",
+    "Mandrel", "Mesh", "Modal", "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "OwnStructure",
+    "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result",
+    "Roll", "Sine", "SlipModel", "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding",
+    "WrollError", "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case",
+    "half_power", "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run",
+    "run_grid", "run_series", "save_result", "slip_model", "structure", "summarise", "transmissibility", "two_dof",
+    "write_report",
 ]  # fmt: skip
 
 

@@ -27,6 +27,7 @@ from wroll_fem.contact.pointwise import PointwiseFriction, different_laws
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.registry import LAWS
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb, regularised_sign, regularised_sign_slope
+from wroll_fem.errors import InputError
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
@@ -36,6 +37,9 @@ __all__ = [
 ]  # fmt: skip
 
 drop_stale_cache(__file__)
+
+DIFFERENCE = 1e-6
+"""Increment of the central differences for a law without derivatives, relative to gamma*."""
 
 
 class PointLaws(NamedTuple):
@@ -177,7 +181,42 @@ def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _compiled(name: str) -> list[Callable[..., Any]]:
     """Compiled function ``name`` of every registered law, in the order of the registry."""
-    return [_inlined(getattr(sys.modules[law.__module__], name)) for law in LAWS]
+    return [_inlined(_function(law, name)) for law in LAWS]
+
+
+def _function(law: type[FrictionLaw], name: str) -> Callable[..., Any]:
+    """Function ``name`` of a law: a static method of its class, or a function of its module.
+
+    Missing derivatives are central differences.
+
+    Raises
+    ------
+    InputError
+        If the law has no function `slip_update`.
+    """
+    found = getattr(law, name, None) or getattr(sys.modules[law.__module__], name, None)
+    if found is None and name == "slip_derivatives":
+        names = {"UPDATE": _inlined(_function(law, "slip_update")), "H": DIFFERENCE}
+        return FunctionType(_differences.__code__, names, "differences")
+    if found is None:
+        raise InputError(f"the friction law {law.name!r} has no function {name}", key="law", remedy="write it")
+    return getattr(found, "py_func", found)  # that of a function which numba has compiled
+
+
+def _differences(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
+    d = H * laws.gamma[k]  # type: ignore[name-defined]  # noqa: F821
+    r_h, r_z, _ = UPDATE(k, trial_h + d, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h - d, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    a00, a10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z + d, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z - d, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    a01, a11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h + d, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h - d, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    b00, b10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z + d, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z - d, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    return a00, a01, a10, a11, b00, 0.5 * (r_h - l_h) / d, b10, 0.5 * (r_z - l_z) / d
 
 
 for _scalar in (regularised_sign, regularised_sign_slope):

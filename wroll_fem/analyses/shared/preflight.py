@@ -64,7 +64,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
     system, state = read_structure(case)
     warnings = []
     pressed = system.loads.get("preload") if state is None else state.traction
-    if system.interfaces and (pressed is None or not pressed.any()):
+    if system.laws.mu.any() and (pressed is None or not pressed.any()):
         warnings.append(
             "the interfaces have no preload, so there is no friction before they close; "
             "add load_preload or a preload state to the file"

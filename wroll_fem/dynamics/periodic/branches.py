@@ -121,8 +121,9 @@ class Branches:
 
 def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:
     share = problem.overtones(point.z)
+    bare = " without damping" if problem.balance.model.damping is None else ""
     return ConvergenceError(
-        f"internal resonance without damping: a harmonic of the motion excites a mode ({problem.describe(point.z)})",
+        f"internal resonance{bare}: a harmonic of the motion excites a mode ({problem.describe(point.z)})",
         time_s=None, iterations=point.iterations, residual_history=[share],
         advice="change the band, or compute a sweep",
     )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
+from wroll_fem.contact.point import normals
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -56,13 +57,14 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
 
 
 def opening(curve: HarmonicCurve | BackboneCurve) -> float:
-    """Share of contact points that open during the motion on a curve that has the largest tip amplitude."""
+    """Share of the contact points closed at rest that open in the motion of a curve with the largest tip amplitude."""
     contact = curve.balance.contact
-    if not contact.n:
+    closed = (normals(contact.reference.traction) < 0.0) | ~contact.laws.separation
+    if not closed.any():
         return 0.0
     k = largest(curve)
     state = contact.evaluate(contact.motion(curve.coefficients[k]), float(curve.frequencies[k]))
-    return float(state.open.any(axis=1).mean())
+    return float(state.open.any(axis=1)[closed].mean())
 
 
 def largest(curve: HarmonicCurve | BackboneCurve) -> int:
