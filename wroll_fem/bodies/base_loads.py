@@ -7,6 +7,9 @@ import numpy as np
 from wroll_fem.bodies.body import Body
 from wroll_fem.typing import FloatArray
 
+RIGID_BASE = -2
+"""Node number of the unknowns of a rigid base ring."""
+
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -31,5 +34,6 @@ def base_rotation(body: Body, direction: int, length: float) -> FloatArray | Non
         return None
     axis = np.cross(_UP, np.eye(3)[direction])
     places = np.where((node >= 0)[:, None], body.nodes[np.maximum(node, 0)], length * _UP)
+    places[node == RIGID_BASE] = 0.0
     moved = np.column_stack([np.cross(axis, places), np.tile(axis, (len(node), 1))])
     return np.asarray(moved[np.arange(len(node)), component])

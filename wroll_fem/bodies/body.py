@@ -93,7 +93,8 @@ class Body:
     solid
         Homogenised coil bonded to this body (included in its matrices), or None.
     unknown_node, unknown_component
-        (n,) node of each unknown (-1 for a rigid tip) and its component in [ux, uy, uz, rx, ry, rz]; None if unknown.
+        (n,) node of each unknown (-1 for a rigid tip, -2 for a rigid base ring) and its component in
+        [ux, uy, uz, rx, ry, rz]; None if unknown.
     """
 
     name: str

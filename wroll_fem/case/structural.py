@@ -20,6 +20,7 @@ from wroll_fem.case.checks import (
     check_pressures,
     check_probes,
 )
+from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
 from wroll_fem.case.contact import Contact, Friction
 from wroll_fem.case.damping import Damping
@@ -107,6 +108,7 @@ class OnRoll(StructuralCase, RollSections):
         for section in INTERFACE_SECTIONS:
             yield partial(self._check_section, section)
         yield lambda: check_base(self.mandrel, self.analysis)
+        yield self._check_supports
         yield lambda: check_pressures(self.preload, self.coil.layers)
         yield lambda: check_probes(self.probes or {}, self.geometry, self.coil)
         yield lambda: check_winding_given(self.winding, self.preload)
@@ -117,6 +119,9 @@ class OnRoll(StructuralCase, RollSections):
 
     def _check_section(self, section: str) -> None:
         check_interfaces(section, self.coil, self.modal, self.analysis, self.model_fields_set)
+
+    def _check_supports(self) -> None:
+        check_supports(self.mandrel, self.coil, self.analysis, prestressed=self.has_geometric_stiffness)
 
     def _check_geometric_stiffness(self) -> None:
         if self.has_geometric_stiffness:

@@ -46,6 +46,8 @@ KINDS = {
     "kg/m^3": Kind("density", "kg/m^3", "1.4 g/cm^3"),
     "N/m": Kind("stiffness", "N/m", "5 N/mm"),
     "N s/m": Kind("damping coefficient", "N s/m", "5 N s/mm"),
+    "N m/rad": Kind("rotational stiffness", "N m/rad", "5 kN m/rad"),
+    "kg m^2": Kind("moment of inertia", "kg m^2", "3 kg mm^2"),
     "Pa/m": Kind("stiffness per area", "Pa/m", "5 MPa/mm"),
 }
 """Unit in the description of a case key -> kind of quantity. Keys with other units (counts, cycles) take no texts."""

@@ -9,6 +9,8 @@ import scipy.sparse as sp
 from mpi4py import MPI
 
 from wroll_fem.bodies.body import Body, Trace
+from wroll_fem.bodies.rigid_ends import rigid_mass, spring_matrix
+from wroll_fem.case.supports import TipInertia
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
@@ -20,6 +22,7 @@ from wroll_fem.mesh.shells import CylinderMesh, ring_edges
 from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
+    from wroll_fem.case.mandrel import Mandrel
     from wroll_fem.case.roll import RollSections
 
 
@@ -109,9 +112,11 @@ def _assemble_shell(
     centre = np.array([0.0, 0.0, roll.geometry.length])
     base = part.groups["base"]
     guided = index > 0 and roll.coil.base == "guided"
+    springs = roll.mandrel.springs if index == 0 else None
     constraints = build_constraints(
         part.nodes,
         clamped=base if _base_is_clamped(roll, index) else np.empty(0, np.int64),
+        base=None if springs is None else (base, np.array([k is not None for k in springs.six])),
         guided=base if guided else None,
         rigid=part.groups["tip"] if rigid_tip else None,
         centre=centre,
@@ -127,8 +132,10 @@ def _assemble_shell(
         nodal_stiffness = nodal_stiffness + ring_spring(part, base, roll.coil.base_stiffness)
     E = constraints.expand
     stiffness, mass = E.T @ nodal_stiffness @ E, E.T @ nodal_mass @ E
-    if tip_mass and constraints.master is not None:
-        mass = mass + point_mass(constraints, tip_mass)
+    if constraints.master is not None and index == 0:
+        stiffness, mass = _with_tip(roll.mandrel, constraints, stiffness, mass)
+    if springs is not None and constraints.base_master is not None:
+        stiffness = stiffness + on_master(spring_matrix(springs.six), constraints.base_master, E.shape[1])
     outward = radial_director(part.nodes)
     scale = (radius + 0.5 * thickness) / radius
     body = Body(
@@ -225,13 +232,26 @@ def ring_mass(part: CylinderMesh, mass: float) -> sp.csr_matrix:
     return sp.diags(np.outer(mass * weights, [1, 1, 1, 0, 0, 0]).ravel()).tocsr()
 
 
-def point_mass(constraints: Constraints, mass: float) -> sp.csr_matrix:
-    """(n, n) mass matrix of a point mass (kg) at the centre of the rigid tip; n is the number of unknowns."""
-    diagonal = np.zeros(constraints.expand.shape[1])
-    if constraints.master is not None:
-        translations = constraints.master[:3]
-        diagonal[translations[translations >= 0]] = mass
-    return sp.diags(diagonal).tocsr()
+def on_master(matrix: FloatArray, master: IntArray, n: int) -> sp.csr_matrix:
+    """(n, n) matrix with a (6, 6) ``matrix`` at the unknowns ``master`` (6,) of a rigid ring; -1 is left out."""
+    alive = np.flatnonzero(master >= 0)
+    rows, cols = np.meshgrid(master[alive], master[alive], indexing="ij")
+    return sp.csr_matrix((matrix[np.ix_(alive, alive)].ravel(), (rows.ravel(), cols.ravel())), shape=(n, n))
+
+
+def _with_tip(
+    mandrel: Mandrel, constraints: Constraints, stiffness: sp.csr_matrix, mass: sp.csr_matrix
+) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Stiffness and mass with the springs and the mass of a rigid tip."""
+    master, n = constraints.master, stiffness.shape[0]
+    assert master is not None
+    if mandrel.tip_mass or mandrel.tip_inertia is not None:
+        turn = mandrel.tip_inertia or TipInertia()
+        body = rigid_mass(mandrel.tip_mass, turn.transverse, turn.polar, mandrel.tip_offset or 0.0)
+        mass = mass + on_master(body, master, n)
+    if mandrel.tip_springs is not None:
+        stiffness = stiffness + on_master(spring_matrix(mandrel.tip_springs.six), master, n)
+    return stiffness, mass
 
 
 def _traces(

@@ -37,13 +37,16 @@ class Constraints:
     component
         (n,) component of each unknown, 0 to 5.
     node
-        (n,) node of each unknown, -1 for the rigid tip.
+        (n,) node of each unknown, -1 for the rigid tip, -2 for the rigid base ring.
+    base_master
+        (6,) as ``master``, for a rigid base ring; None without it.
     """
 
     expand: sp.csr_matrix
     master: IntArray | None
     component: IntArray
     node: IntArray
+    base_master: IntArray | None = None
 
 
 def build_constraints(
@@ -54,8 +57,9 @@ def build_constraints(
     rigid: IntArray | None = None,
     centre: FloatArray | None = None,
     symmetric: bool = False,
+    base: tuple[IntArray, BoolArray] | None = None,
 ) -> Constraints:
-    """Eliminate clamped nodes, tie a ring rigidly to its centre and impose symmetry about the x-z plane.
+    """Eliminate clamped nodes, tie rings rigidly to their centres and impose symmetry about the x-z plane.
 
     Parameters
     ----------
@@ -71,6 +75,8 @@ def build_constraints(
         (3,) reference point of the rigid nodes, m; it must lie on the x-z plane if `symmetric`.
     symmetric
         Keep only motions symmetric about the x-z plane.
+    base
+        Nodes of a rigid base ring about the origin, and (6,) which of its motions [U, Omega] are free; None without it.
 
     Raises
     ------
@@ -82,9 +88,14 @@ def build_constraints(
     free[clamped] = False
     if guided is not None:
         free[guided, :2] = False
-    tied = np.zeros(n, bool)
+    rings: list[tuple[int, IntArray, FloatArray, BoolArray]] = []
     if rigid is not None:
-        tied[rigid] = True
+        rings.append((-1, rigid, np.zeros(3) if centre is None else centre, np.ones(6, bool)))
+    if base is not None:
+        rings.append((-2, base[0], np.zeros(3), base[1]))
+    tied = np.zeros(n, bool)
+    for _, ring, _, _ in rings:
+        tied[ring] = True
     tied[clamped] = False
     own = free & ~tied[:, None] & (source == np.arange(n))[:, None]
     column = np.full((n, 6), -1, np.int64)
@@ -94,17 +105,17 @@ def build_constraints(
     follows = column[source]
     rows, comps = np.nonzero((follows >= 0) & free & ~tied[:, None])
     entries = [(6 * rows + comps, follows[rows, comps], sign[rows, comps])]
-    count, master = int(own.sum()), None
-    if rigid is not None:
-        alive = _MIRROR_SIGN > 0 if symmetric else np.ones(6, bool)
-        master = np.where(alive, count + np.cumsum(alive) - 1, -1)
+    count, masters = int(own.sum()), {}
+    for label, ring, about, moves in rings:
+        alive = moves & (_MIRROR_SIGN > 0) if symmetric else moves
+        master = masters[label] = np.where(alive, count + np.cumsum(alive) - 1, -1)
         component = np.concatenate([component, np.flatnonzero(alive)])
-        node = np.concatenate([node, np.full(int(alive.sum()), -1)])
+        node = np.concatenate([node, np.full(int(alive.sum()), label)])
         count += int(alive.sum())
-        entries.append(_rigid_entries(nodes, np.flatnonzero(tied), np.zeros(3) if centre is None else centre, master))
+        entries.append(_rigid_entries(nodes, np.setdiff1d(ring, clamped), about, master))
     row, col, value = (np.concatenate(part) for part in zip(*entries, strict=True))
     expand = sp.csr_matrix((value, (row, col)), shape=(6 * n, count))
-    return Constraints(expand, master, component, node)
+    return Constraints(expand, masters.get(-1), component, node, masters.get(-2))
 
 
 def mirrored_values(

@@ -9,6 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.bodies.materials import CylindricalOrthotropic
+from wroll_fem.bodies.rigid_ends import rigid_mass, spring_matrix
+from wroll_fem.case.supports import TipInertia
 from wroll_fem.errors import InputError
 from wroll_fem.fem.fourier import COIL, WALL, FourierModel, angular_weight
 from wroll_fem.mesh.axisymmetric import MESHED_COILS, refined_mesh
@@ -146,31 +148,41 @@ class FourierRoll:
     def matrices(self, symmetry: SymmetryClass) -> SymmetryClassMatrices:
         """Assemble the matrices of a symmetry class and eliminate the supports."""
         m, r = symmetry.wave_number, self._nodes[:, 0]
-        clamped, tip = self._clamped(), self._tip_nodes()
-        rigid = self.sections.mandrel.tip == "rigid"
+        clamped, mandrel = self._clamped(), self.sections.mandrel
+        tip = self._tip_nodes() & ~clamped if mandrel.tip == "rigid" else np.zeros(len(r), bool)
+        base = self._wall_base() & ~clamped if mandrel.springs is not None else np.zeros(len(r), bool)
         free = np.zeros((len(r), 3), bool)
         free[:, list(symmetry.components)] = True
-        free[clamped] = False
-        if rigid:
-            free[tip] = False
+        free[clamped | tip | base] = False
         own = np.flatnonzero(free.ravel())
         expand = sp.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=(3 * len(r), len(own)))
-        if rigid:
-            motions = _rigid_tip(symmetry, r, tip & ~clamped)
-            expand = sp.hstack([expand, sp.csr_matrix(motions)]).tocsr()
-        n = expand.shape[1]
+        moves = _rigid_components(symmetry)
+        at_tip = moves if mandrel.tip == "rigid" else []
+        at_base = [] if mandrel.springs is None else [k for k in moves if mandrel.springs.six[k] is not None]
+        for nodes, kept in ((tip, at_tip), (base, at_base)):
+            if kept:
+                motions = _rigid_ring(symmetry, r, nodes)[:, [moves.index(k) for k in kept]]
+                expand = sp.hstack([expand, sp.csr_matrix(motions)]).tocsr()
+        n, first = expand.shape[1], len(own)
         influence, probe = np.zeros(n), np.zeros(n)
         if symmetry.direction is not None:
-            influence[: len(own)] = np.tile(_translation(symmetry), len(r))[own]
-            if rigid:  # the first motion of the rigid tip is its translation
-                probe[len(own)] = influence[len(own)] = 1.0
+            influence[:first] = np.tile(_translation(symmetry), len(r))[own]
+            influence[first:] = [k < 3 for k in (*at_tip, *at_base)]
+            if mandrel.tip == "rigid":  # the first motion of the rigid tip is its translation
+                probe[first] = 1.0
             elif self._tip_share is not None:
                 mean = np.outer(self._tip_share, _translation(symmetry) / np.abs(_translation(symmetry)).sum()).ravel()
                 probe = np.asarray(expand.T @ mean)
         mass = expand.T @ self._nodal_mass(m) @ expand
-        if rigid and symmetry.direction is not None and self.sections.mandrel.tip_mass:
-            mass = mass + sp.diags(self.sections.mandrel.tip_mass * probe)
         stiffness = expand.T @ self.model.stiffness(m) @ expand
+        if at_tip:
+            turn = mandrel.tip_inertia or TipInertia()
+            body = rigid_mass(mandrel.tip_mass, turn.transverse, turn.polar, mandrel.tip_offset or 0.0)
+            mass = mass + _at(body, at_tip, first, n)
+            if mandrel.tip_springs is not None:
+                stiffness = stiffness + _at(spring_matrix(mandrel.tip_springs.six), at_tip, first, n)
+        if at_base and mandrel.springs is not None:
+            stiffness = stiffness + _at(spring_matrix(mandrel.springs.six), at_base, first + len(at_tip), n)
         return SymmetryClassMatrices(_symmetric(stiffness), _symmetric(mass), expand, influence, probe)
 
     def _nodal_mass(self, m: int) -> sp.csr_matrix:
@@ -198,6 +210,13 @@ class FourierRoll:
                 clamped |= outside & (r < edge + near)
         return clamped
 
+    def _wall_base(self) -> BoolArray:
+        """(n_nodes,) mask of the nodes on the end face of the wall at the base."""
+        half_plane = self.model.half_plane
+        near = _NEAR * half_plane.length
+        r, z = self._nodes.T
+        return np.asarray((z < half_plane.heights[0] + near) & (r < half_plane.wall_radius + near))
+
     def _tip_nodes(self) -> BoolArray:
         """(n_nodes,) mask of the nodes on the end face of the wall at the tip."""
         half_plane = self.model.half_plane
@@ -211,8 +230,22 @@ def _translation(symmetry: SymmetryClass) -> FloatArray:
     return np.array([1.0, -1.0, 0.0]) if symmetry.direction == "x" else np.array([0.0, 0.0, 1.0])
 
 
-def _rigid_tip(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> FloatArray:
-    """(3 n_nodes, k) nodal amplitudes of the k rigid-body motions of the end face in a symmetry class.
+def _rigid_components(symmetry: SymmetryClass) -> list[int]:
+    """Components in [U, Omega] of the rigid motions of `_rigid_ring`."""
+    if symmetry.wave_number > 1:
+        return []
+    return [0, 4] if symmetry.wave_number == 1 else [5] if symmetry == TORSION else [2]
+
+
+def _at(matrix: FloatArray, components: list[int], first: int, n: int) -> sp.csr_matrix:
+    """(n, n) matrix with the ``components`` of a (6, 6) ``matrix`` at the unknowns from ``first`` on."""
+    block = sp.csr_matrix(matrix[np.ix_(components, components)])
+    after = n - first - len(components)
+    return sp.block_diag([sp.csr_matrix((first, first)), block, sp.csr_matrix((after, after))], format="csr")
+
+
+def _rigid_ring(symmetry: SymmetryClass, r: FloatArray, nodes: BoolArray) -> FloatArray:
+    """(3 n_nodes, k) nodal amplitudes of the k rigid-body motions of an end face in a symmetry class.
 
     k is 2 for the wave number 1, 1 for 0, and 0 for all other wave numbers. Translation along x is
     (U, V) = (1, -1); tilt about y, u = Omega x (x - c), is W = -r; torsion is V = r.

@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wroll_fem.case import Friction, RollSections
+    from wroll_fem.case.mandrel import Mandrel
     from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
     from wroll_fem.case.structural import OnRoll
 
+RIGID = 1e-3
+"""Frequency, Hz, below which a motion of a free beam counts as rigid."""
+
 
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
-    """First bending frequency in Hz of the roll as a cantilever with tip mass (Rayleigh, with shear flexibility).
+    """First bending frequency in Hz of the roll as a beam with shear flexibility; the error is a few per cent.
 
-    33/140 of the mass of the beam acts at the tip. The error is a few per cent.
+    For a cantilever with a tip mass it is that of Rayleigh: 33/140 of the mass of the beam acts at the tip. With other
+    supports, or an inertia of the tip mass, it is that of a beam of finite elements (`SprungBeam`).
 
     Parameters
     ----------
@@ -43,8 +48,31 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
             shear += G * area / 2
         if added_mass or material is m.material:
             mass += material.rho * area * g.length
+    if not m.is_cantilever:
+        return _on_springs(m, g.length, bending, shear, mass / g.length)
     compliance = g.length**3 / (3 * bending) + g.length / shear
     return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
+
+
+def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, mass: float) -> float:
+    """First bending frequency in Hz with the supports and the tip body of a mandrel; ``mass`` in kg/m."""
+    import numpy as np
+
+    from wroll_fem.bodies.beam_modes import SprungBeam
+    from wroll_fem.bodies.rigid_ends import rigid_mass, spring_matrix
+
+    plane = np.ix_([0, 4], [0, 4])  # along x and about y
+    turn = mandrel.tip_inertia
+    body = rigid_mass(mandrel.tip_mass, turn.transverse if turn else 0.0, 0.0, mandrel.tip_offset or 0.0)
+    held, springs = mandrel.springs, mandrel.tip_springs
+    beam = SprungBeam(
+        length, bending, shear, mass, 0.0,
+        base=(0.0, 0.0) if mandrel.base == "free" else (None, None) if held is None else (held.lateral, held.tilt),
+        tip_stiffness=None if springs is None else spring_matrix(springs.six)[plane],
+        tip_mass=body[plane],
+    )  # fmt: skip
+    moving = [f for f in beam.frequencies(3).tolist() if f > RIGID]
+    return float(moving[0]) if moving else 0.0
 
 
 def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[float, float]:

@@ -180,9 +180,9 @@ class _Wall:
         """(n_dofs, n_dofs) geometric stiffness for the rotation of a rigid tip; zero without a rigid tip."""
         body = self.body
         n = body.n_dofs
-        if body.unknown_node is None or body.unknown_component is None or not (body.unknown_node < 0).any():
+        if body.unknown_node is None or body.unknown_component is None or not (body.unknown_node == -1).any():
             return sp.csr_matrix((n, n))
-        turn = np.flatnonzero((body.unknown_node < 0) & (body.unknown_component >= 3))
+        turn = np.flatnonzero((body.unknown_node == -1) & (body.unknown_component >= 3))
         axes = body.unknown_component[turn] - 3
         ring = np.flatnonzero(np.diff(body.expand[:, turn].tocsr().indptr).reshape(-1, 6)[:, 3:].any(axis=1))
         stiffness = rigid_tip_stiffness(forces[ring], body.nodes[ring] - centre)[np.ix_(axes, axes)]
