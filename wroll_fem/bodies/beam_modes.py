@@ -40,9 +40,9 @@ class SprungBeam:
         stiffness, mass = np.zeros((2 * n + 2, 2 * n + 2)), np.zeros((2 * n + 2, 2 * n + 2))
         k, m = self._element(h)
         for e in range(n):
-            place = slice(2 * e, 2 * e + 4)
-            stiffness[place, place] += k
-            mass[place, place] += m
+            here = slice(2 * e, 2 * e + 4)
+            stiffness[here, here] += k
+            mass[here, here] += m
         for i, spring in enumerate(self.base):
             stiffness[i, i] += spring or 0.0
         if self.tip_stiffness is not None:
@@ -50,8 +50,8 @@ class SprungBeam:
         if self.tip_mass is not None:
             mass[-2:, -2:] += self.tip_mass
         keep = [*(i for i, spring in enumerate(self.base) if spring is not None), *range(2, 2 * n + 2)]
-        place = np.ix_(keep, keep)
-        values = la.eigh(stiffness[place], mass[place], eigvals_only=True, subset_by_index=(0, count - 1))
+        kept = np.ix_(keep, keep)
+        values = la.eigh(stiffness[kept], mass[kept], eigvals_only=True, subset_by_index=(0, count - 1))
         return np.asarray(np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi))
 
     def _element(self, h: float) -> tuple[FloatArray, FloatArray]:
