@@ -31,7 +31,8 @@ ROOMS = (
     (("jobs",), BLUE, "run folder, batch, executors, console"),
     (("report", "api"), BLUE, "HTML report; functions of the Python interface"),
     (("result",), BLUE, "result of a run in Python"),
-    (("roll",), BLUE, "roll in Python"),
+    (("runs",), BLUE, "a method per analysis"),
+    (("roll", "own_structure"), BLUE, "roll, and structure with joints, in Python"),
     (("cli",), RED, "the command wroll"),
 )
 """Layers of the package, lowest first: rooms, colour, what they hold."""

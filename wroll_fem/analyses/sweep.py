@@ -18,7 +18,8 @@ from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
 from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.quality import Circumstances, judge
-from wroll_fem.signals.transmissibility import magnitude, rigid_tip, transmissibility
+from wroll_fem.signals.tip import rigid_tip
+from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
 if TYPE_CHECKING:
     from wroll_fem.case import SweepCase

@@ -14,7 +14,7 @@ from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.results.energy import energy_ledger
 from wroll_fem.signals.base_motion import chirp_law
-from wroll_fem.signals.transmissibility import absolute_tip
+from wroll_fem.signals.tip import absolute_tip
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
 _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_STORED)

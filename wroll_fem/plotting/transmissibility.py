@@ -13,7 +13,8 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.results.resonance import Resonance, resonance
-from wroll_fem.signals.transmissibility import magnitude, rigid_tip
+from wroll_fem.signals.tip import rigid_tip
+from wroll_fem.signals.transmissibility import magnitude
 
 _BASE = "Transmissibility |T|, tip over base (–)"
 _PARTS = ("frequency", "transmissibility_real", "transmissibility_imag")

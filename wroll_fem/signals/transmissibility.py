@@ -62,13 +62,11 @@ from scipy.signal import CZT, fftconvolve
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
+from wroll_fem.signals.tip import absolute_tip
 from wroll_fem.typing import ComplexArray, FloatArray
 
 STEADY = 0.02
 """Drift or residual of a dwell, relative to its fundamental, above which the response does not count as steady."""
-
-EXCITED_BY = "excited_by"
-"""Attribute of a result that is "force" if a force excites the structure in place of the base."""
 
 SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
@@ -288,17 +286,6 @@ def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) 
     envelope = demodulated(time, tip, motion, points=points)
     spectrum = spectrum_ratio(time, tip, base, frequency=envelope["frequency"].values)
     return xr.merge([envelope, spectrum], combine_attrs="no_conflicts")
-
-
-def rigid_tip(history: xr.Dataset) -> float:
-    """|T| of the rigid structure: 1, or 0 if a force excites it in place of the base."""
-    return 0.0 if history.attrs.get(EXCITED_BY) == "force" else 1.0
-
-
-def absolute_tip(history: xr.Dataset) -> FloatArray:
-    """(n,) absolute tip acceleration of a history, m/s^2; without that of the base if a force is the excitation."""
-    relative = history["tip_acceleration"].values
-    return relative + history["base_acceleration"].values if rigid_tip(history) else relative
 
 
 def magnitude(dataset: xr.Dataset, stem: str = "transmissibility") -> xr.DataArray:

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from wroll_fem.dynamics.joints.loops import loops
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance
-from wroll_fem.dynamics.periodic.loops import loops
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
-from wroll_fem.signals.transmissibility import EXCITED_BY
+from wroll_fem.signals.tip import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
 SLIP_SHARE = 1e-9

@@ -35,7 +35,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.transmissibility import EXCITED_BY
+from wroll_fem.signals.tip import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
 CHUNK = 200
