@@ -8,15 +8,22 @@ import pty
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import isnan, nan
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from support.paths import CONFIGS
 
 from wroll_fem import progress
+from wroll_fem.analyses import run_analysis
+from wroll_fem.case import load_case
 from wroll_fem.jobs import batch_progress
 from wroll_fem.jobs.batch_progress import BatchProgress
-from wroll_fem.progress import TerminalProgress, draws_bars
+from wroll_fem.progress import SilentProgress, TerminalProgress, draws_bars
 
 
 def test_progress_without_a_terminal_is_sparse_plain_lines(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -194,3 +201,23 @@ def test_no_time_left_is_told_before_a_twentieth_is_done(monkeypatch: pytest.Mon
         "sweep: 5% (49 of 1000 steps)",
         "sweep: 5% (50 of 1000 steps), 1 h 03 min left",
     ]
+
+
+@pytest.mark.parametrize("config", ["lab_harmonic", "lab_backbone"])
+def test_adaptive_analyses_show_their_place_and_their_target(config: str) -> None:
+    """Every pass covers its range in growing shares, and says which error ends the passes."""
+    notes: list[tuple[float, str]] = []
+
+    class Told(SilentProgress):
+        @contextmanager
+        def stage(self, name: str, total: float, unit: str = "") -> Iterator[Any]:
+            yield SimpleNamespace(update=lambda done, note="", left=None: notes.append((done, note)))
+
+    words = ["mesh={circumferential: 8, axial: 3, grading: 1}", "output.figures=false"]
+    run_analysis(load_case(CONFIGS / f"{config}.yaml", words), progress=Told())
+    shown = [(done, note) for done, note in notes if note.startswith("pass ")]
+    first = [done for done, note in shown if note.startswith("pass 1: ")]
+    assert len(first) > 5
+    assert first == sorted(first)
+    assert 0.0 <= first[0] < 0.3 < 0.9 < first[-1] < 1.0
+    assert all(" points (until the error is 0.1 %)" in note for _, note in shown)

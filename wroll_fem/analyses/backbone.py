@@ -10,7 +10,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.forecasts.computing_time import estimate_roll
-from wroll_fem.analyses.harmonic import condensed_structure, memory_remark, pass_line, reduction_remark
+from wroll_fem.analyses.harmonic import Passes, condensed_structure, memory_remark, reduction_remark
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
@@ -26,7 +26,6 @@ from wroll_fem.dynamics.periodic.datasets import (
     quadrature_error,
 )
 from wroll_fem.dynamics.periodic.enrichment import trained_backbone
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
@@ -140,15 +139,18 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
     settings, started = case.harmonic, time.process_time()
     try:
         with threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage:
+            passes = Passes(progress, stage, settings.reduction_tolerance)
 
-            def report(number: int, model: ReducedModel, error: float) -> None:
-                progress.info(pass_line(number, model.size, error, settings.reduction_tolerance))
+            def at_point(share: float, count: int) -> None:
+                smallest, largest = case.backbone.tip_smallest, case.backbone.tip_largest
+                tip = smallest * (largest / smallest) ** share
+                passes.at_point(share, count, f"tip {1e6 * tip:.3g} um")
 
             trained = trained_backbone(
                 condensation, state, system.laws,
                 tip_amplitudes=(case.backbone.tip_smallest, case.backbone.tip_largest),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
-                tolerance=settings.reduction_tolerance, on_round=report,
+                tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:

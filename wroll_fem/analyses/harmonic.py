@@ -39,7 +39,7 @@ from wroll_fem.typing import FloatArray
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, StructuralCase
     from wroll_fem.case.harmonic import Harmonic
-    from wroll_fem.progress import Progress
+    from wroll_fem.progress import Progress, Stage
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
 """Criteria of the warning about a mode near a neglected harmonic: highest odd order of the harmonic; largest relative
@@ -94,6 +94,23 @@ def pass_line(number: int, size: int, error: float, target: float) -> str:
     return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
 
 
+class Passes:
+    """Progress of an adaptive basis: the place on the curve of the present pass, and a line after each pass."""
+
+    def __init__(self, progress: Progress, stage: Stage, target: float) -> None:
+        self._progress, self._stage, self._target, self._number = progress, stage, target, 1
+
+    def at_point(self, share: float, count: int, place: str) -> None:
+        """Show the ``share`` of the range that this pass has covered; no time is estimated: passes may follow."""
+        note = f"pass {self._number}: {place}, {count} points (until the error is {100 * self._target:.2g} %)"
+        self._stage.update(min(max(share, 0.0), 0.99), note, left=float("nan"))
+
+    def report(self, number: int, model: ReducedModel, error: float) -> None:
+        """Print a line after a pass."""
+        self._progress.info(pass_line(number, model.size, error, self._target))
+        self._number = number + 1
+
+
 def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     """Compute the response curve with work per cycle and slip, and estimate its damping.
 
@@ -108,15 +125,17 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     started = time.process_time()
     try:
         with threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage:
+            passes = Passes(progress, stage, settings.reduction_tolerance)
 
-            def report(number: int, model: ReducedModel, error: float) -> None:
-                progress.info(pass_line(number, model.size, error, settings.reduction_tolerance))
+            def at_point(hertz: float, count: int) -> None:
+                share = (hertz - excitation.f_start) / (excitation.f_end - excitation.f_start)
+                passes.at_point(share, count, f"{hertz:.2f} Hz")
 
             trained = trained_response(
                 condensation, state, system.laws, amplitude=excitation.amplitude,
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
-                tolerance=settings.reduction_tolerance, on_round=report,
+                tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:

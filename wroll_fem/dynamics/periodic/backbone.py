@@ -17,6 +17,7 @@ Krack (2015), Computers & Structures 154, 59, doi:10.1016/j.compstruc.2015.03.00
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -353,27 +354,28 @@ def backbone_curve(
     tip_amplitudes: tuple[float, float],
     mode: int | None = None,
     control: StepControl | None = None,
+    on_point: Callable[[float, int], None] | None = None,
 ) -> BackboneCurve:
-    """Backbone of a reduced model with its contact; arguments and errors as for `solve_backbone`."""
+    """As `solve_backbone`, for a reduced model with its contact; on_point (share of the range, number of points)."""
     model = contact.model
     if not 0.0 < tip_amplitudes[0] < tip_amplitudes[1]:
         raise InputError(
-            f"tip amplitudes {tip_amplitudes} m are not positive and increasing",
-            key="backbone",
+            f"tip amplitudes {tip_amplitudes} m are not positive and increasing", key="backbone",
             remedy="give a smaller, then a larger one",
-        )
+        )  # fmt: skip
     number = main_mode(model) if mode is None else mode
     reach = float(abs(model.tip[number]))
     if reach == 0.0 or model.eigenvalues[number] <= 0.0:
-        raise InputError(
-            f"mode {number} does not move the tip or has no positive stiffness", remedy="choose another mode"
-        )
+        what = f"mode {number} does not move the tip or has no positive stiffness"
+        raise InputError(what, remedy="choose another mode")
     control = control or BACKBONE_STEPS
     low, high = (a / reach for a in tip_amplitudes)
     problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
     first = solve_at(problem, problem.start(), control)
+    told = on_point or (lambda share, count: None)
+    place: Callable[[list[CurvePoint]], None] = lambda found: told(float(found[-1].z[-1]) / LENGTH, len(found))  # noqa: E731
     try:
-        points = follow(problem, first, LENGTH, control, ends=problem.strayed)
+        points = follow(problem, first, LENGTH, control, ends=problem.strayed, on_point=place)
     except ConvergenceError as error:
         error.partial = BackboneCurve.of_points(problem, error.partial or [])
         raise

@@ -52,6 +52,7 @@ def trained_response(
     max_rounds: int = 8,
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
+    on_point: Callable[[float, int], None] | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
@@ -62,6 +63,8 @@ def trained_response(
         correction of the tip motion is smaller.
     on_round
         Called with the number of the curve, its model and its error.
+    on_point
+        Called at every point of a curve, with its frequency in Hz and the number of points so far.
 
     Raises
     ------
@@ -75,7 +78,7 @@ def trained_response(
     def solve(model: ReducedModel, factor: float) -> HarmonicCurve:
         return response_curve(
             structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics).contact(model),
-            amplitude=amplitude, frequencies=frequencies, control=steps.longer(factor),
+            amplitude=amplitude, frequencies=frequencies, control=steps.longer(factor), on_point=on_point,
         )  # fmt: skip
 
     def check(points: HarmonicCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
@@ -115,15 +118,21 @@ def trained_backbone(
     max_rounds: int = 8,
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
+    on_point: Callable[[float, int], None] | None = None,
 ) -> Trained[BackboneCurve]:
-    """Backbone of the full model; see `solve_backbone`. Other arguments and errors as for `trained_response`."""
+    """Backbone of the full model; see `solve_backbone`. Other arguments and errors as for `trained_response`.
+
+    ``on_point`` is called with the share of the range of amplitudes and the number of points so far.
+    """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps = control or BACKBONE_STEPS
 
     def solve(model: ReducedModel, factor: float) -> BackboneCurve:
         contact = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics).contact(model)
         try:
-            return backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor))
+            return backbone_curve(
+                contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), on_point=on_point
+            )
         except ConvergenceError as stop:
             part = stop.partial
             if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
