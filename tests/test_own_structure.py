@@ -148,6 +148,17 @@ def test_wrong_input_is_told(make, message: str) -> None:  # type: ignore[no-unt
         make()
 
 
+def test_a_structure_that_nothing_holds_is_refused_on_a_shaken_base() -> None:
+    """Two masses that a spring joins; a joint to the base holds them, and a force may act on the free ones."""
+    free, loose = 1e4 * np.array([[1.0, -1.0], [-1.0, 1.0]]), wf.joints.Jenkins(at=(1, 0), stiffness=1e3, limit=1.0)
+    with pytest.raises(wf.InputError, match="K: leaves a motion free that needs no force"):
+        wf.structure(free, M, [loose], damping=0.02).run_harmonic(BAND)
+    held = wf.joints.Jenkins(at=0, stiffness=1e3, limit=1e3)
+    assert wf.structure(free, M, [held], damping=0.02).run_harmonic(BAND).f_n_hz is not None
+    pushed = wf.structure(free, M, [loose], damping=0.02, force={1: 0.1}).run_harmonic(BAND)
+    assert float(pushed.data["tip_amplitude"].max()) > 0.0
+
+
 def python_of(page: str, heading: str) -> str:
     text = (ROOT / "docs" / page).read_text(encoding="utf-8").split(f"## {heading}")[1]
     return text.split("```python\n")[1].split("```")[0]

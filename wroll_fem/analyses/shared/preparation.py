@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from wroll_fem.progress import Progress
 
 
+LEAST_STIFFNESS = 1e-13
+"""Stiffness against a random load, relative to the mean diagonal of K, below which a structure has a free motion."""
+
+
 def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactState]:
     """Return the system of a case and its preload state; report the interface pressure.
 
@@ -112,7 +116,7 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     ------
     InputError
         From `load_system`; for a preload that opens every contact point; and for a singular mass matrix with a
-        method that needs its inverse.
+        method that needs its inverse; for a structure on a shaken base that nothing holds.
     """
     path = case.structure.file
     contact = case.contact
@@ -128,6 +132,8 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     if state is None:
         _check_pressing(system, str(path))
     _check_mass(case, system)
+    if case.analysis not in ("modal", "preload") and system.force is None:
+        _check_held(system, str(path))
     return system.with_base_loads(), state
 
 
@@ -153,6 +159,29 @@ def _check_pressing(system: System, file: str) -> None:
             remedy="reverse the sign of the load, or of the normal rows of the interface operators "
             "(a normal row is outer minus inner body, positive outwards)",
         )  # fmt: skip
+
+
+def _check_held(system: System, file: str) -> None:
+    """Refuse a structure on a shaken base that neither supports nor interfaces hold to it.
+
+    Every interface gets springs in all directions; a matrix that is still singular has a rigid motion.
+    """
+    diagonal = system.stiffness.diagonal()
+    typical = float(diagonal[diagonal > 0.0].mean()) if (diagonal > 0.0).any() else 1.0
+    springs = np.full(3 * system.n_points, typical) / np.where(system.weights > 0.0, system.weights, 1.0)
+    matrix = system.with_interface_springs(springs)
+    load = np.random.default_rng(0).standard_normal(system.n_dofs)
+    try:
+        moved = factorise(matrix).solve(load)
+    except RuntimeError:  # SuperLU: exactly singular
+        moved = np.full(1, np.nan)
+    softest = float(np.linalg.norm(load)) / float(np.linalg.norm(moved)) if np.isfinite(moved).all() else 0.0
+    if softest > LEAST_STIFFNESS * typical:
+        return
+    raise InputError(
+        "leaves a motion free that needs no force: nothing holds the structure to its base", key="K", file=file,
+        remedy="eliminate the supports from K and M; for a free structure give force in place of influence",
+    )  # fmt: skip
 
 
 def _check_mass(case: OnStructure, system: System) -> None:
