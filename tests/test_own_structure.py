@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from support.paths import ROOT
 
 import wroll_fem as wf
@@ -43,6 +44,64 @@ def test_a_force_gives_the_receptance_of_a_linear_chain() -> None:
     np.testing.assert_allclose(found, -(w**2) * exact / 2.0, rtol=1e-6)
     assert data.attrs["excited_by"] == "force"
     assert "base_shear_amplitude" not in data
+
+
+FORCES = [
+    wf.joints.Force(at=1, amplitude=2.0), wf.joints.Force(at=0, amplitude=1.5, phase=60.0),
+    wf.joints.Force(at=(1, 0), amplitude=0.7, phase=-30.0, harmonic=3), wf.joints.Force(at=0, harmonic=2, phase=90.0),
+]  # fmt: skip
+
+
+def test_forces_with_phase_and_harmonics_superpose_on_a_linear_chain() -> None:
+    """Every harmonic against the dynamic stiffness at its own frequency; in the energy balance too."""
+    joints = [wf.joints.Jenkins(at=0, stiffness=5e3, limit=1e6)]
+    dashpots = np.diag([8.0, 4.0])
+    chain = wf.structure(K, M, joints, damping=dashpots, force=FORCES, probes={"first": 0})
+    data = chain.run_harmonic(BAND, harmonic={"harmonics": 3}).data
+    w, stiff = 2.0 * np.pi * data["frequency"].values, K + 5e3 * np.diag([1.0, 0.0])
+    turn = np.exp(1j * np.pi / 3.0)
+    exact = [np.linalg.solve(stiff - x**2 * M + 1j * x * dashpots, [3.0 * turn, 4.0])[1] for x in w]
+    found = data["transmissibility_real"].values + 1j * data["transmissibility_imag"].values
+    np.testing.assert_allclose(found, -(w**2) * np.array(exact) / 2.0, rtol=1e-6)
+    assert data.attrs["energy_balance_error"] < 1e-8
+    work = np.zeros(len(w))
+    for order, load in ((1, [3.0 * turn, 4.0]), (2, [2j, 0.0]), (3, 1.4 * np.exp(-1j * np.pi / 6) * np.array([-1, 1]))):
+        for i, x in enumerate(order * w):
+            u = np.linalg.solve(stiff - x**2 * M + 1j * x * dashpots, load)
+            work[i] += np.pi * order * x * float(np.real(np.conj(u) @ dashpots @ u))
+    np.testing.assert_allclose(data["material_damping_work_per_cycle"], work, rtol=1e-6)
+
+
+def test_two_harmonics_on_a_cubic_spring_are_those_of_an_integration_in_time() -> None:
+    forces = [wf.joints.Force(at=0, amplitude=4.0), wf.joints.Force(at=0, amplitude=3.0, phase=40.0, harmonic=2)]
+    spring = wf.joints.Spring(at=0, coefficients=(0.0, 0.0, 3e9), length=1e-3)
+    mass = wf.structure([[1e4]], [[1.0]], [spring], damping=[[20.0]], force=forces)
+    band = wf.Chirp(f_start=9.0, f_end=10.0, rate_oct_per_min=1.0, amplitude=1.0)
+    data = mass.run_harmonic(band, harmonic={"harmonics": 11, "samples": 256}).data
+    w = 2.0 * np.pi * float(data["frequency"][-1])
+
+    def rate(t: float, y: np.ndarray) -> list[float]:
+        push = 4.0 * np.cos(w * t) + 3.0 * np.cos(2.0 * w * t + np.deg2rad(40.0))
+        return [y[1], push - 20.0 * y[1] - 1e4 * y[0] - 3e9 * y[0] ** 3]
+
+    period, cycles = 2.0 * np.pi / w, 60
+    times = cycles * period + period * np.arange(256) / 256
+    found = solve_ivp(rate, (0.0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-9, atol=1e-12).y[0]
+    first = 2.0 / 256 * np.sum(found * np.exp(-1j * w * times))
+    assert float(data["tip_amplitude"][-1]) == pytest.approx(abs(first), rel=1e-4)
+
+
+def test_forces_with_phase_are_for_harmonic_balance_and_need_its_harmonics(tmp_path: Path) -> None:
+    chain = wf.structure(K, M, JOINTS, damping=0.02, force=FORCES)
+    with pytest.raises(wf.InputError, match=r"harmonic.harmonics: is 2, but a force acts at harmonic 3; set it to 3"):
+        chain.run_harmonic(BAND, harmonic={"harmonics": 2})
+    with pytest.raises(wf.InputError, match="force: analysis dwell has one force pattern"):
+        chain.run_dwell(wf.Dwell(frequency=10.0, cycles=5, ramp_cycles=1, amplitude=1.0))
+    system, _ = load_system(chain.save(tmp_path / "chain.npz"))
+    for found, given in zip(system.harmonic_forces, chain.system.harmonic_forces, strict=True):
+        assert found.order == given.order
+        np.testing.assert_array_equal(found.cosine, given.cosine)
+        np.testing.assert_array_equal(found.sine, given.sine)
 
 
 def test_dwell_sweep_and_harmonic_of_a_force_agree() -> None:

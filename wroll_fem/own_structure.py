@@ -17,8 +17,10 @@ import scipy.sparse as sp
 
 from wroll_fem.case import Case
 from wroll_fem.dynamics.joints.assembly import with_joints
+from wroll_fem.dynamics.joints.force import Force, patterns
 from wroll_fem.dynamics.joints.joint import At, Joint, row_of
 from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.harmonic_force import HarmonicForce
 from wroll_fem.dynamics.system.io import save_system
 from wroll_fem.dynamics.system.matrix_checks import is_singular, negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
@@ -97,7 +99,7 @@ def structure(
     tip: At | None = None,
     probes: Mapping[str, At] | None = None,
     influence: npt.ArrayLike | None = None,
-    force: Mapping[int, float] | npt.ArrayLike | None = None,
+    force: Mapping[int, float] | Sequence[Force] | npt.ArrayLike | None = None,
 ) -> OwnStructure:
     """Structure from matrices with joints, excited by its base or by a force.
 
@@ -119,7 +121,8 @@ def structure(
         relative to the base.
     force
         Force in N that excites the structure in place of the base: (n,), or degree of freedom -> force. The excitation
-        of a case is then its factor, and the transmissibility is the accelerance, tip acceleration per factor.
+        of a case is then its factor, and the transmissibility is the accelerance, tip acceleration per factor. A list
+        of `wroll_fem.joints.Force` has phases and harmonics (harmonic balance only).
 
     Returns
     -------
@@ -154,7 +157,8 @@ def structure(
     if force is not None:
         if is_singular(m):
             raise InputError("is singular, but a force needs a regular one", key="mass", remedy="give every DOF a mass")
-        plain = plain.excited_by(_force(force, n))
+        first, further = _force(force, n)
+        plain = replace(plain.excited_by(first), harmonic_forces=further)
     system, rest = with_joints(_damped(plain, damping), joints)
     return OwnStructure(system, rest)
 
@@ -180,11 +184,14 @@ def _vector(values: npt.ArrayLike, n: int, key: str) -> FloatArray:
     return vector
 
 
-def _force(force: Mapping[int, float] | npt.ArrayLike, n: int) -> FloatArray:
-    if not isinstance(force, Mapping):
-        return _vector(force, n, "force")
-    rows = [value * row_of(int(place), n) for place, value in force.items()]
-    return np.asarray(np.sum(rows, axis=0), float) if rows else np.zeros(n)
+def _force(
+    force: Mapping[int, float] | Sequence[Force] | npt.ArrayLike, n: int
+) -> tuple[FloatArray, tuple[HarmonicForce, ...]]:
+    if isinstance(force, Mapping):
+        force = [Force(at=int(place), amplitude=value) for place, value in force.items()]
+    if isinstance(force, Sequence) and all(isinstance(part, Force) for part in force):
+        return patterns(force, n)  # type: ignore[arg-type]
+    return _vector(force, n, "force"), ()  # type: ignore[arg-type]
 
 
 def _damped(system: System, damping: float | Sequence[float] | Matrix | None) -> System:

@@ -28,7 +28,7 @@ from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.errors import ConvergenceError
+from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.damping import HalfPower
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
@@ -94,6 +94,15 @@ def pass_line(number: int, size: int, error: float, target: float) -> str:
     return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
 
 
+def _check_orders(system: System, harmonics: int) -> None:
+    highest = max((force.order for force in system.harmonic_forces), default=0)
+    if highest > harmonics:
+        raise InputError(
+            f"is {harmonics}, but a force acts at harmonic {highest}", key="harmonic.harmonics",
+            remedy=f"set it to {highest} or more",
+        )  # fmt: skip
+
+
 class Passes:
     """Progress of an adaptive basis: the place on the curve of the present pass, and a line after each pass."""
 
@@ -120,6 +129,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
         If a point of the curve does not converge; ``partial`` contains the curve up to that point.
     """
     system, state = prepare(case, progress)
+    _check_orders(system, case.harmonic.harmonics)
     condensation = condensed_structure(case, system, state, progress)
     excitation, settings = case.excitation, case.harmonic
     started = time.process_time()

@@ -70,7 +70,8 @@ def structure_warnings(case: StructuralCase) -> list[str]:
             "add load_preload or a preload state to the file"
         )
     if system.force is not None:
-        return warnings if system.force.any() else [*warnings, "force is zero: nothing excites the structure"]
+        excited = bool(system.force.any() or system.harmonic_forces)
+        return warnings if excited else [*warnings, "force is zero: nothing excites the structure"]
     if not system.influence.any():
         warnings.append("influence is zero: the base motion does not act; write the rigid translation of every DOF")
     rigid = float(system.probes["tip"] @ system.influence)

@@ -132,6 +132,11 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     if state is None:
         _check_pressing(system, str(path))
     _check_mass(case, system)
+    if system.harmonic_forces and case.analysis in ("sweep", "dwell"):
+        raise InputError(
+            f"analysis {case.analysis} has one force pattern, cos(wt)", key="force", file=str(path),
+            remedy="leave out forces with a phase or a harmonic, or use harmonic",
+        )  # fmt: skip
     if case.analysis not in ("modal", "preload") and system.force is None:
         _check_held(system, str(path))
     return system.with_base_loads(), state

@@ -56,7 +56,8 @@ def first_model(
     leading = np.argsort(-np.abs(c.base * c.tip))[:START_MODES]
     modes = np.zeros((count, len(leading)))
     modes[leading, np.arange(len(leading))] = 1.0
-    model = span(c, np.column_stack([modes, c.base / values, c.tip / values]), symmetry)
+    pushed = [part / values for force in c.forces for part in (force.cosine, force.sine)]
+    model = span(c, np.column_stack([modes, c.base / values, c.tip / values, *pushed]), symmetry)
     if not len(laws.area):
         return model
     rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling, symmetry=symmetry), 0.0)

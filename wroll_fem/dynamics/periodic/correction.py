@@ -82,6 +82,9 @@ def correction(
         stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
         inverse.append(1.0 / stiffness)
         root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
+    if c.forces:
+        for force, part in zip(residual, every.split(balance.further_load().T), strict=True):
+            force -= part
     if c.damping or damping:
         speed = balance.velocity(coefficients, frequency) @ model.vectors.T  # (R, r)
         viscous = -2.0 * damping * frequency * speed

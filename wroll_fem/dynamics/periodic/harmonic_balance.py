@@ -78,9 +78,22 @@ class HarmonicBalance:
         return out
 
     def load(self) -> FloatArray:
-        """(R, m) external force due to the base acceleration A cos(wt)."""
+        """(R, m) external force due to the base acceleration A cos(wt) and the harmonic forces."""
         out = np.zeros((len(self.orders), self.model.size))
         out[1] = -self.acceleration * self.model.base
+        if self.model.condensation.forces:
+            out += self.further_load() @ self.model.vectors
+        return out
+
+    def further_load(self) -> FloatArray:
+        """(R, r) harmonic forces on the coordinates of all modes; harmonics that the motion lacks are left out."""
+        c = self.model.condensation
+        out = np.zeros((len(self.orders), len(c.eigenvalues)))
+        for force in c.forces:
+            rows = np.flatnonzero(self.orders == force.order)
+            if len(rows):
+                out[rows[0]] += self.acceleration * force.cosine
+                out[rows[1]] += self.acceleration * force.sine
         return out
 
     def residual(self, coefficients: FloatArray, frequency: float) -> tuple[FloatArray, PeriodicContact]:
@@ -233,6 +246,8 @@ class FrequencyCurve:
 
     def overtones(self, z: FloatArray) -> float:
         """Energy norm of the harmonics above the fundamental, divided by the energy norm of the motion."""
+        if self.balance.model.condensation.forces:  # forces of their own drive the overtones
+            return 0.0
         y = np.zeros(self.shape)
         y.ravel()[self.active] = z[:-1]
         return float(np.linalg.norm(y[3:])) / max(float(np.linalg.norm(y)), 1e-300)
@@ -265,7 +280,8 @@ class FrequencyCurve:
 def _largest_growth(model: ReducedModel) -> float:
     """Transmissibility up to which a resonance is followed; of a force, relative to its largest participation."""
     if not model.condensation.rigid_tip:
-        unit = float(np.abs(model.base * model.tip).max(initial=0.0)) or 1.0
+        further = [part @ model.vectors for force in model.condensation.forces for part in (force.cosine, force.sine)]
+        unit = float(np.abs(np.array([model.base, *further]) * model.tip).max(initial=0.0)) or 1.0
         return unit * HIGHEST_GROWTH
     if model.damping is None:
         return LARGEST_GROWTH

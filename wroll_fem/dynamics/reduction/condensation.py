@@ -15,6 +15,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, by_component, spread
+from wroll_fem.dynamics.system.harmonic_force import HarmonicForce
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.numerics.linear import factorise
@@ -55,6 +56,7 @@ class Condensation:
     damping : viscous damping of the modes of each block, 1/s: (r_b,) if they are uncoupled, otherwise (r_b, r_b); empty
         without damping
     moments : 0 if every mode of every block is kept; otherwise see `condense`
+    forces : harmonic forces in addition to the excitation, on the modal coordinates
     rigid_tip : displacement of the tip under a unit base translation; 0 if a force excites the structure
     """
 
@@ -71,6 +73,7 @@ class Condensation:
     damping: tuple[FloatArray, ...] = ()
     moments: int = 0
     rigid_tip: float = 1.0
+    forces: tuple[HarmonicForce, ...] = ()
 
     @property
     def n_theta(self) -> int:
@@ -177,6 +180,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         exact=exact,
         damping=_damping(system, values, [len(values)], coupled, losses),
         rigid_tip=system.rigid_tip,
+        forces=tuple(HarmonicForce(f.order, vectors.T @ f.cosine, vectors.T @ f.sine) for f in system.harmonic_forces),
     )
 
 
@@ -272,7 +276,8 @@ def _attachment_projection(
     system: System, stiffness: sp.spmatrix, scheme: Scheme, dt: float
 ) -> tuple[FloatArray, FloatArray]:
     """Ritz values (r,) and Ritz vectors (n_dofs, r) in a basis of attachment vectors and low modes."""
-    loads = np.column_stack([system.jump.T.toarray(), system.mass @ system.influence, system.probes["tip"]])
+    parts = [part for force in system.harmonic_forces for part in (force.cosine, force.sine)]
+    loads = np.column_stack([system.jump.T.toarray(), system.mass @ system.influence, system.probes["tip"], *parts])
     static = factorise(stiffness)
     dynamic = factorise(system.mass / (scheme.beta * dt**2) + (1.0 + scheme.alpha) * stiffness)
     start = np.random.default_rng(1).standard_normal(system.n_dofs)

@@ -6,6 +6,7 @@ Field names, units, signs and orders are documented in docs/matrices.md. In shor
 ``K``, ``M``, ``C``             (n, n) symmetric; N/m, kg, N s/m; C is optional
 ``damping_...``                 ``ratios``, ``table`` or ``loss``: damping of the modes (`damping_fields`); optional
 ``influence``                   (n,) displacement of the DOFs under a unit base translation along the excitation
+``force_<h>_cos``, ``_sin``       (n,) further forces at harmonic h of the excitation (harmonic balance)
 ``force``                       (n,) instead: force in N that excites the structure, per unit of the excitation
 ``probe_<name>``                (n,) row that gives a displacement in m; "tip" is required
 ``base_<probe>``                displacement of a probe under a unit base translation, where its row does not give it
@@ -44,6 +45,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.array_file import ArrayFile, write_arrays
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.damping_fields import DAMPING_FIELDS, damping_content, read_damping
+from wroll_fem.dynamics.system.harmonic_force import force_content, is_force_field, read_forces
 from wroll_fem.dynamics.system.law_fields import FRICTION_LAWS, law_field_names, law_fields, read_laws
 from wroll_fem.dynamics.system.matrix_checks import is_singular, negative_problem, symmetry_problem
 from wroll_fem.dynamics.system.system import System
@@ -106,6 +108,7 @@ def save_system(system: System, path: str | os.PathLike[str], *, preload: Contac
                     remedy="use up to 40 letters, digits and underscores",
                 )
             content[f"{kind}_{name}"] = vector
+    content |= force_content(system.harmonic_forces)
     content |= {f"base_{name}": np.array([motion]) for name, motion in system.probe_base.items()}
     for number, interface in enumerate(system.interfaces, start=1):
         content |= {f"interface_{number}_{key}": value for key, value in _interface_content(interface).items()}
@@ -198,7 +201,8 @@ def load_system(
         probes=_vectors(file, "probe", n, "row that gives a displacement in m"),
         probe_base={name: float(value[0]) for name, value in _vectors(file, "base", 1, "motion with the base").items()},
         loads=_vectors(file, "load", n, "static force, N"),
-        subspaces=_subspaces(file, n),
+        subspaces=_subspaces(file, n) if not any(map(is_force_field, file.names)) else (),
+        harmonic_forces=read_forces(file, n),
     )
     if "tip" not in system.probes:
         remedy = "add it (row that gives the displacement to follow, along the excitation)"
@@ -234,7 +238,7 @@ def _check_names(file: ArrayFile) -> int:
         *(f"interface_{k}_{key}" for k in sorted(numbers) for key in (*_OF_INTERFACE, *law_field_names(file))),
     ]
     for name in file.names:
-        if name in known or name.startswith(("probe_", "base_", "load_", _OWN)):
+        if name in known or is_force_field(name) or name.startswith(("probe_", "base_", "load_", _OWN)):
             continue
         near = [_MEANT[name]] if name in _MEANT else difflib.get_close_matches(name, [*known, "probe_tip"], n=1)
         meant = f"did you mean {near[0]}? " if near else ""

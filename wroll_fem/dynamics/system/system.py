@@ -16,6 +16,7 @@ from wroll_fem.contact.interface import FrictionLaw, Interface, NormalPenalty, P
 from wroll_fem.contact.laws import PointLaws, stack_laws
 from wroll_fem.contact.point import per_dof
 from wroll_fem.dynamics.system.cyclic_symmetry import Subspace, cyclic_subspaces
+from wroll_fem.dynamics.system.harmonic_force import HarmonicForce
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
@@ -60,6 +61,8 @@ class System:
         changed, is a load on the base (N, N m), and the load per unit base acceleration of the rigid structure.
     force
         (n,) force in N that excites the structure in place of the base, per unit of the excitation; see `excited_by`.
+    harmonic_forces
+        Further periodic forces, per unit of the excitation; harmonic balance only.
     shell_stress
         Function that returns the stress recovery of each shell, innermost first; None if it is not known.
     """
@@ -78,6 +81,7 @@ class System:
     base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)
     shell_stress: Callable[[], tuple[ShellStress, ...]] | None = None
     force: FloatArray | None = None
+    harmonic_forces: tuple[HarmonicForce, ...] = ()
 
     def __post_init__(self) -> None:
         n = self.stiffness.shape[0]
