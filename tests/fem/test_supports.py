@@ -132,7 +132,7 @@ def test_a_roll_on_springs_slips_in_full_condensed_and_reduced_alike() -> None:
         "mesh={circumferential: 8, axial: 3, grading: 1}", "mandrel.base=sprung",
         "mandrel.base_springs={lateral: 2e6, tilt: 2e4}", "mandrel.tip_offset=0.02",
         "mandrel.tip_inertia={transverse: 1e-5, polar: 1e-5}", "output.figures=false", "excitation.frequency=125",
-        "excitation.amplitude=20",
+        "excitation.amplitude=20", "excitation.cycles=4",
     ]  # fmt: skip
     tips = {}
     for method in ("full", "condensed", "reduced"):
