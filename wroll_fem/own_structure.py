@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from wroll_fem.case import Case
 from wroll_fem.dynamics.joints.assembly import with_joints
 from wroll_fem.dynamics.joints.force import Force, patterns
 from wroll_fem.dynamics.joints.joint import At, Joint, row_of
@@ -70,24 +69,9 @@ class OwnStructure(Runs):
         """
         return save_system(self.system, path, preload=self.rest)
 
-    def case(self, analysis: str, **sections: Any) -> Case:
-        """Return the case of an analysis of this structure; its matrices are in `file`.
-
-        Parameters
-        ----------
-        analysis
-            Value of `analysis` in the case file.
-        sections
-            Further case sections, as models or dicts; None gives the default.
-
-        Raises
-        ------
-        InputError
-            If the case is invalid; the message names key, value and remedy.
-        """
-        own: dict[str, Any] = {"structure": {"file": str(self.file)}}
-        given = {name: section for name, section in (own | sections).items() if section is not None}
-        return Case(analysis=analysis, **given)
+    def own_sections(self) -> dict[str, Any]:
+        """Return the case section `structure`, with the path of `file`."""
+        return {"structure": {"file": str(self.file)}}
 
 
 def structure(

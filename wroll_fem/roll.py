@@ -91,24 +91,9 @@ class Roll(Runs):
         """Return a copy with changed case sections, for example ``roll.replace(preload=wf.Preload(pressure=1e5))``."""
         return replace(self, **sections)
 
-    def case(self, analysis: str, **sections: Any) -> Case:
-        """Return the case of an analysis of this roll; `case.resolved_yaml()` is its case file.
-
-        Parameters
-        ----------
-        analysis
-            Value of `analysis` in the case file.
-        sections
-            Further case sections, as models or dicts; None gives the default.
-
-        Raises
-        ------
-        InputError
-            If the case is invalid; the message names key, value and remedy.
-        """
-        own = {f.name: getattr(self, f.name) for f in fields(self)}
-        given = {name: section for name, section in (own | sections).items() if section is not None}
-        return Case(analysis=analysis, **given)
+    def own_sections(self) -> dict[str, Any]:
+        """Return the case sections of this roll."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def run_buckling(
         self,

@@ -20,8 +20,26 @@ class Runs(ABC):
     """Object with cases: a method per analysis."""
 
     @abstractmethod
+    def own_sections(self) -> dict[str, Any]:
+        """Return the case sections that describe this object, as models or dicts."""
+
     def case(self, analysis: str, **sections: Any) -> Case:
-        """Return the case of an analysis."""
+        """Return the case of an analysis; `case.resolved_yaml()` is its case file.
+
+        Parameters
+        ----------
+        analysis
+            Value of `analysis` in the case file.
+        sections
+            Further case sections, as models or dicts; None gives the default.
+
+        Raises
+        ------
+        InputError
+            If the case is invalid; the message names key, value and remedy.
+        """
+        given = {name: section for name, section in (self.own_sections() | sections).items() if section is not None}
+        return Case(analysis=analysis, **given)
 
     def run(
         self, analysis: str, *, out: str | Path | None = None, progress: ShowProgress = None, **sections: Any
