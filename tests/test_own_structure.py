@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support.paths import ROOT
+from support.paths import CONFIGS, ROOT
 
 import wroll_fem as wf
 from wroll_fem.dynamics.joints.joint import row_of
@@ -238,6 +238,9 @@ def test_a_law_of_the_user_is_registered_from_outside(tmp_path: Path) -> None:
 chain = wf.structure([[1e4]], [[1.0]], [joint], damping=0.01)
 from wroll_fem.dynamics.system.io import load_system
 assert load_system(chain.save({str(tmp_path / "chain.npz")!r}))[0].interfaces[0].friction == joint.law
+words = ["contact.friction={{law: dahl, mu: 0.25, elastic_slip: 1e-6}}"]
+friction = wf.load_case({str(CONFIGS / "tiny.yaml")!r}, words).friction
+assert (friction.law, friction.mu) == ("dahl", 0.25)
 try:
     wf.register_law(type("Late", (wf.FrictionLaw,), {{"name": "late"}}))
 except wf.InputError as error:

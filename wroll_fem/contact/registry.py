@@ -34,7 +34,8 @@ BY_NAME: dict[str, type[FrictionLaw]] = {law.name: law for law in LAWS}
 """Friction law for each name in case files and matrix files."""
 
 _PACKAGE = Path(__file__).parents[1]
-_COMPILED = "wroll_fem.contact.laws"
+_LATE = ("wroll_fem.contact.laws", "wroll_fem.case.contact")
+"""Modules that read the registry once: the compiled functions, and the section of the case file."""
 
 
 def register_law(law: type[FrictionLaw]) -> type[FrictionLaw]:
@@ -49,16 +50,16 @@ def register_law(law: type[FrictionLaw]) -> type[FrictionLaw]:
     Raises
     ------
     InputError
-        If the name is taken by another law, or the compiled functions are already loaded.
+        If the name is taken by another law, or the laws are in use already.
     """
     known = BY_NAME.get(law.name)
     if known is law:
         return law
     if known is not None:
         raise InputError(f"the friction law {law.name!r} exists", key="law", remedy="give your law another name")
-    if _COMPILED in sys.modules:
+    if any(module in sys.modules for module in _LATE):
         raise InputError(
-            f"the friction law {law.name!r} comes too late: the compiled functions are loaded", key="law",
+            f"the friction law {law.name!r} comes too late: the other laws are in use already", key="law",
             remedy="register it directly after `import wroll_fem`, before any case is run",
         )  # fmt: skip
     LAWS.append(law)
