@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -225,9 +226,14 @@ def python_of(page: str, heading: str) -> str:
     return text.split("```python\n")[1].split("```")[0]
 
 
-def test_the_example_of_the_page_takes_eight_lines() -> None:
-    lines = [line for line in python_of("joints.md", "Two joints in a chain").splitlines() if line.strip()]
-    assert len(lines) <= 8
+def test_the_example_of_the_page_runs_and_takes_eight_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    program = python_of("joints.md", "Two joints in a chain")
+    assert len([line for line in program.splitlines() if line.strip()]) <= 8
+    names: dict[str, Any] = {}
+    exec(program, names)
+    assert names["result"].data["interface_name"].values.tolist() == ["jenkins_1", "jenkins_2"]
+    assert names["chain"].system.n_dofs == 2
+    assert "Hz, zeta" in capsys.readouterr().out
 
 
 def test_a_law_of_the_user_is_registered_from_outside(tmp_path: Path) -> None:
