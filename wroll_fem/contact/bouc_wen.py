@@ -29,6 +29,9 @@ SUBSTEP, MOST_SUBSTEPS = 0.037, 1000
 """Length of a Runge-Kutta substep, relative to gamma* and to 1 / max(1, n / 2), and the largest number of them. Where
 the number changes, the elastic slip jumps by the error of the method, 1e-9 gamma*."""
 
+SECANTS = 4
+"""Number of secant steps to the place where e . u changes its sign."""
+
 DIFFERENCE = 1e-5
 """Increment of the central differences for the derivatives, relative to gamma*."""
 
@@ -91,21 +94,44 @@ def flow(e_h: float, e_z: float, u_h: float, u_z: float, gamma: float, n: float,
     return u_h - c * e_h, u_z - c * e_z
 
 
+def runge_kutta(
+    e_h: float, e_z: float, u_h: float, u_z: float, step: float, gamma: float, n: float, b: float
+) -> tuple[float, float]:
+    """Elastic slip (m) after one Runge-Kutta step of length ``step`` (m) in the unit direction u."""
+    a_h, a_z = flow(e_h, e_z, u_h, u_z, gamma, n, b)
+    b_h, b_z = flow(e_h + 0.5 * step * a_h, e_z + 0.5 * step * a_z, u_h, u_z, gamma, n, b)
+    c_h, c_z = flow(e_h + 0.5 * step * b_h, e_z + 0.5 * step * b_z, u_h, u_z, gamma, n, b)
+    d_h, d_z = flow(e_h + step * c_h, e_z + step * c_z, u_h, u_z, gamma, n, b)
+    return e_h + step / 6.0 * (a_h + 2.0 * (b_h + c_h) + d_h), e_z + step / 6.0 * (a_z + 2.0 * (b_z + c_z) + d_z)
+
+
 def advance(
     e_h: float, e_z: float, dg_h: float, dg_z: float, gamma: float, n: float, b: float, count: int
 ) -> tuple[float, float]:
-    """Elastic slip (m) after an increment, in ``count`` Runge-Kutta substeps."""
+    """Elastic slip (m) after an increment, in ``count`` Runge-Kutta substeps.
+
+    Where e . u changes its sign the rate has a corner; the substep is divided there.
+    """
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
     if size == 0.0:
         return e_h, e_z
     u_h, u_z, step = dg_h / size, dg_z / size, size / count
     for _ in range(count):
-        a_h, a_z = flow(e_h, e_z, u_h, u_z, gamma, n, b)
-        b_h, b_z = flow(e_h + 0.5 * step * a_h, e_z + 0.5 * step * a_z, u_h, u_z, gamma, n, b)
-        c_h, c_z = flow(e_h + 0.5 * step * b_h, e_z + 0.5 * step * b_z, u_h, u_z, gamma, n, b)
-        d_h, d_z = flow(e_h + step * c_h, e_z + step * c_z, u_h, u_z, gamma, n, b)
-        e_h += step / 6.0 * (a_h + 2.0 * b_h + 2.0 * c_h + d_h)
-        e_z += step / 6.0 * (a_z + 2.0 * b_z + 2.0 * c_z + d_z)
+        before = e_h * u_h + e_z * u_z
+        n_h, n_z = runge_kutta(e_h, e_z, u_h, u_z, step, gamma, n, b)
+        after = n_h * u_h + n_z * u_z
+        if before < 0.0 < after:
+            part, low, high, least, most = 0.0, before, after, 0.0, step
+            for _ in range(SECANTS):
+                part = least - low * (most - least) / (high - low)
+                n_h, n_z = runge_kutta(e_h, e_z, u_h, u_z, part, gamma, n, b)
+                here = n_h * u_h + n_z * u_z
+                if here < 0.0:
+                    low, least = here, part
+                else:
+                    high, most = here, part
+            n_h, n_z = runge_kutta(n_h, n_z, u_h, u_z, step - part, gamma, n, b)
+        e_h, e_z = n_h, n_z
     return e_h, e_z
 
 
@@ -150,5 +176,5 @@ def slip_derivatives(
     return a00, a01, a10, a11, g00 - a00, g01 - a01, g10 - a10, g11 - a11
 
 
-CALLED = ("advance", "substeps")
+CALLED = ("advance", "runge_kutta", "substeps")
 """Functions that numba compiles once and calls; it would inline them otherwise. Their arguments are numbers."""
