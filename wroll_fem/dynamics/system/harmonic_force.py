@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,13 +44,13 @@ def force_content(forces: tuple[HarmonicForce, ...]) -> dict[str, FloatArray]:
 
 def read_forces(file: ArrayFile, n: int) -> tuple[HarmonicForce, ...]:
     """Harmonic forces of a matrix file with ``n`` degrees of freedom; a missing part is zero."""
-    found: Mapping[int, dict[str, FloatArray]] = {}
+    found: dict[int, dict[str, FloatArray]] = {}
     for name in file.names:
         match = _FIELD.fullmatch(name)
         if match is None:
             continue
         if int(match[1]) < 1:
             raise file.error("is a force at harmonic 0", key=name, remedy="give a harmonic from 1, or load_preload")
-        found.setdefault(int(match[1]), {})[match[2]] = file.vector(name, n, "force on each DOF, N")  # type: ignore[attr-defined]
+        found.setdefault(int(match[1]), {})[match[2]] = file.vector(name, n, "force on each DOF, N")
     zero = np.zeros(n)
     return tuple(HarmonicForce(h, parts.get("cos", zero), parts.get("sin", zero)) for h, parts in sorted(found.items()))
