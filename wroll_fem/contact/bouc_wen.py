@@ -5,7 +5,8 @@ r"""Bouc-Wen hysteresis with a limit: the elastic slip approaches gamma* smoothl
 
 In one direction this is :math:`\dot z = \dot x - \beta |\dot x| |z|^{n-1} z - \gamma \dot x |z|^n` with
 :math:`\beta = b / \gamma^{*n}` and :math:`\gamma = (1 - b) / \gamma^{*n}`. The law does not depend on the slip rate.
-An increment is integrated by the classical Runge-Kutta method in substeps.
+An increment is integrated by the classical Runge-Kutta method in substeps; its derivatives are central differences
+(`laws`).
 
 References
 ----------
@@ -31,9 +32,6 @@ the number changes, the elastic slip jumps by the error of the method, 1e-9 gamm
 
 SECANTS = 4
 """Number of secant steps to the place where e . u changes its sign."""
-
-DIFFERENCE = 1e-5
-"""Increment of the central differences for the derivatives, relative to gamma*."""
 
 SLIDES = 0.9
 """Elastic slip, relative to gamma*, above which a point counts as sliding."""
@@ -149,31 +147,6 @@ def slip_update(
     count = substeps(dg_h, dg_z, gamma, n)
     e_h, e_z = advance(trial_h - dg_h, trial_z - dg_z, dg_h, dg_z, gamma, n, b, count)
     return e_h, e_z, e_h * e_h + e_z * e_z > (SLIDES * gamma) ** 2
-
-
-def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Derivatives of the elastic slip by the trial slip at fixed increment, then by the increment at fixed trial slip.
-
-    With the committed slip c and the increment dg as independent variables, they are de/dc, and de/d(dg) - de/dc.
-    """
-    gamma, n, b = laws.gamma[k], laws.own[k, EXPONENT], laws.own[k, UNLOADING]
-    count, d = substeps(dg_h, dg_z, gamma, n), DIFFERENCE * gamma
-    c_h, c_z = trial_h - dg_h, trial_z - dg_z
-    r_h, r_z = advance(c_h + d, c_z, dg_h, dg_z, gamma, n, b, count)
-    l_h, l_z = advance(c_h - d, c_z, dg_h, dg_z, gamma, n, b, count)
-    a00, a10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z = advance(c_h, c_z + d, dg_h, dg_z, gamma, n, b, count)
-    l_h, l_z = advance(c_h, c_z - d, dg_h, dg_z, gamma, n, b, count)
-    a01, a11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z = advance(c_h, c_z, dg_h + d, dg_z, gamma, n, b, count)
-    l_h, l_z = advance(c_h, c_z, dg_h - d, dg_z, gamma, n, b, count)
-    g00, g10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z = advance(c_h, c_z, dg_h, dg_z + d, gamma, n, b, count)
-    l_h, l_z = advance(c_h, c_z, dg_h, dg_z - d, gamma, n, b, count)
-    g01, g11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    return a00, a01, a10, a11, g00 - a00, g01 - a01, g10 - a10, g11 - a11
 
 
 CALLED = ("advance", "runge_kutta", "substeps")

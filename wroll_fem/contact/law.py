@@ -1,8 +1,8 @@
 """Base class of the friction laws: a law declares its name, its parameters with meaning and bounds, and its traits.
 
-Each law has its own file. The file contains a frozen dataclass derived from `FrictionLaw` and two functions for one
-point, `slip_update` and `slip_derivatives` (see `laws`). It imports neither numba nor numpy, because the case file is
-read without them. `laws` compiles the functions of all laws in `registry`.
+Each law has its own file. The file contains a frozen dataclass derived from `FrictionLaw` and a function for one
+point, `slip_update`, and usually its `slip_derivatives` (see `laws`). It imports neither numba nor numpy, because the
+case file is read without them. `laws` compiles the functions of all laws in `registry`.
 """
 
 from __future__ import annotations

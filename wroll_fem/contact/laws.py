@@ -38,7 +38,7 @@ __all__ = [
 
 drop_stale_cache(__file__)
 
-DIFFERENCE = 1e-6
+DIFFERENCE = 1e-5
 """Increment of the central differences for a law without derivatives, relative to gamma*."""
 
 
