@@ -131,7 +131,7 @@ def softest(evidence: Evidence, modulus: float) -> float:
         from wroll_fem.coiled_stiff.frequency_bounds import softest_coil
         from wroll_fem.fem.fourier_roll import FourierRoll
 
-        found = softest_coil(FourierRoll(case), case.coil.material.solid())
+        found = softest_coil(FourierRoll(case), case.coil.solid())
         if found is None:
             raise InputError(
                 f"a Kapton roll of {modulus:g} Pa has no fundamental bending mode", remedy="use another modulus"
@@ -211,7 +211,7 @@ def c31(evidence: Evidence) -> Verdict:
 
 
 def c32(evidence: Evidence) -> Verdict:
-    material = evidence.roll(KAPTON).coil.material.solid()
+    material = evidence.roll(KAPTON).coil.solid()
     value = f"G = {material.G_z_theta / 1e9:.4f} GPa, E_r = {material.E_r / 1e9:g} GPa in configs/{KAPTON}.yaml"
     exact = abs(material.G_z_theta / isotropic(4e9) - 1) < 1e-12 and abs(material.G_r_theta / isotropic(4e9) - 1) < 1e-4
     return Verdict(value, exact and abs(material.E_r - 0.01 * 4e9) < 1.0 and round(isotropic(4e9) / 1e9, 2) == 1.48)

@@ -13,7 +13,6 @@ from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
 from reproduction.verdict import Verdict
 from reproduction.words import numbers, table
-from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.kernels import interface_work
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
@@ -124,9 +123,8 @@ def c110(evidence: Evidence) -> Verdict:
 def shear_lag(evidence: Evidence, pressure: float, slip: float) -> float:
     """Length over which friction transfers axial force to the layer, m: sqrt((E t)_series gamma* / (mu p))."""
     case = evidence.roll("lab_sweep")
-    tube, coil, material = case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil, case.coil.material
-    assert isinstance(material, IsotropicMaterial)
-    layer = material.E * coil.total_thickness
+    tube = case.mandrel.material.in_plane.E_z * case.geometry.mandrel_thickness
+    layer = case.coil.layer_material.in_plane.E_z * case.coil.total_thickness
     return float(np.sqrt(slip / (1.0 / tube + 1.0 / layer) / (case.friction.mu * pressure)))
 
 

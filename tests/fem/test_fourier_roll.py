@@ -168,7 +168,7 @@ def test_shear_modes_lie_along_the_excitation():
 
 def test_shear_and_bending_frequencies_meet_at_the_softest_coil():
     roll = FourierRoll(case(coil=kapton()))
-    tight = case(coil=kapton()).coil.material.solid()
+    tight = case(coil=kapton()).coil.solid()
     found = softest_coil(roll, tight)
     assert found.competing_kind == "torsion"
     torsion = symmetry_class_modes(roll, TORSION, 1)[0].frequency_hz
@@ -183,7 +183,7 @@ def test_a_coil_clamped_at_its_base_may_be_as_loose_as_it_likes():
     # at G = 0 it is a cantilever tube of its own, whose torsion is not slow
     coil = kapton() | {"base": "clamped"}
     roll = FourierRoll(case("mesh.axial=6", coil=coil))
-    found = softest_coil(roll, case(coil=coil).coil.material.solid())
+    found = softest_coil(roll, case(coil=coil).coil.solid())
     assert found.competing_kind == ""
     assert found.shear_modulus == pytest.approx(1.0)
     assert found.bending.frequency_hz < found.stiffest.frequency_hz
@@ -192,7 +192,7 @@ def test_a_coil_clamped_at_its_base_may_be_as_loose_as_it_likes():
 def test_no_softest_coil_if_bending_is_never_the_fundamental_mode():
     # a free tip lets the thin wide tube become oval first
     wide = case("geometry.mandrel_outer_diameter=0.14", "mandrel.tip=free", coil=kapton())
-    assert softest_coil(FourierRoll(wide), wide.coil.material.solid()) is None
+    assert softest_coil(FourierRoll(wide), wide.coil.solid()) is None
 
 
 def test_split_ends_keep_the_borders():

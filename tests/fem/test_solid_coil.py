@@ -239,4 +239,4 @@ def test_shear_stress_needs_a_solid_coil():
     with pytest.raises(InputError, match="for a solid coil only"):
         shear_modes(bare)
     with pytest.raises(InputError, match="for a solid coil only"):
-        shear_modes_of_bodies(build_bodies(bare), bare.coil.material.solid(), count=1, direction=0)
+        shear_modes_of_bodies(build_bodies(bare), bare.coil.solid(), count=1, direction=0)

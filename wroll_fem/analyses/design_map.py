@@ -66,7 +66,7 @@ class _Models:
         roll = FourierRoll(RollSections(geometry=geometry, mandrel=mandrel, coil=case.coil, mesh=mesh), self._with)
         self._without, self._with = bare.model, roll.model
         alone = symmetry_class_modes(bare, BENDING, 1)[0].frequency_hz
-        material = case.coil.material.solid()
+        material = case.coil.solid()
         modulus = case.design_map.softest
         if isinstance(modulus, str):
             found = softest_coil(roll, material)

@@ -37,7 +37,7 @@ def shear_modes(case: ModalTransientCase) -> ShearModes:
     """
     if case.coil.model != "solid":
         raise needs_solid_coil()
-    material, count = case.coil.material.solid(), case.modal.count
+    material, count = case.coil.solid(), case.modal.count
     direction, probes = DIRECTIONS[case.direction], named_probes(case.probes)
     if case.mesh.discretisation == "fourier":
         from wroll_fem.coiled_stiff import fourier_stress

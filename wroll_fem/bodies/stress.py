@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from wroll_fem.bodies.wall import LayeredSection
 from wroll_fem.typing import FloatArray
 
 SURFACES = (-1.0, 1.0)
@@ -44,5 +45,57 @@ class ShellStress:
         parts = resultants.reshape(len(self.points), 6, *resultants.shape[1:])
         t = self.thickness
         stress = [parts[:, :3] / t + sign * 6.0 * parts[:, 3:] / t**2 for sign in SURFACES]
-        s11, s22, s12 = np.moveaxis(np.stack(stress, axis=1), 2, 0)
-        return np.asarray(np.sqrt(s11**2 + s22**2 - s11 * s22 + 3.0 * s12**2))
+        return _von_mises(np.moveaxis(np.stack(stress, axis=1), 2, 0))
+
+    def plies(self, resultants: FloatArray) -> FloatArray | None:
+        """Stresses in the axes of the plies; None for a homogeneous isotropic wall."""
+        return None
+
+
+@dataclass(frozen=True)
+class PlyStress(ShellStress):
+    """Map from the degrees of freedom of a structure to the strains of a shell with plies, and their stresses.
+
+    The six rows of a point are, in place of resultants, the membrane strains and the curvatures (1/m) of the reference
+    surface in the axes (z, theta, z-theta).
+
+    Attributes
+    ----------
+    section
+        Plies of the wall.
+    """
+
+    section: LayeredSection
+
+    def von_mises(self, resultants: FloatArray) -> FloatArray:
+        """(k, 2 n_plies, ...) von Mises stress, Pa, at the borders of the plies; nan in plies that are orthotropic."""
+        stress = self._stresses(resultants)  # (k, n_plies, 2, 3, ...)
+        found = _von_mises(np.moveaxis(stress, 3, 0))
+        for number, ply in enumerate(self.section.plies):
+            if not ply.material.is_isotropic:
+                found[:, number] = np.nan
+        return found.reshape(len(found), -1, *found.shape[3:])
+
+    def plies(self, resultants: FloatArray) -> FloatArray | None:
+        """(k, n_plies, 2, 3, ...) stresses along 1 and 2 and shear 12, Pa, at the inner and outer border of each ply.
+
+        None if all plies are isotropic; `von_mises` describes these.
+        """
+        isotropic = all(ply.material.is_isotropic for ply in self.section.plies)
+        return None if isotropic else self._stresses(resultants)
+
+    def _stresses(self, strains: FloatArray) -> FloatArray:
+        parts = np.moveaxis(strains.reshape(len(self.points), 6, *strains.shape[1:]), 1, 0)  # (6, k, ...)
+        thickness = self.section.thickness_at(self.points[:, 2])
+        found = np.empty((len(self.section.plies), 2, 3, *parts.shape[1:]))
+        for value in np.unique(thickness):
+            here = thickness == value
+            middle = np.tensordot(self.section.to_middle(float(value)), parts[:, here], axes=1)
+            found[:, :, :, here] = self.section.laminate(float(value)).ply_stresses(middle)
+        return np.moveaxis(found, 3, 0)
+
+
+def _von_mises(stress: FloatArray) -> FloatArray:
+    """Von Mises stress of plane stresses (3, ...): normal stresses 11 and 22, shear 12."""
+    s11, s22, s12 = stress
+    return np.asarray(np.sqrt(s11**2 + s22**2 - s11 * s22 + 3.0 * s12**2))

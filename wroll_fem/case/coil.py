@@ -6,8 +6,15 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.case.base import Real, Section, Switch, Whole, validation_error
-from wroll_fem.case.material import IsotropicMaterial, Material
+from wroll_fem.case.material import (
+    IsotropicMaterial,
+    LaminaMaterial,
+    LaminateMaterial,
+    Material,
+    OrthotropicMaterial,
+)
 
 #: Keys that every coil model except `none` needs.
 _NEEDED = ("total_thickness", "material")
@@ -51,8 +58,8 @@ class Coil(Section):
     )
     material: Material = Field(
         default_factory=_lab_layer,
-        description="material of the coil: isotropic (a section, or a name as in `wroll materials`), or kind: "
-        "cylindrical_orthotropic for solid",
+        description="material of the coil: isotropic (a section, or a name as in `wroll materials`), kind: lamina or "
+        "laminate for layers, or kind: cylindrical_orthotropic for solid",
     )
     yield_stress: Real | None = Field(
         default=None, gt=0, description="yield stress of the layers, Pa; left out: no margin is computed"
@@ -106,10 +113,15 @@ class Coil(Section):
                 f"does not apply to base: {self.base}", key="base_stiffness", value=self.base_stiffness,
                 remedy="leave it out, or use base: guided",
             )  # fmt: skip
-        if self.model in SHELL_COILS and not isinstance(self.material, IsotropicMaterial):
+        if self.model in SHELL_COILS and isinstance(self.material, OrthotropicMaterial):
             raise validation_error(
-                f"shells (model: {self.model}) must be isotropic", key="material.kind", value=self.material.kind,
-                remedy="give E, nu and rho, or use model: solid",
+                f"shells (model: {self.model}) have no modulus through the stack of wraps", key="material.kind",
+                value=self.material.kind, remedy="use kind: lamina, give E, nu and rho, or use model: solid",
+            )  # fmt: skip
+        if self.model == "solid" and isinstance(self.material, LaminaMaterial | LaminateMaterial):
+            raise validation_error(
+                "describes a shell, not a solid", key="material.kind", value=self.material.kind,
+                remedy="use kind: cylindrical_orthotropic, or model: layers",
             )  # fmt: skip
         return self
 
@@ -124,17 +136,34 @@ class Coil(Section):
         return {key: value for key, value in data.items() if key not in unused}
 
     @property
-    def layer_material(self) -> IsotropicMaterial:
-        """Isotropic material of the layers.
+    def layer_material(self) -> IsotropicMaterial | LaminaMaterial | LaminateMaterial:
+        """Material of the layers.
 
         Raises
         ------
         TypeError
-            If the material is orthotropic.
+            If the material is that of a solid.
         """
-        if not isinstance(self.material, IsotropicMaterial):
-            raise TypeError(f"the {self.model} coil has no isotropic material")
+        if isinstance(self.material, OrthotropicMaterial):
+            raise TypeError(f"the {self.model} coil has no material of a layer")
         return self.material
+
+    def solid(self) -> CylindricalOrthotropic:
+        """Constitutive law of the coil in three dimensions.
+
+        Raises
+        ------
+        TypeError
+            If the material is that of a shell.
+        """
+        if isinstance(self.material, LaminaMaterial | LaminateMaterial):
+            raise TypeError(f"the {self.model} coil has no material of a solid")
+        return self.material.solid()
+
+    @property
+    def is_layered(self) -> bool:
+        """Whether the layers are shells with plies."""
+        return self.model in SHELL_COILS and not isinstance(self.material, IsotropicMaterial)
 
     @property
     def layer_thickness(self) -> float:

@@ -6,15 +6,31 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from wroll_fem.case.base import Real, SparseSection, validation_error
-from wroll_fem.case.material import Isotropic
+from wroll_fem.bodies.materials import CylindricalOrthotropic
+from wroll_fem.case.base import Real, Section, SparseSection, validation_error
+from wroll_fem.case.material import IsotropicMaterial, WallMaterial
 from wroll_fem.case.supports import PINNED, BaseSprings, TipInertia, TipSprings
+
+
+class WallRow(Section):
+    """Thickness of the wall at one height."""
+
+    z: Real = Field(ge=0, description="height above the base, m; two rows with the same height are a step")
+    thickness: Real = Field(gt=0, description="thickness of the wall there, m")
 
 
 class Mandrel(SparseSection):
     """Elastic tube of the mandrel with its end conditions."""
 
-    material: Isotropic = Field(description="material of the mandrel: a section, or a name as in `wroll materials`")
+    material: WallMaterial = Field(
+        description="material of the mandrel: isotropic (a section, or a name as in `wroll materials`), or "
+        "kind: lamina or laminate"
+    )
+    wall: list[WallRow] | None = Field(
+        default=None, min_length=2,
+        description="thickness of the wall over the height, linear between the rows; the outer surface stays a "
+        "cylinder. geometry.mandrel_thickness is then the nominal thickness",
+    )  # fmt: skip
     yield_stress: Real | None = Field(
         default=None, gt=0, description="yield stress, Pa; left out: no margin is computed"
     )
@@ -60,6 +76,41 @@ class Mandrel(SparseSection):
                 "has no effect without a tip mass", key="tip_offset", value=self.tip_offset, remedy="give tip_mass too"
             )
         return self
+
+    @model_validator(mode="after")
+    def _yields(self) -> Self:
+        if self.yield_stress is not None and not isinstance(self.material, IsotropicMaterial):
+            raise validation_error(
+                "does not apply to plies, whose strength differs along and across their fibres", key="yield_stress",
+                value=self.yield_stress, remedy="leave it out; runs give the stresses of the plies (ply_stress_max)",
+            )  # fmt: skip
+        return self
+
+    @model_validator(mode="after")
+    def _wall_ascends(self) -> Self:
+        heights = [row.z for row in self.wall or []]
+        if heights != sorted(heights):
+            raise validation_error(
+                "the heights of the rows must ascend", key="wall", show_value=False, remedy="sort the rows by z"
+            )
+        return self
+
+    def solid(self) -> CylindricalOrthotropic:
+        """Constitutive law of the mandrel in three dimensions.
+
+        Raises
+        ------
+        TypeError
+            If the material is that of a shell.
+        """
+        if not isinstance(self.material, IsotropicMaterial):
+            raise TypeError(f"a mandrel of kind {self.material.kind} has no material of a solid")
+        return self.material.solid()
+
+    @property
+    def is_layered(self) -> bool:
+        """Whether the wall has plies, or a thickness that varies."""
+        return self.wall is not None or not isinstance(self.material, IsotropicMaterial)
 
     @property
     def springs(self) -> BaseSprings | None:

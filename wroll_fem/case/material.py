@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
@@ -13,7 +13,19 @@ from pydantic_core import CoreSchema
 
 from wroll_fem.bodies.material_library import LIBRARY
 from wroll_fem.bodies.materials import CONSTANTS, CylindricalOrthotropic, violation
-from wroll_fem.case.base import Real, Section, validation_error
+from wroll_fem.case.base import Real, Section, Switch, validation_error
+
+if TYPE_CHECKING:
+    from wroll_fem.bodies.laminate import Lamina, Laminate, Ply
+
+
+class InPlane(NamedTuple):
+    """Elastic constants of a wall in its plane: Young's moduli along z and theta and shear modulus, Pa."""
+
+    E_z: float
+    E_theta: float
+    nu_theta_z: float
+    G_z_theta: float
 
 
 class IsotropicMaterial(Section):
@@ -29,6 +41,21 @@ class IsotropicMaterial(Section):
     def solid(self) -> CylindricalOrthotropic:
         """Constitutive law in three dimensions."""
         return CylindricalOrthotropic.isotropic(self.E, self.nu, self.rho)
+
+    @property
+    def in_plane(self) -> InPlane:
+        """Elastic constants in the plane of a wall."""
+        return InPlane(self.E, self.E, self.nu, self.E / (2 * (1 + self.nu)))
+
+    def lamina(self) -> Lamina:
+        """Constitutive law of a ply."""
+        from wroll_fem.bodies.laminate import Lamina
+
+        return Lamina.isotropic(self.E, self.nu, self.rho)
+
+    def as_plies(self, thickness: float) -> tuple[Ply, ...]:
+        """Plies of a wall of ``thickness``, m."""
+        return _single_ply(self.lamina(), thickness)
 
 
 def _like(key: str) -> Callable[[dict[str, Any]], float]:
@@ -97,6 +124,61 @@ class OrthotropicMaterial(Section):
         """Constitutive law in three dimensions."""
         return CylindricalOrthotropic(**{name: getattr(self, name) for name in CONSTANTS})
 
+    @property
+    def in_plane(self) -> InPlane:
+        """Elastic constants in the plane of the web."""
+        return InPlane(self.E_z, self.E_theta, self.nu_theta_z, self.G_z_theta)
+
+
+class LaminaMaterial(Section):
+    """Linear elastic, orthotropic material of a ply or of a whole wall, with direction 1 along its fibres."""
+
+    kind: Literal["lamina"] = Field(
+        default="lamina",
+        description="lamina: orthotropic in its plane (shells); direction 1 along the axis, or at the angle of the ply",
+    )
+    E_1: Real = Field(gt=0, description="Young's modulus along direction 1, Pa")
+    E_2: Real = Field(gt=0, description="Young's modulus across it, in the plane, Pa")
+    nu_12: Real = Field(description="Poisson's ratio, dimensionless: -strain_2 / strain_1 under stress along 1")
+    G_12: Real = Field(gt=0, description="shear modulus in the plane, Pa")
+    G_13: Real = Field(
+        default_factory=_like("G_12"), gt=0,
+        description="transverse shear modulus along 1, Pa; default: G_12, exact for fibres in direction 1",
+    )  # fmt: skip
+    G_23: Real = Field(gt=0, description="transverse shear modulus along 2, Pa")
+    rho: Real = Field(gt=0, description="density, kg/m^3")
+
+    @model_validator(mode="after")
+    def _admissible(self) -> Self:
+        bound = math.sqrt(self.E_1 / self.E_2)
+        if not abs(self.nu_12) < bound:
+            raise validation_error(
+                f"violates |nu_12| < sqrt(E_1 / E_2) = {bound:.4g}: the strain energy is not positive definite",
+                key="nu_12", value=self.nu_12, remedy="reduce nu_12, or exchange E_1 and E_2 if 1 is not the fibre",
+            )  # fmt: skip
+        return self
+
+    @property
+    def in_plane(self) -> InPlane:
+        """Elastic constants in the plane of a wall with direction 1 along the axis."""
+        return InPlane(self.E_1, self.E_2, self.nu_12 * self.E_2 / self.E_1, self.G_12)
+
+    def lamina(self) -> Lamina:
+        """Constitutive law of a ply."""
+        from wroll_fem.bodies.laminate import Lamina
+
+        return Lamina(self.E_1, self.E_2, self.nu_12, self.G_12, self.G_13, self.G_23, self.rho)
+
+    def as_plies(self, thickness: float) -> tuple[Ply, ...]:
+        """Plies of a wall of ``thickness``, m."""
+        return _single_ply(self.lamina(), thickness)
+
+
+def _single_ply(lamina: Lamina, thickness: float) -> tuple[Ply, ...]:
+    from wroll_fem.bodies.laminate import Ply
+
+    return (Ply(lamina, thickness),)
+
 
 def _known(value: Any) -> Any:
     """Content of a material section that is given by a name of the library; anything else is returned unchanged."""
@@ -112,9 +194,10 @@ def _known(value: Any) -> Any:
 
 
 def _kind_of(value: Any) -> Any:
-    """Content of a material section; a missing `kind` is set to isotropic."""
+    """Content of a material section; a missing `kind` follows from its keys, and is isotropic otherwise."""
     if isinstance(value, dict) and "kind" not in value:
-        return {"kind": "isotropic", **value}
+        kind = "laminate" if "plies" in value else "lamina" if "E_1" in value else "isotropic"
+        return {"kind": kind, **value}
     return value
 
 
@@ -129,11 +212,82 @@ class _OrName:
 Isotropic = Annotated[IsotropicMaterial, BeforeValidator(_known), _OrName]
 """Section of an isotropic material, or a name of the library."""
 
-Material = Annotated[
-    IsotropicMaterial | OrthotropicMaterial,
+
+PlyMaterial = Annotated[
+    IsotropicMaterial | LaminaMaterial,
     Field(discriminator="kind"),
     BeforeValidator(_kind_of),
     BeforeValidator(_known),
     _OrName,
 ]
-"""Section of a material, or a name of the library."""
+"""Section of the material of a ply, or a name of the library."""
+
+
+class PlySection(Section):
+    """One ply of a laminate."""
+
+    material: PlyMaterial = Field(description="material of the ply: a section, or a name as in `wroll materials`")
+    thickness: Real = Field(gt=0, description="thickness of the ply, m")
+    angle: Real = Field(
+        default=0.0, ge=-180, le=180,
+        description="angle of direction 1 from the roll's axis z towards theta, deg",
+    )  # fmt: skip
+
+
+class LaminateMaterial(Section):
+    """Plies of a wall, innermost first."""
+
+    kind: Literal["laminate"] = Field(
+        default="laminate", description="laminate: plies with material, thickness and angle (shells)"
+    )
+    plies: list[PlySection] = Field(min_length=1, description="plies, innermost first")
+    symmetric: Switch = Field(
+        default=False, description="whether the plies are followed by the same plies in reverse order"
+    )
+
+    def as_plies(self, thickness: float) -> tuple[Ply, ...]:
+        """Plies of the wall; their own thicknesses sum to ``thickness``, m, which `case.checks_walls` has checked."""
+        from wroll_fem.bodies.laminate import Ply
+
+        stack = [Ply(p.material.lamina(), p.thickness, math.radians(p.angle)) for p in self.plies]
+        return (*stack, *(reversed(stack) if self.symmetric else ()))
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of all plies, m."""
+        return (2 if self.symmetric else 1) * math.fsum(ply.thickness for ply in self.plies)
+
+    @property
+    def rho(self) -> float:
+        """Mean density, kg/m^3."""
+        mass = math.fsum(ply.thickness * ply.material.rho for ply in self.plies)
+        return mass / math.fsum(ply.thickness for ply in self.plies)
+
+    @property
+    def in_plane(self) -> InPlane:
+        """Elastic constants of the wall in its plane."""
+        return InPlane(*self._laminate().engineering_constants())
+
+    def _laminate(self) -> Laminate:
+        from wroll_fem.bodies.laminate import Laminate
+
+        return Laminate(self.as_plies(self.thickness))
+
+
+WallMaterial = Annotated[
+    IsotropicMaterial | LaminaMaterial | LaminateMaterial,
+    Field(discriminator="kind"),
+    BeforeValidator(_kind_of),
+    BeforeValidator(_known),
+    _OrName,
+]
+"""Section of the material of the mandrel, or a name of the library."""
+
+Material = Annotated[
+    IsotropicMaterial | OrthotropicMaterial | LaminaMaterial | LaminateMaterial,
+    Field(discriminator="kind"),
+    BeforeValidator(_kind_of),
+    BeforeValidator(_known),
+    _OrName,
+]
+"""Section of the material of a coil, or a name of the library."""

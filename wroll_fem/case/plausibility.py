@@ -29,7 +29,7 @@ _TENSION = Plausible("a tension stress", "Pa", 1e3, 1e10, (("MPa", 1e6), ("kPa",
 _BASE = Plausible("a base acceleration", "m/s^2", 1e-6, 5e3, (("mm/s^2", 1e-3),))
 
 USUAL = {
-    "E": _MODULUS, "E_theta": _MODULUS, "E_z": _MODULUS, "rho": _DENSITY,
+    "E": _MODULUS, "E_theta": _MODULUS, "E_z": _MODULUS, "E_1": _MODULUS, "E_2": _MODULUS, "rho": _DENSITY,
     "length": _SIZE, "mandrel_outer_diameter": _SIZE, "outer_radius": _SIZE, "web_width": _SIZE,
     "mandrel_thickness": _WALL, "total_thickness": _WALL, "thickness": _WALL, "wall": _WALL, "wrap_thickness": _WEB,
     "elastic_slip": _SLIP, "pressure": _PRESSURE, "tension_stress": _TENSION, "amplitude": _BASE,

@@ -21,6 +21,7 @@ from wroll_fem.case.checks import (
     check_probes,
 )
 from wroll_fem.case.checks_supports import check_supports
+from wroll_fem.case.checks_walls import check_plies, check_wall
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
 from wroll_fem.case.contact import Contact, Friction
 from wroll_fem.case.damping import Damping
@@ -109,6 +110,8 @@ class OnRoll(StructuralCase, RollSections):
             yield partial(self._check_section, section)
         yield lambda: check_base(self.mandrel, self.analysis)
         yield self._check_supports
+        yield lambda: check_plies(self.geometry, self.mandrel, self.coil)
+        yield lambda: check_wall(self.geometry, self.mandrel, self.mesh)
         yield lambda: check_pressures(self.preload, self.coil.layers)
         yield lambda: check_probes(self.probes or {}, self.geometry, self.coil)
         yield lambda: check_winding_given(self.winding, self.preload)

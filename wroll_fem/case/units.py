@@ -39,6 +39,8 @@ KINDS = {
     "rad/s": Kind("angular frequency", "rad/s", "30 rpm"),
     "dimensionless": Kind("pure number", "", "1 %"),
     "rad": Kind("angle", "rad", "90 deg"),
+    "deg": Kind("angle", "deg", "0.5 rad"),
+    "kg/m^2": Kind("mass per area", "kg/m^2", "300 g/m^2"),
     "m/s": Kind("speed", "m/s", "5 mm/s"),
     "s/m": Kind("reciprocal speed", "s/m", "2 s/mm"),
     "m/s^2": Kind("acceleration", "m/s^2", "0.5 g"),

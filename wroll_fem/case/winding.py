@@ -319,8 +319,9 @@ class Winding(SparseSection):
         """Return this case section; if it has no mandrel, add the mandrel that `geometry` and `mandrel` describe."""
         if self.mandrel is not None:
             return self
+        wall = mandrel.material.in_plane
         tube = WindingMandrel(
             outer_radius=0.5 * geometry.mandrel_outer_diameter, wall=geometry.mandrel_thickness,
-            E=mandrel.material.E, nu=mandrel.material.nu,
+            E=wall.E_theta, nu=wall.nu_theta_z,
         )  # fmt: skip
         return self.model_copy(update={"mandrel": tube})

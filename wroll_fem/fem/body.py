@@ -10,11 +10,14 @@ from mpi4py import MPI
 
 from wroll_fem.bodies.body import Body, Trace
 from wroll_fem.bodies.rigid_ends import rigid_mass, spring_matrix
+from wroll_fem.bodies.wall import LayeredSection, WallTable
+from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.case.supports import TipInertia
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
-from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
+from wroll_fem.fem.layered_shell import shell_model
+from wroll_fem.fem.shell import AnySection, ShellModel, ShellSection, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
 from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import build_mesh, shell_layout
@@ -73,8 +76,8 @@ def assemble_bodies(
     ]
 
 
-def shell_section(roll: RollSections, index: int, thickness: float) -> ShellSection:
-    """Shell section of the mandrel or of a layer.
+def shell_section(roll: RollSections, index: int, thickness: float) -> AnySection:
+    """Shell section of the mandrel or of a layer: homogeneous, or of plies.
 
     Parameters
     ----------
@@ -85,16 +88,19 @@ def shell_section(roll: RollSections, index: int, thickness: float) -> ShellSect
     thickness
         Thickness of the shell, m.
     """
+    bending, extra, m, table = 1.0, 0.0, roll.mandrel.material, None
     if index > 0:
-        m = roll.coil.layer_material
-        return ShellSection(m.E, m.nu, m.rho, thickness, bending=1.0 if roll.coil.bending else 0.0)
-    m = roll.mandrel.material
-    extra = 0.0
-    if roll.coil.model == "nonstructural_mass":
+        m, bending = roll.coil.layer_material, 1.0 if roll.coil.bending else 0.0
+    elif roll.coil.model == "nonstructural_mass":
         outer = 0.5 * roll.geometry.mandrel_outer_diameter
         radius, t = outer - 0.5 * thickness, roll.coil.total_thickness
         extra = roll.coil.material.rho * t * (outer + 0.5 * t) / radius
-    return ShellSection(m.E, m.nu, m.rho, thickness, extra_mass=extra)
+    if index == 0 and roll.mandrel.wall is not None:
+        table = WallTable(*(tuple(getattr(row, key) for row in roll.mandrel.wall) for key in ("z", "thickness")))
+    if isinstance(m, IsotropicMaterial) and table is None:
+        return ShellSection(m.E, m.nu, m.rho, thickness, bending, extra)
+    radius = shell_layout(roll)[index][1]
+    return LayeredSection(m.as_plies(thickness), radius, table, bending, extra)
 
 
 def _base_is_clamped(roll: RollSections, index: int) -> bool:
@@ -107,7 +113,7 @@ def _assemble_shell(
     roll: RollSections, index: int, name: str, radius: float, thickness: float, part: CylinderMesh, symmetric: bool
 ) -> Body:
     section = shell_section(roll, index, thickness)
-    model = ShellModel(part.nodes, part.cells, radial_director)
+    model = shell_model(part.nodes, part.cells, section)
     rigid_tip = index == 0 and roll.mandrel.tip == "rigid"
     centre = np.array([0.0, 0.0, roll.geometry.length])
     base = part.groups["base"]
@@ -149,7 +155,7 @@ def _assemble_shell(
         traces=_traces(model, constraints, part, radius, thickness, symmetric),
         pressure_force=np.asarray(E.T @ model.area_load(-scale * outward)),
         probes={"tip": tip},
-        mass_total=section.mass_per_area * model.area + tip_mass,
+        mass_total=model.mass_total(section) + tip_mass,
         symmetric=symmetric,
         unknown_node=constraints.node,
         unknown_component=constraints.component,

@@ -115,7 +115,7 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
     bond = wall_offset(part.nodes, 0.5 * roll.geometry.mandrel_thickness) @ shell.expand
     clamped = part.groups["base"] if roll.coil.base == "clamped" else np.empty(0, np.int64)
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
-    material = roll.coil.material.solid()
+    material = roll.coil.solid()
     ordered = in_vtk_order(nodes, cells)
     stiffness, mass = model.orthotropic_stiffness(material), model.mass(material.rho)
     return CoilMatrices(

@@ -124,12 +124,12 @@ class FourierRoll:
         else:
             model.move(half_plane)
         self.sections, self.model = sections, model
-        wall = sections.mandrel.material.solid()
+        wall = sections.mandrel.solid()
         extra = _nonstructural_mass(sections) / half_plane.volume(coil=False)
         model.set_material(WALL, wall.stiffness(), wall.rho + extra)
         self.mass_total = sections.mandrel.tip_mass + (wall.rho + extra) * half_plane.volume(coil=False)
         if sections.coil.model in MESHED_COILS:
-            coil = sections.coil.material.solid()
+            coil = sections.coil.solid()
             self.set_coil(coil)
             self.mass_total += coil.rho * half_plane.volume(coil=True)
         self._nodes = model.nodes

@@ -46,6 +46,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from wroll_fem.bodies.wall import LayeredSection
 from wroll_fem.fem import compat
 from wroll_fem.typing import FloatArray, IntArray
 
@@ -90,6 +91,10 @@ class ShellSection:
     def mass_per_area(self) -> float:
         """Mass per area of the mid-surface, kg/m^2."""
         return self.rho * self.thickness + self.extra_mass
+
+
+AnySection = ShellSection | LayeredSection
+"""Section of a shell: homogeneous and isotropic, or of plies (`layered_shell.LayeredShellModel`)."""
 
 
 def radial_director(points: FloatArray) -> FloatArray:
@@ -205,6 +210,19 @@ class ShellModel:
             c["shear"] * gamma,
         )
 
+    def work(self, state: Any, eps: Any, kappa: Any, gamma: Any, tension: Any = 0) -> Any:
+        """Work of the resultants of a field `state` on strains, with the section set by `use`.
+
+        It is integrated at the points of the stiffness. `tension` (2 x 2, N/m) is added to the membrane forces.
+        """
+        N, M, Q = self.resultants(state)
+        return self.integral(ufl.inner(N + tension, eps) + ufl.inner(Q, gamma), ufl.inner(M, kappa))
+
+    def recovered(self, q: Any) -> list[Any]:
+        """The six quantities from which stresses are recovered: N_11, N_22, N_12 and M_11, M_22, M_12 of a field q."""
+        N, M, _ = self.resultants(q)
+        return [N[0, 0], N[1, 1], N[0, 1], M[0, 0], M[1, 1], M[0, 1]]
+
     def integral(self, mixed: Any, full: Any = None) -> Any:
         """Integral of `mixed` (mixed rule) plus `full` (3 x 3 Gauss points per cell) over the mid-surface.
 
@@ -252,8 +270,9 @@ class ShellModel:
 
     # ---- assembly --------------------------------------------------------------------------------------------------
 
-    def use(self, section: ShellSection) -> None:
+    def use(self, section: AnySection) -> None:
         """Set the material and the thickness to those of `section`."""
+        section = _homogeneous(section)
         t, G = section.thickness, section.E / (2 * (1 + section.nu))
         plane = section.E / (1 - section.nu**2)
         values = {
@@ -267,13 +286,14 @@ class ShellModel:
             self._constants[name].value = value
         self._alpha.x.array[:] = np.minimum(1.0, t**2 / self._area_of_cell)
 
-    def stiffness(self, section: ShellSection) -> sp.csr_matrix:
+    def stiffness(self, section: AnySection) -> sp.csr_matrix:
         """(6 n_nodes, 6 n_nodes) unconstrained stiffness, N/m."""
         self.use(section)
         return self.reorder(compat.assemble_csr(self._stiffness_form))
 
-    def mass(self, section: ShellSection) -> sp.csr_matrix:
+    def mass(self, section: AnySection) -> sp.csr_matrix:
         """(6 n_nodes, 6 n_nodes) consistent mass, kg, with a rotary inertia of rho t^3 / 12 about all three axes."""
+        section = _homogeneous(section)
         self._constants["mass"].value = section.mass_per_area
         self._constants["rotary"].value = section.rho * section.thickness**3 / 12
         return self.reorder(compat.assemble_csr(self._mass_form))
@@ -282,6 +302,10 @@ class ShellModel:
         """(6 n_nodes,) consistent nodal forces, N, of a traction with nodal values `density` (n_nodes, 3), Pa."""
         self._set(self._load, np.broadcast_to(density, self.nodes.shape))
         return compat.assemble_array(self._load_form)[self.dof_order]
+
+    def mass_total(self, section: AnySection) -> float:
+        """Mass of the wall, kg."""
+        return _homogeneous(section).mass_per_area * self.area
 
     @property
     def area(self) -> float:
@@ -293,6 +317,12 @@ class ShellModel:
         ordered = matrix[self.dof_order][:, self.dof_order]
         ordered = (ordered + ordered.T) * 0.5
         return drop_small(ordered.tocsr())
+
+
+def _homogeneous(section: AnySection) -> ShellSection:
+    if not isinstance(section, ShellSection):
+        raise TypeError(f"plies need a LayeredShellModel, got {type(section).__name__}; use layered_shell.shell_model")
+    return section
 
 
 def split(q: Any) -> tuple[Any, Any]:

@@ -18,10 +18,12 @@ import scipy.sparse as sp
 import ufl
 
 from wroll_fem.bodies.body import Body
-from wroll_fem.bodies.stress import ShellStress
+from wroll_fem.bodies.stress import PlyStress, ShellStress
+from wroll_fem.bodies.wall import LayeredSection
 from wroll_fem.fem import compat
 from wroll_fem.fem.body import shell_section
-from wroll_fem.fem.shell import ShellModel, ShellSection
+from wroll_fem.fem.layered_shell import shell_model
+from wroll_fem.fem.shell import AnySection, ShellModel
 from wroll_fem.mesh.generate import shell_layout
 from wroll_fem.typing import FloatArray
 
@@ -38,27 +40,28 @@ def shell_stresses(roll: RollSections, bodies: Sequence[Body]) -> tuple[ShellStr
     A homogenised coil is left out: its shell is the mandrel.
     """
     ends = np.cumsum([0, *(body.n_dofs for body in bodies)])
-    found = []
+    found: list[ShellStress] = []
     for index, (body, (_, _, thickness)) in enumerate(zip(bodies, shell_layout(roll), strict=False)):
         section = shell_section(roll, index, thickness)
-        operator, points = stress_operator(ShellModel(body.nodes, body.cells), section)
+        operator, points = stress_operator(shell_model(body.nodes, body.cells, section), section)
         own = (operator @ body.expand).tocoo()
         whole = sp.csr_matrix((own.data, (own.row, own.col + ends[index])), shape=(own.shape[0], ends[-1]))
-        found.append(ShellStress(body.name, whole, points, thickness))
+        parts = (body.name, whole, points, thickness)
+        found.append(PlyStress(*parts, section) if isinstance(section, LayeredSection) else ShellStress(*parts))
     return tuple(found)
 
 
-def stress_operator(model: ShellModel, section: ShellSection) -> tuple[sp.csr_matrix, FloatArray]:
+def stress_operator(model: ShellModel, section: AnySection) -> tuple[sp.csr_matrix, FloatArray]:
     """Map from nodal displacements to resultants, (24 n_cells, 6 n_nodes), and its points (4 n_cells, 3), m.
 
-    Columns are node-major; the rows of a point are n_11, n_22, n_12 (N/m), m_11, m_22, m_12 (N).
+    Columns are node-major; the rows of a point are n_11, n_22, n_12 (N/m), m_11, m_22, m_12 (N). For plies they are the
+    strains and curvatures of `LayeredShellModel.recovered`.
     """
     model.use(section)
     values = compat.function_space(model.mesh, compat.discontinuous(_CELL, 1, components=6))
     corners = compat.function_space(model.mesh, compat.discontinuous(_CELL, 1))
     dx = ufl.Measure("dx", domain=model.mesh, metadata={"quadrature_degree": _GAUSS})
-    N, M, _ = model.resultants(ufl.TrialFunction(model.space))
-    parts = ufl.as_vector([N[0, 0], N[1, 1], N[0, 1], M[0, 0], M[1, 1], M[0, 1]])
+    parts = ufl.as_vector(model.recovered(ufl.TrialFunction(model.space)))
     projected = compat.assemble_csr(compat.compile_form(ufl.inner(parts, ufl.TestFunction(values)) * dx))
     weight = ufl.inner(ufl.TrialFunction(corners), ufl.TestFunction(corners)) * dx
     mass = compat.assemble_csr(compat.compile_form(weight)).tocsr()

@@ -129,6 +129,9 @@ FIELDS: dict[str, Field] = {
     "von_mises_max": Field("Pa", "largest von Mises stress of the shell"),
     "von_mises_height": Field("m", "height of the largest von Mises stress above the base"),
     "yield_stress": Field("Pa", "yield stress of the shell"),
+    "ply": Field("1", "ply of the shell, innermost first"),
+    "ply_component": Field("1", "component of the stress of a ply: along its fibres (1), across them (2), shear (12)"),
+    "ply_stress_max": Field("Pa", "stress of largest magnitude in the ply, with its sign"),
     # modes
     "mode_frequency": Field("Hz", "natural frequency"),
     "load_factor": Field("1", "buckling load divided by preload"),

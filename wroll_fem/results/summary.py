@@ -142,8 +142,17 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "von_mises_max_pa": Entry(
             "Pa", "largest von Mises stress",
             "of mandrel and layers, inner first, from preload and vibration: at the largest tip displacement (sweep, "
-            "dwell), or during the period of the highest motion (harmonic)", "si", "{:.3g} Pa",
+            "dwell), or during the period of the highest motion (harmonic); `null` for orthotropic plies", "si",
+            "{:.3g} Pa",
         ),
+        "ply_stress_1_max_pa": Entry(
+            "Pa", "largest ply stress along the fibres", "of each shell with plies, inner first, with its sign; `null` "
+            "for isotropic shells", "si", "{:.3g} Pa",
+        ),
+        "ply_stress_2_max_pa": Entry(
+            "Pa", "largest ply stress across the fibres", "as `ply_stress_1_max_pa`", "si", "{:.3g} Pa"
+        ),
+        "ply_stress_12_max_pa": Entry("Pa", "largest ply shear stress", "as `ply_stress_1_max_pa`", "si", "{:.3g} Pa"),
         "yield_margin": Entry(
             "", "margin against yield", "`yield_stress` divided by the largest von Mises stress, minus 1; negative: "
             "yields; `null` without a yield stress", "number", "{:.2f}",

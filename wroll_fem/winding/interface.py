@@ -41,8 +41,8 @@ def ring_split(roll: RollSections) -> FloatArray:
     (layers, layers) row: interface, column: loaded layer, innermost first
     """
     n, radius = roll.coil.layers, 0.5 * roll.geometry.mandrel_outer_diameter
-    core = roll.mandrel.material.E * roll.geometry.mandrel_thickness / radius**2
-    ring = roll.coil.layer_material.E * roll.coil.layer_thickness / radius**2
+    core = roll.mandrel.material.in_plane.E_theta * roll.geometry.mandrel_thickness / radius**2
+    ring = roll.coil.layer_material.in_plane.E_theta * roll.coil.layer_thickness / radius**2
     outside = np.arange(n, 0, -1)
     return np.triu(np.ones((n, n))) - (outside * ring / (core + n * ring))[:, None]
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wroll_fem.case import Friction, RollSections
     from wroll_fem.case.mandrel import Mandrel
-    from wroll_fem.case.material import IsotropicMaterial, OrthotropicMaterial
     from wroll_fem.case.structural import OnRoll
 
 RIGID = 1e-3
@@ -32,9 +31,7 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
     """
     g, m, coil = roll.geometry, roll.mandrel, roll.coil
     radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
-    tubes: list[tuple[IsotropicMaterial | OrthotropicMaterial, float, float, bool]] = [
-        (m.material, radius, g.mandrel_thickness, True)
-    ]
+    tubes: list[tuple[Any, float, float, bool]] = [(m.material, radius, g.mandrel_thickness, True)]
     if coil.model != "none":
         radius = 0.5 * g.mandrel_outer_diameter + 0.5 * coil.total_thickness
         stiff = bonded and coil.model != "nonstructural_mass"
@@ -43,7 +40,7 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
     for material, radius, thickness, stiff in tubes:
         area = 2 * math.pi * radius * thickness
         if stiff or material is m.material:
-            E, G = _axial_moduli(material)
+            E, _, _, G = material.in_plane
             bending += E * math.pi * radius**3 * thickness
             shear += G * area / 2
         if added_mass or material is m.material:
@@ -75,13 +72,6 @@ def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, m
     return float(moving[0]) if moving else 0.0
 
 
-def _axial_moduli(material: IsotropicMaterial | OrthotropicMaterial) -> tuple[float, float]:
-    """Young's modulus along the axis and in-plane shear modulus, Pa."""
-    if material.kind == "cylindrical_orthotropic":
-        return material.E_z, material.G_z_theta
-    return material.E, material.E / (2 * (1 + material.nu))
-
-
 def buckling_pressure(roll: RollSections) -> float:
     """Linear hoop-buckling pressure in Pa: sum of mandrel and layers, each a short tube whose ends stay circular.
 
@@ -98,7 +88,8 @@ def buckling_pressure(roll: RollSections) -> float:
         slender = thickness / diameter
         length = g.length / diameter - 0.45 * math.sqrt(slender)
         if length > 0:
-            total += count * 2.42 * material.E * slender**2.5 / ((1 - material.nu**2) ** 0.75 * length)
+            E, nu = material.in_plane.E_theta, material.in_plane.nu_theta_z
+            total += count * 2.42 * E * slender**2.5 / ((1 - nu**2) ** 0.75 * length)
     return total
 
 
@@ -115,8 +106,8 @@ def interface_pressures(case: OnRoll) -> list[float]:
 
         return target_pressures(case.wound, coil.layers).tolist()
     pressures = case.preload.per_layer(coil.layers)
-    core = case.mandrel.material.E * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
-    ring = coil.layer_material.E * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
+    core = case.mandrel.material.in_plane.E_theta * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
+    ring = coil.layer_material.in_plane.E_theta * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
     shift = sum(pressures) / (core + coil.layers * ring)
     return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
 
@@ -136,8 +127,8 @@ def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) ->
     pressure
         Interface pressure, Pa.
     """
-    mandrel = roll.mandrel.material.E * roll.geometry.mandrel_thickness
-    layer = roll.coil.layer_material.E * roll.coil.layer_thickness
+    mandrel = roll.mandrel.material.in_plane.E_z * roll.geometry.mandrel_thickness
+    layer = roll.coil.layer_material.in_plane.E_z * roll.coil.layer_thickness
     if friction.law == "smoothed_coulomb":  # sticks nowhere
         return math.inf
     return shear_lag(mandrel, layer, friction.mu * pressure / friction.elastic_slip)

@@ -58,8 +58,8 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
     if coil.base == "guided" and coil.base_stiffness:
         return None
     first = 1 if coil.base == "inner_edge" else 0
-    layer = coil.layer_material.E * coil.layer_thickness
-    mandrel = case.mandrel.material.E * g.mandrel_thickness
+    layer = coil.layer_material.in_plane.E_z * coil.layer_thickness
+    mandrel = case.mandrel.material.in_plane.E_z * g.mandrel_thickness
     found = []
     for k, pressure in enumerate(interface_pressures(case)):
         limit = friction.mu * pressure

@@ -1,4 +1,6 @@
-"""Largest von Mises stress of mandrel and layers, from preload and vibration, and its margin against yield.
+"""Largest stress of mandrel and layers, from preload and vibration, and its margin against yield.
+
+Isotropic walls have a von Mises stress; the plies of a laminate have stresses along and across their fibres.
 
 A time history is evaluated at its largest tip displacement, a response curve over the period of its highest motion.
 Stress from winding that the external pressure of the preload does not contain (the tension of the web) is left out.
@@ -23,6 +25,9 @@ from wroll_fem.typing import FloatArray
 if TYPE_CHECKING:
     from wroll_fem.case import Case
     from wroll_fem.progress import Progress
+
+COMPONENTS = ("1", "2", "12")
+"""Components of the stress of a ply: along its fibres, across them, and shear."""
 
 SAMPLES = 64
 """Least number of times per period at which the stress of a periodic motion is evaluated."""
@@ -62,20 +67,41 @@ def _shells(system: System, progress: Progress) -> tuple[ShellStress, ...]:
 
 
 def _largest(shells: tuple[ShellStress, ...], resultants: list[FloatArray]) -> xr.Dataset:
-    """Largest stress of each shell and its height; ``resultants`` (6 k, n) of each shell at n times."""
+    """Largest stresses of each shell; ``resultants`` (6 k, n) of each shell at n times."""
     if not shells:
         return xr.Dataset()
     stress, height = [], []
     for shell, found in zip(shells, resultants, strict=True):
-        at_points = shell.von_mises(found).max(axis=(1, 2))
+        at_points = np.nan_to_num(shell.von_mises(found), nan=-1.0).max(axis=(1, 2))
         most = int(at_points.argmax())
-        stress.append(float(at_points[most]))
-        height.append(float(shell.points[most, 2]))
-    names = [shell.name for shell in shells]
+        known = at_points[most] >= 0.0
+        stress.append(float(at_points[most]) if known else np.nan)
+        height.append(float(shell.points[most, 2]) if known else np.nan)
+    fields = {"von_mises_max": ("shell", np.array(stress)), "von_mises_height": ("shell", np.array(height))}
+    return xr.Dataset(fields, coords={"shell": [shell.name for shell in shells]}).merge(_of_plies(shells, resultants))
+
+
+def _of_plies(shells: tuple[ShellStress, ...], resultants: list[FloatArray]) -> xr.Dataset:
+    """Stress of largest magnitude along 1, along 2 and in shear 12 of every ply, with its sign; empty without plies."""
+    found = [_extremes(shell.plies(part)) for shell, part in zip(shells, resultants, strict=True)]
+    count = max(len(plies) for plies in found)
+    if not count:
+        return xr.Dataset()
+    stress = np.full((len(shells), count, len(COMPONENTS)), np.nan)
+    for own, plies in zip(stress, found, strict=True):
+        own[: len(plies)] = plies
     return xr.Dataset(
-        {"von_mises_max": ("shell", np.array(stress)), "von_mises_height": ("shell", np.array(height))},
-        coords={"shell": names},
+        {"ply_stress_max": (("shell", "ply", "ply_component"), stress)},
+        coords={"shell": [s.name for s in shells], "ply": np.arange(1, count + 1), "ply_component": list(COMPONENTS)},
     )
+
+
+def _extremes(stress: FloatArray | None) -> FloatArray:
+    """(n_plies, 3) values of largest magnitude of ply stresses (k, n_plies, 2, 3, n); (0, 3) without plies."""
+    if stress is None:
+        return np.empty((0, len(COMPONENTS)))
+    flat = np.moveaxis(stress, (1, 3), (0, 1)).reshape(stress.shape[1], len(COMPONENTS), -1)
+    return np.take_along_axis(flat, np.abs(flat).argmax(axis=2)[:, :, None], axis=2)[:, :, 0]
 
 
 def yield_stresses(case: Case, shells: list[str]) -> list[float]:
@@ -98,11 +124,26 @@ def summary(dataset: xr.Dataset) -> dict[str, Any]:
     """Largest von Mises stress of mandrel and layers, and their margins; empty without stresses."""
     if "von_mises_max" not in dataset:
         return {}
-    found: dict[str, Any] = {"von_mises_max_pa": dataset["von_mises_max"].values.tolist()}
+    found: dict[str, Any] = {}
+    if not np.isnan(dataset["von_mises_max"].values).all():
+        found["von_mises_max_pa"] = _or_none(dataset["von_mises_max"].values)
+    if "ply_stress_max" in dataset:
+        for component in COMPONENTS:
+            plies = dataset["ply_stress_max"].sel(ply_component=component).values
+            found[f"ply_stress_{component}_max_pa"] = _or_none(np.array([_largest_of(shell) for shell in plies]))
     if "yield_stress" in dataset:
-        margin = dataset["yield_stress"].values / dataset["von_mises_max"].values - 1.0
-        found["yield_margin"] = [None if np.isnan(value) else float(value) for value in margin]
+        found["yield_margin"] = _or_none(dataset["yield_stress"].values / dataset["von_mises_max"].values - 1.0)
     return found
+
+
+def _largest_of(plies: FloatArray) -> float:
+    """Value of largest magnitude, with its sign; nan if there is none."""
+    known = plies[~np.isnan(plies)]
+    return float(known[np.abs(known).argmax()]) if len(known) else np.nan
+
+
+def _or_none(values: FloatArray) -> list[float | None]:
+    return [None if np.isnan(value) else float(value) for value in values]
 
 
 def stress_doubts(dataset: xr.Dataset, entries: Mapping[str, Any], case: Case) -> list[str]:

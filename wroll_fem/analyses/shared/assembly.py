@@ -10,10 +10,12 @@ import numpy as np
 
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.laminate import Laminate
 from wroll_fem.bodies.probe import Probe, probe_row, unit_vector
 from wroll_fem.case.contact import Friction, Normal
 from wroll_fem.case.kinds import ModalCase
 from wroll_fem.case.probes import ProbePoint
+from wroll_fem.case.structural import OnRoll
 from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
@@ -22,7 +24,7 @@ from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
-    from wroll_fem.case.structural import OnRoll, StructuralCase
+    from wroll_fem.case.structural import StructuralCase
     from wroll_fem.case.winding import Winding
 
 DIRECTIONS = {"x": 0, "y": 1}
@@ -40,13 +42,22 @@ def normal_penalty(roll: RollSections, normal: Normal) -> float:
     """
     if not isinstance(normal.penalty, str):
         return float(normal.penalty)
-    mandrel, layer = roll.mandrel.material.E, roll.coil.layer_material.E
+    mandrel, layer = (m.in_plane.E_theta for m in (roll.mandrel.material, roll.coil.layer_material))
     return 2.0 / (roll.geometry.mandrel_thickness / mandrel + roll.coil.layer_thickness / layer)
 
 
 def uses_symmetry(case: StructuralCase) -> bool:
     """Whether case and excitation allow a model of half the circumference; the mesh must be symmetric as well."""
-    return bool(case.solver.symmetry and case.direction == "x" and case.solver.method != "full")
+    allowed = case.solver.symmetry and case.direction == "x" and case.solver.method != "full"
+    return bool(allowed and (not isinstance(case, OnRoll) or _is_mirrored(case)))
+
+
+def _is_mirrored(roll: RollSections) -> bool:
+    """Whether the walls are their own mirror images about the x-z plane: no ply couples stretching and shear."""
+    mandrel, coil = roll.mandrel, roll.coil
+    walls = [(mandrel.material, roll.geometry.mandrel_thickness)] if mandrel.is_layered else []
+    walls += [(coil.layer_material, coil.layer_thickness)] if coil.is_layered else []
+    return all(Laminate(material.as_plies(thickness)).is_mirrored for material, thickness in walls)
 
 
 def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,10 +13,13 @@ from wroll_fem.bodies.body import Body
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.damping import LossFactor
 from wroll_fem.case.mandrel import Mandrel
+from wroll_fem.case.material import LaminateMaterial, PlySection
 from wroll_fem.case.structural import OnRoll, StructuralCase
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
+
+_Owner = TypeVar("_Owner", Mandrel, Coil, PlySection)
 
 LEAST_FACTOR = 1e-12
 """Loss factor in place of zero for one of the materials of a solid coil, relative to that of the other material."""
@@ -83,8 +87,10 @@ def _loss(case: OnRoll, factor: LossFactor, bodies: Sequence[Body]) -> sp.csr_ma
     return sp.block_diag([body.stiffness for body in assemble_bodies(scaled, symmetric=symmetric)], format="csr")
 
 
-def _scaled(section: Mandrel | Coil, factor: float) -> Mandrel | Coil:
-    """Section with the elastic moduli of its material times ``factor``."""
+def _scaled(section: _Owner, factor: float) -> _Owner:
+    """Section (mandrel, coil, ply) with the elastic moduli of its material times ``factor``."""
     material = section.material
-    moduli = {name: factor * getattr(material, name) for name in type(material).model_fields if name[0] in "EG"}
-    return section.model_copy(update={"material": material.model_copy(update=moduli)})
+    scaled = {name: factor * getattr(material, name) for name in type(material).model_fields if name[0] in "EG"}
+    if isinstance(material, LaminateMaterial):
+        scaled = {"plies": [_scaled(ply, factor) for ply in material.plies]}
+    return section.model_copy(update={"material": material.model_copy(update=scaled)})

@@ -47,14 +47,15 @@ def flattening(roll: RollSections, tip: float) -> float:
     Layers flatten with the mandrel and slide on it. A solid coil is assumed not to resist the flattening of the
     mandrel, which overestimates the loss.
     """
-    g, material, coil = roll.geometry, roll.mandrel.material, roll.coil
+    g, wall, coil = roll.geometry, roll.mandrel.material.in_plane, roll.coil
     radius = 0.5 * (g.mandrel_outer_diameter - g.mandrel_thickness)
-    stretch, bend = material.E * g.mandrel_thickness, material.E * g.mandrel_thickness**3
+    stretch, bend = wall.E_z * g.mandrel_thickness, wall.E_theta * g.mandrel_thickness**3
     if coil.model in ("layers", "bonded"):
-        stretch += coil.layers * coil.layer_material.E * coil.layer_thickness
-        bend += coil.layers * coil.layer_material.E * coil.layer_thickness**3
+        layer = coil.layer_material.in_plane
+        stretch += coil.layers * layer.E_z * coil.layer_thickness
+        bend += coil.layers * layer.E_theta * coil.layer_thickness**3
     curvature = 3.0 * tip / g.length**2
-    return 1.5 * (1.0 - material.nu**2) * curvature**2 * radius**4 * stretch / bend
+    return 1.5 * (1.0 - wall.nu_theta_z**2) * curvature**2 * radius**4 * stretch / bend
 
 
 def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list[str]:

@@ -25,8 +25,9 @@ from wroll_fem.contact.point import normals, tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.fem.body import shell_section
+from wroll_fem.fem.layered_shell import shell_model
 from wroll_fem.fem.prestress.shell import PrestressedShell, rigid_tip_stiffness
-from wroll_fem.fem.shell import ShellModel, ShellSection, radial_director
+from wroll_fem.fem.shell import AnySection
 from wroll_fem.mesh.contact_points import contact_points
 from wroll_fem.mesh.generate import shell_layout
 from wroll_fem.mesh.shells import CylinderMesh
@@ -110,9 +111,9 @@ class PrestressedRoll:
 class _Wall:
     """One prestressed shell of the roll, with its body."""
 
-    def __init__(self, body: Body, section: ShellSection, radius: float):
+    def __init__(self, body: Body, section: AnySection, radius: float):
         self.body, self.section, self.radius = body, section, radius
-        self.shell = PrestressedShell(ShellModel(body.nodes, body.cells, radial_director), section)
+        self.shell = PrestressedShell(shell_model(body.nodes, body.cells, section), section)
 
     @property
     def thickness(self) -> float:

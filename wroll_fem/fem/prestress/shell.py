@@ -33,7 +33,7 @@ import ufl
 from dolfinx import fem
 
 from wroll_fem.fem import compat
-from wroll_fem.fem.shell import ShellModel, ShellSection, split
+from wroll_fem.fem.shell import AnySection, ShellModel, split
 from wroll_fem.fem.trace import cell_node_rows, cylinder_frame
 from wroll_fem.typing import FloatArray
 
@@ -49,7 +49,7 @@ class PrestressedShell:
         Material and thickness.
     """
 
-    def __init__(self, model: ShellModel, section: ShellSection):
+    def __init__(self, model: ShellModel, section: AnySection):
         self.model, self.section = model, section
         self._state = fem.Function(model.space, name="state")
         self._motion = fem.Function(model.space, name="motion")
@@ -77,10 +77,7 @@ class PrestressedShell:
         eps = 0.5 * slope_u.T * slope_u
         kappa = ufl.sym(slope_u.T * slope_1 + P.T * slope_2)
         gamma = slope_u.T * first + P.T * second
-        N, M, Q = model.resultants(self._state)
-        membrane = ufl.inner(N + self._hoop_tension(), eps)
-        energy = model.integral(membrane + ufl.inner(Q, gamma), ufl.inner(M, kappa))
-        return self._hessian(energy)
+        return self._hessian(model.work(self._state, eps, kappa, gamma, tension=self._hoop_tension()))
 
     @cached_property
     def _tension_form(self) -> Any:
