@@ -9,7 +9,6 @@ from wroll_fem.case.coil import Coil
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
-from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
@@ -139,8 +138,8 @@ def check_interfaces(section: str, coil: Coil, modal: Modal, analysis: str, writ
     raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
 
 
-def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
-    """Refuse probes outside the shells of the roll and invalid probe names.
+def check_probes(probes: Probes, coil: Coil, span: tuple[float, float], length: float) -> None:
+    """Refuse probes outside the shells of the roll, whose coil has a ``span`` in m, and invalid probe names.
 
     Raises
     ------
@@ -157,12 +156,15 @@ def check_probes(probes: Probes, geometry: Geometry, coil: Coil) -> None:
         if not name.isidentifier():
             remedy = "use letters, digits and underscores, for example mid_height"
             raise validation_error("is not a valid name", key=key, show_value=False, remedy=remedy)
-        if probe.z > geometry.length:
-            remedy = f"give at most geometry.length = {geometry.length:g} m"
+        if probe.z > length:
+            remedy = f"give at most geometry.length = {length:g} m"
             raise validation_error("is above the roll", key=f"{key}.z", value=probe.z, remedy=remedy)
         if probe.body not in shells:
             remedy = f"use one of: {', '.join(shells)}"
             raise validation_error("the roll has no such shell", key=f"{key}.body", value=probe.body, remedy=remedy)
+        if probe.body != "mandrel" and not span[0] <= probe.z <= span[1]:
+            remedy = f"give a height from {span[0]:g} to {span[1]:g} m, or body: mandrel"
+            raise validation_error("is outside the coil", key=f"{key}.z", value=probe.z, remedy=remedy)
 
 
 def check_layers(coil: Coil) -> None:

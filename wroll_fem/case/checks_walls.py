@@ -1,4 +1,4 @@
-"""Checks of laminates and of a variable wall against the geometry, the coil and the mesh."""
+"""Checks of laminates, of a variable wall and of the margins of the coil against geometry, mesh and preload."""
 
 from __future__ import annotations
 
@@ -68,3 +68,25 @@ def check_wall(geometry: Geometry, mandrel: Mandrel, mesh: Mesh) -> None:
                 "the mandrel wall must be thinner than its radius", key=f"mandrel.wall.{k}.thickness",
                 value=row.thickness, remedy=f"use less than mandrel_outer_diameter / 2 = {radius:g} m",
             )  # fmt: skip
+
+
+def check_margins(geometry: Geometry, coil: Coil, mesh: Mesh, *, prestressed: bool) -> None:
+    """Refuse margins that leave no coil, and those with a mesh file or with geometric stiffness.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    if coil.margins is None:
+        return
+    if coil.margins.base + coil.margins.tip >= geometry.length:
+        raise validation_error(
+            f"leave no coil on a mandrel of {geometry.length:g} m", key="coil.margins", show_value=False,
+            remedy="give margins whose sum is below geometry.length",
+        )  # fmt: skip
+    for key, wrong in (("mesh.file", mesh.file is not None), ("preload.geometric_stiffness", prestressed)):
+        if wrong:
+            raise validation_error(
+                "does not work with coil.margins", key=key, show_value=False, remedy="leave one of them out"
+            )

@@ -76,8 +76,10 @@ def check_winding_size(winding: Winding | None, geometry: Geometry | None, coil:
             _check_same(winding.mandrel.wall, wall, "mandrel.wall", "geometry.mandrel_thickness")
     if winding.wrap_thickness >= radius:
         raise _misfit("wrap_thickness", winding.wrap_thickness, "must be less than the mandrel radius", "a thinner web")
-    if winding.web_width is not None and winding.web_width > (1.0 + FIT) * geometry.length:
-        limit = f"geometry.length = {geometry.length:g} m or less"
+    margins = None if coil is None else coil.margins
+    covered = geometry.length - (0.0 if margins is None else margins.base + margins.tip)
+    if winding.web_width is not None and winding.web_width > (1.0 + FIT) * covered:
+        limit = f"{'geometry.length' if margins is None else 'the length of the coil'} = {covered:g} m or less"
         raise _misfit("web_width", winding.web_width, "the web is wider than the roll is long", limit)
     if coil is None or coil.model == "none":
         return

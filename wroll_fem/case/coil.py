@@ -39,6 +39,13 @@ def _written_thickness(given: dict[str, Any]) -> float:
     return 1.25e-3 if written is None else written
 
 
+class Margins(Section):
+    """Lengths of the mandrel that the coil does not cover."""
+
+    base: Real = Field(default=0.0, ge=0, description="length without coil at the base, m")
+    tip: Real = Field(default=0.0, ge=0, description="length without coil at the tip, m")
+
+
 class Coil(Section):
     """Model of the wound web: layers with or without slip, a homogenised solid, mass without stiffness, or no coil."""
 
@@ -76,6 +83,9 @@ class Coil(Section):
         description="axial spring between the ring of each layer and the base, per length of the ring, N/m^2; "
         "with base: guided",
     )
+    margins: Margins | None = Field(
+        default=None, description="lengths of the mandrel without coil at both ends (layers, bonded); left out: none"
+    )
     bending: Switch = Field(default=True, description="layers resist bending (shells); false: membranes")
 
     @model_validator(mode="after")
@@ -108,6 +118,16 @@ class Coil(Section):
                 f"applies to shells, not to model: {self.model}", key="base", value=self.base,
                 remedy="use free, clamped or inner_edge, or model: layers",
             )  # fmt: skip
+        if self.margins is not None and self.model not in SHELL_COILS:
+            raise validation_error(
+                f"apply to shells, not to model: {self.model}", key="margins", show_value=False,
+                remedy="leave them out, or use model: layers or bonded",
+            )  # fmt: skip
+        if self.margins is not None and self.margins.base and self.base != "free":
+            raise validation_error(
+                "holds the coil to the shaker, but the coil begins above the base (margins.base)", key="base",
+                value=self.base, remedy="use base: free, or leave margins.base out",
+            )  # fmt: skip
         if self.base != "guided" and "base_stiffness" in self.model_fields_set:
             raise validation_error(
                 f"does not apply to base: {self.base}", key="base_stiffness", value=self.base_stiffness,
@@ -133,6 +153,7 @@ class Coil(Section):
         unused |= {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
+        unused |= set() if self.margins is not None else {"margins"}
         return {key: value for key, value in data.items() if key not in unused}
 
     @property

@@ -24,3 +24,9 @@ class RollSections(Section):
     mandrel: Mandrel = Field(description="material and end conditions of the mandrel")
     coil: Coil = Field(description="model of the wound web")
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
+
+    @property
+    def coil_span(self) -> tuple[float, float]:
+        """Heights at which the coil begins and ends, m."""
+        margins, length = self.coil.margins, self.geometry.length
+        return (0.0, length) if margins is None else (margins.base, length - margins.tip)

@@ -21,7 +21,7 @@ from wroll_fem.case.checks import (
     check_probes,
 )
 from wroll_fem.case.checks_supports import check_supports
-from wroll_fem.case.checks_walls import check_plies, check_wall
+from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
 from wroll_fem.case.contact import Contact, Friction
 from wroll_fem.case.damping import Damping
@@ -112,8 +112,9 @@ class OnRoll(StructuralCase, RollSections):
         yield self._check_supports
         yield lambda: check_plies(self.geometry, self.mandrel, self.coil)
         yield lambda: check_wall(self.geometry, self.mandrel, self.mesh)
+        yield self._check_margins
         yield lambda: check_pressures(self.preload, self.coil.layers)
-        yield lambda: check_probes(self.probes or {}, self.geometry, self.coil)
+        yield lambda: check_probes(self.probes or {}, self.coil, self.coil_span, self.geometry.length)
         yield lambda: check_winding_given(self.winding, self.preload)
         yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
         yield lambda: check_fourier(self.coil, self.mesh, self.analysis)
@@ -125,6 +126,9 @@ class OnRoll(StructuralCase, RollSections):
 
     def _check_supports(self) -> None:
         check_supports(self.mandrel, self.coil, self.analysis, prestressed=self.has_geometric_stiffness)
+
+    def _check_margins(self) -> None:
+        check_margins(self.geometry, self.coil, self.mesh, prestressed=self.has_geometric_stiffness)
 
     def _check_geometric_stiffness(self) -> None:
         if self.has_geometric_stiffness:

@@ -19,7 +19,7 @@ from wroll_fem.fem.constraints import Constraints, build_constraints
 from wroll_fem.fem.layered_shell import shell_model
 from wroll_fem.fem.shell import AnySection, ShellModel, ShellSection, radial_director
 from wroll_fem.fem.trace import SurfaceTrace
-from wroll_fem.mesh.contact_points import contact_points
+from wroll_fem.mesh.contact_points import ContactPoints, contact_points_between
 from wroll_fem.mesh.generate import build_mesh, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh, ring_edges
 from wroll_fem.typing import FloatArray, IntArray
@@ -152,7 +152,7 @@ def _assemble_shell(
         expand=E,
         nodes=part.nodes,
         cells=part.cells,
-        traces=_traces(model, constraints, part, radius, thickness, symmetric),
+        traces=_traces(model, constraints, contact_points_between(part, *roll.coil_span), radius, thickness, symmetric),
         pressure_force=np.asarray(E.T @ model.area_load(-scale * outward)),
         probes={"tip": tip},
         mass_total=model.mass_total(section) + tip_mass,
@@ -263,12 +263,11 @@ def _with_tip(
 def _traces(
     model: ShellModel,
     constraints: Constraints,
-    part: CylinderMesh,
+    contact: ContactPoints,
     radius: float,
     thickness: float,
     symmetric: bool,
 ) -> dict[str, Trace]:
-    contact = contact_points(part)
     points, surface = contact.points, SurfaceTrace(model, contact)
     weight = np.ones(len(points))
     keep = np.ones(len(points), bool)

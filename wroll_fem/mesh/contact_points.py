@@ -72,6 +72,22 @@ def contact_points(part: CylinderMesh) -> ContactPoints:
     return _vertex_points(part) if columns is None else _gauss_points(part, columns)
 
 
+def contact_points_between(part: CylinderMesh, low: float, high: float) -> ContactPoints:
+    """Contact points on the part of a shell between two heights, m, which are borders of its elements.
+
+    Cells outside have no shape functions.
+    """
+    middle = part.nodes[part.cells[:, 8], 2]
+    inside = np.flatnonzero((middle > low) & (middle < high))
+    if len(inside) == len(part.cells):
+        return contact_points(part)
+    used, cells = np.unique(part.cells[inside], return_inverse=True)
+    found = contact_points(CylinderMesh(part.nodes[used], cells.reshape(-1, 9), {}))
+    place = (9 * inside[:, None] + np.arange(9)).ravel()
+    spread = sp.csr_matrix((np.ones(len(place)), (place, np.arange(len(place)))), shape=(part.cells.size, len(place)))
+    return ContactPoints(found.points, (spread @ found.shapes).tocsr(), (spread @ found.normal_shapes).tocsr())
+
+
 def has_rows(part: CylinderMesh) -> bool:
     """Whether the cells of a shell form circumferential rows in which all cells have the same angular width.
 

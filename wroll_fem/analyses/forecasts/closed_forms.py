@@ -39,16 +39,23 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
     bending = shear = mass = 0.0
     for material, radius, thickness, stiff in tubes:
         area = 2 * math.pi * radius * thickness
+        covered = 1.0 if material is m.material else _covered(roll)
         if stiff or material is m.material:
             E, _, _, G = material.in_plane
-            bending += E * math.pi * radius**3 * thickness
-            shear += G * area / 2
+            bending += covered * E * math.pi * radius**3 * thickness
+            shear += covered * G * area / 2
         if added_mass or material is m.material:
-            mass += material.rho * area * g.length
+            mass += covered * material.rho * area * g.length
     if not m.is_cantilever:
         return _on_springs(m, g.length, bending, shear, mass / g.length)
     compliance = g.length**3 / (3 * bending) + g.length / shear
     return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
+
+
+def _covered(roll: RollSections) -> float:
+    """Share of the length of the mandrel that the coil covers."""
+    low, high = roll.coil_span
+    return (high - low) / roll.geometry.length
 
 
 def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, mass: float) -> float:

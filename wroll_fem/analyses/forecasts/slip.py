@@ -58,6 +58,7 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
     if coil.base == "guided" and coil.base_stiffness:
         return None
     first = 1 if coil.base == "inner_edge" else 0
+    begin, end = case.coil_span
     layer = coil.layer_material.in_plane.E_z * coil.layer_thickness
     mandrel = case.mandrel.material.in_plane.E_z * g.mandrel_thickness
     found = []
@@ -67,8 +68,15 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
             continue
         outside, inside = (coil.layers - k) * layer, mandrel + k * layer
         lag = shear_lag(inside, outside, limit / friction.elastic_slip)
-        per_tip = outside * (0.5 * g.mandrel_outer_diameter + k * coil.layer_thickness) * 3.0 / g.length**2
-        found.append(SlipForecast(limit * lag / math.tanh(g.length / lag) / per_tip, 0.5 * limit * g.length / per_tip))
+        per_tip = (
+            outside
+            * (0.5 * g.mandrel_outer_diameter + k * coil.layer_thickness)
+            * 3.0
+            * (g.length - begin)
+            / g.length**3
+        )
+        cover = end - begin
+        found.append(SlipForecast(limit * lag / math.tanh(cover / lag) / per_tip, 0.5 * limit * cover / per_tip))
     return min(found, default=None)
 
 
