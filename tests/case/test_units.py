@@ -135,3 +135,19 @@ def test_one_of_two_amplitudes() -> None:
     del without["excitation"]["amplitude"]
     with pytest.raises(InputError, match=r"excitation\.amplitude: required key is missing; add it .* or amplitude_g"):
         Case.model_validate(without)
+
+
+def test_an_areal_mass_gives_the_density() -> None:
+    case = load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2500 g/m^2", "coil.material={E: 3e+9, nu: 0.3}"])
+    assert case.coil.material.rho == pytest.approx(2.5 / 1.25e-3)
+    assert "areal_mass" not in case.resolved()["coil"]
+    named = load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2.5", "coil.material=kapton"])
+    assert named.coil.material.rho == pytest.approx(2000.0)
+    with pytest.raises(InputError, match="does not go with material.rho"):
+        load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2.5"])
+
+
+def test_angles_of_plies_are_degrees() -> None:
+    ply = "{material: kapton, thickness: 1.25e-3, angle: 0.5 rad}"
+    case = load_case(CONFIGS / "lab_sweep.yaml", [f"coil.material={{plies: [{ply}]}}"])
+    assert case.coil.material.plies[0].angle == pytest.approx(28.6478897565)

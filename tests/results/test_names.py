@@ -38,7 +38,7 @@ CASES: dict[str, tuple[str, list[str]]] = {
         "lab_harmonic",
         [
             *COARSE, "harmonic.harmonics=1", "harmonic.samples=32", "excitation.f_start=150", "excitation.f_end=152",
-            PROBE,
+            PROBE, "coil.material={E_1: 2.8e9, E_2: 2.8e9, nu_12: 0.35, G_12: 1e9, G_23: 1e9, rho: 2000}",
         ],
     ),
     "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE, DAMPED]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
@@ -14,7 +15,9 @@ from wroll_fem.case.material import (
     LaminateMaterial,
     Material,
     OrthotropicMaterial,
+    as_section,
 )
+from wroll_fem.case.units import in_si
 
 #: Keys that every coil model except `none` needs.
 _NEEDED = ("total_thickness", "material")
@@ -68,6 +71,11 @@ class Coil(Section):
         description="material of the coil: isotropic (a section, or a name as in `wroll materials`), kind: lamina or "
         "laminate for layers, or kind: cylindrical_orthotropic for solid",
     )
+    areal_mass: Real | None = Field(
+        default=None, gt=0,
+        description="mass per area of all wraps together, kg/m^2; in place of material.rho, which becomes areal_mass / "
+        "total_thickness",
+    )  # fmt: skip
     yield_stress: Real | None = Field(
         default=None, gt=0, description="yield stress of the layers, Pa; left out: no margin is computed"
     )
@@ -87,6 +95,27 @@ class Coil(Section):
         default=None, description="lengths of the mandrel without coil at both ends (layers, bonded); left out: none"
     )
     bending: Switch = Field(default=True, description="layers resist bending (shells); false: membranes")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _density_from_areal_mass(cls, data: Any) -> Any:
+        """Replace `areal_mass` by the density of the material."""
+        if not isinstance(data, Mapping) or data.get("areal_mass") is None:
+            return data
+        given = {key: in_si(v, cls.unit_of(key)) if isinstance(v, str) else v for key, v in data.items()}
+        thickness = given.get("total_thickness", given.get("thickness"))
+        material = dict(as_section(given.get("material")) or {})
+        numbers = all(isinstance(value, int | float) and value > 0 for value in (thickness, given["areal_mass"]))
+        if not numbers or not material:
+            return data  # the keys are refused one by one
+        if isinstance(given.get("material"), Mapping) and ("rho" in material or "plies" in material):
+            key = "rho" if "rho" in material else "plies"
+            raise validation_error(
+                f"does not go with material.{key}, which has the density too", key="areal_mass",
+                value=given["areal_mass"], remedy="give one of them",
+            )  # fmt: skip
+        material["rho"] = given.pop("areal_mass") / thickness
+        return given | {"material": material}
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -153,7 +182,7 @@ class Coil(Section):
         unused |= {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
-        unused |= set() if self.margins is not None else {"margins"}
+        unused |= {"areal_mass"} | (set() if self.margins is not None else {"margins"})
         return {key: value for key, value in data.items() if key not in unused}
 
     @property

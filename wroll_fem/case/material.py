@@ -180,7 +180,7 @@ def _single_ply(lamina: Lamina, thickness: float) -> tuple[Ply, ...]:
     return (Ply(lamina, thickness),)
 
 
-def _known(value: Any) -> Any:
+def as_section(value: Any) -> Any:
     """Content of a material section that is given by a name of the library; anything else is returned unchanged."""
     if not isinstance(value, str):
         return value
@@ -209,7 +209,7 @@ class _OrName:
         return {"anyOf": [handler(core), {"enum": list(LIBRARY)}]}
 
 
-Isotropic = Annotated[IsotropicMaterial, BeforeValidator(_known), _OrName]
+Isotropic = Annotated[IsotropicMaterial, BeforeValidator(as_section), _OrName]
 """Section of an isotropic material, or a name of the library."""
 
 
@@ -217,7 +217,7 @@ PlyMaterial = Annotated[
     IsotropicMaterial | LaminaMaterial,
     Field(discriminator="kind"),
     BeforeValidator(_kind_of),
-    BeforeValidator(_known),
+    BeforeValidator(as_section),
     _OrName,
 ]
 """Section of the material of a ply, or a name of the library."""
@@ -278,7 +278,7 @@ WallMaterial = Annotated[
     IsotropicMaterial | LaminaMaterial | LaminateMaterial,
     Field(discriminator="kind"),
     BeforeValidator(_kind_of),
-    BeforeValidator(_known),
+    BeforeValidator(as_section),
     _OrName,
 ]
 """Section of the material of the mandrel, or a name of the library."""
@@ -287,7 +287,7 @@ Material = Annotated[
     IsotropicMaterial | OrthotropicMaterial | LaminaMaterial | LaminateMaterial,
     Field(discriminator="kind"),
     BeforeValidator(_kind_of),
-    BeforeValidator(_known),
+    BeforeValidator(as_section),
     _OrName,
 ]
 """Section of the material of a coil, or a name of the library."""
