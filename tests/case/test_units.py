@@ -143,7 +143,7 @@ def test_an_areal_mass_gives_the_density() -> None:
     assert "areal_mass" not in case.resolved()["coil"]
     named = load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2.5", "coil.material=kapton"])
     assert named.coil.material.rho == pytest.approx(2000.0)
-    with pytest.raises(InputError, match="does not go with material.rho"):
+    with pytest.raises(InputError, match=r"does not go with material\.rho"):
         load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2.5"])
 
 

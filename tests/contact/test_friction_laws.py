@@ -18,6 +18,7 @@ from support.friction_point import AREA, CLOSED, GAMMA, KN, MU, PRESSURE, V0, Po
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.bouc_wen import BoucWen
+from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
 from wroll_fem.contact.polynomial_spring import PolynomialSpring
 from wroll_fem.contact.rate_coulomb import coefficient
@@ -48,9 +49,10 @@ RATE = RateCoulomb(MU, GAMMA, RATES, COEFFICIENTS)
 SMOOTHED = SmoothedCoulomb(MU, V0)
 BOUC_WEN = BoucWen(MU, GAMMA, 1.5, 0.7)
 POLYNOMIAL = PolynomialSpring(GAMMA, (0.4, 0.3, 0.5))
+ELASTIC = ElasticCoulomb(MU, GAMMA, MU * PRESSURE / GAMMA)
 LAWS = pytest.mark.parametrize(
-    "law", [PENALTY, RATE, SMOOTHED, BOUC_WEN, POLYNOMIAL],
-    ids=["penalty", "rate", "smoothed", "bouc_wen", "polynomial"],
+    "law", [PENALTY, RATE, SMOOTHED, BOUC_WEN, POLYNOMIAL, ELASTIC],
+    ids=["penalty", "rate", "smoothed", "bouc_wen", "polynomial", "elastic"],
 )  # fmt: skip
 BOTH = pytest.mark.parametrize("method", STEPPERS)
 
@@ -271,8 +273,9 @@ SYSTEM_LAWS = {
     "falling": RateCoulomb(0.3, 2e-6, (0.0, 0.02, 0.4), (0.3, 0.3, 0.2)),
     "smoothed": SmoothedCoulomb(0.3, 5e-3),
     "bouc_wen": BoucWen(0.3, 2e-6, 1.5, 0.7),
+    "elastic": ElasticCoulomb(0.3, 2e-6, 1.5e6),
 }
-EVERY_LAW = pytest.mark.parametrize("name", ["penalty", "rate", "falling", "smoothed", "bouc_wen"])
+EVERY_LAW = pytest.mark.parametrize("name", ["penalty", "rate", "falling", "smoothed", "bouc_wen", "elastic"])
 
 
 def shaken(method, name, *, pair=True, steps=1500, options=None):

@@ -33,6 +33,18 @@ def _lab_layer() -> IsotropicMaterial:
     return IsotropicMaterial(E=2.8e9, nu=0.35, rho=2000.0)
 
 
+def _number(data: Mapping[str, Any], keys: tuple[str, ...], section: type[Section]) -> float | None:
+    """Positive number in SI of the first key that is given; None without one."""
+    key = next((name for name in keys if data.get(name) is not None), None)
+    value = None if key is None else data[key]
+    if key is not None and isinstance(value, str):
+        value = in_si(value, section.unit_of(key))
+    try:
+        return number if value is not None and (number := float(value)) > 0 else None
+    except (TypeError, ValueError):
+        return None
+
+
 def _written_thickness(given: dict[str, Any]) -> float:
     """Default of `total_thickness`, m: the value of `thickness` if given, else the layer thickness of the lab roll.
 
@@ -102,24 +114,26 @@ class Coil(Section):
         """Replace `areal_mass` by the density of the material."""
         if not isinstance(data, Mapping) or data.get("areal_mass") is None:
             return data
-        given = {key: in_si(v, cls.unit_of(key)) if isinstance(v, str) else v for key, v in data.items()}
-        thickness = given.get("total_thickness", given.get("thickness"))
-        material = dict(as_section(given.get("material")) or {})
-        numbers = all(isinstance(value, int | float) and value > 0 for value in (thickness, given["areal_mass"]))
-        if not numbers or not material:
-            return data  # the keys are refused one by one
-        if isinstance(given.get("material"), Mapping) and ("rho" in material or "plies" in material):
-            key = "rho" if "rho" in material else "plies"
+        written, known = data.get("material"), as_section(data.get("material"))
+        mass, thickness = (_number(data, keys, cls) for keys in (("areal_mass",), ("total_thickness", "thickness")))
+        if not isinstance(known, Mapping) or mass is None or thickness is None:
+            return data  # `_complete` and the keys refuse the rest
+        if isinstance(written, Mapping) and ("rho" in known or "plies" in known):
             raise validation_error(
-                f"does not go with material.{key}, which has the density too", key="areal_mass",
-                value=given["areal_mass"], remedy="give one of them",
+                f"does not go with material.{'rho' if 'rho' in known else 'plies'}, which has the density too",
+                key="areal_mass", value=mass, remedy="give one of them",
             )  # fmt: skip
-        material["rho"] = given.pop("areal_mass") / thickness
-        return given | {"material": material}
+        rest = {key: value for key, value in data.items() if key != "areal_mass"}
+        return rest | {"material": {**known, "rho": mass / thickness}}
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         given = self.model_fields_set
+        if self.areal_mass is not None:
+            raise validation_error(
+                "needs the thickness and the material of the coil", key="areal_mass", value=self.areal_mass,
+                remedy="give total_thickness and material",
+            )  # fmt: skip
         if self.thickness is not None and self.total_thickness != self.thickness:
             raise validation_error(
                 f"differs from total_thickness = {self.total_thickness:g} m, although both keys set the same thickness",

@@ -140,7 +140,7 @@ def substeps(dg_h: float, dg_z: float, gamma: float, n: float) -> int:
 
 
 def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Elastic slip (m) after the increment, and whether it exceeds `SLIDES` gamma*."""
     gamma, n, b = laws.gamma[k], laws.own[k, EXPONENT], laws.own[k, UNLOADING]

@@ -39,6 +39,7 @@ from wroll_fem.contact.point import (
     squared_penalty,
     step_stiffness,
     step_traction,
+    stick_change,
     stick_stiffness,
     tangential_work,
 )
@@ -98,9 +99,10 @@ def trial_traction(g, g_c, e_c, laws, dt, t, e, status):
         separates = laws.separation[k]
         tn = step_traction(gn, g_c[r], laws.kn[k], separates, dt)
         dh, dz = g[h] - g_c[h], g[z] - g_c[z]
-        eh, ez, sliding = slip_update(k, e_c[h] + dh, e_c[z] + dz, dh, dz, laws, dt)
+        p = pressure(tn)
+        eh, ez, sliding = slip_update(k, e_c[h] + dh, e_c[z] + dz, dh, dz, p, laws, dt)
         status[k] = (SLIP if sliding else STICK) if is_closed(gn, separates) else OPEN
-        kt = stick_stiffness(k, pressure(tn), laws)
+        kt = stick_stiffness(k, p, laws)
         t[h] = kt * eh
         t[z] = kt * ez
         t[r] = tn
@@ -129,14 +131,16 @@ def consistent_tangent(g, g_c, e_c, laws, dt, d):
             continue
         dh, dz = g[h] - g_c[h], g[z] - g_c[z]
         trial_h, trial_z = e_c[h] + dh, e_c[z] + dz
-        eh, ez, _ = slip_update(k, trial_h, trial_z, dh, dz, laws, dt)
-        a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, trial_h, trial_z, dh, dz, laws, dt)
+        eh, ez, slides = slip_update(k, trial_h, trial_z, dh, dz, p, laws, dt)
+        a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, trial_h, trial_z, dh, dz, p, laws, dt)
         kt = stick_stiffness(k, p, laws)
         d[k, HOOP, HOOP] = kt * (a00 + b00)
         d[k, HOOP, AXIAL] = kt * (a01 + b01)
         d[k, AXIAL, HOOP] = kt * (a10 + b10)
         d[k, AXIAL, AXIAL] = kt * (a11 + b11)
-        limit_slope = stick_stiffness(k, -kn, laws)
+        limit_slope = stick_change(k, -kn, laws)
+        if slides and laws.stick[k] > 0.0 and p > 0.0:
+            limit_slope = -kn * kt / p
         d[k, HOOP, NORMAL] = limit_slope * eh
         d[k, AXIAL, NORMAL] = limit_slope * ez
 

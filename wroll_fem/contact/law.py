@@ -58,6 +58,11 @@ class FrictionLaw:
         """Velocity-weakening slope: largest -d mu / dV, s/m; 0 if mu never decreases with the slip rate V."""
         return 0.0
 
+    @property
+    def constant_stick(self) -> float:
+        """Stick stiffness, Pa/m, if it is constant; 0 if it is mu p / elastic_slip, proportional to the pressure."""
+        return 0.0
+
     def rest_length(self, dt: float) -> float:
         """Length L, m, in the tangent stiffness mu p / L at rest, for a step ``dt`` (s; infinite in statics)."""
         return self.elastic_slip

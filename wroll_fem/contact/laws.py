@@ -1,6 +1,7 @@
 r"""Friction laws of all contact points: arrays of their parameters, and the compiled functions of all registered laws.
 
-All laws share one form. The tangential traction is :math:`\tau = (\mu p/\gamma^*)\, e`; a law gives e from the trial
+All laws share one form. The tangential traction is :math:`\tau = (\mu p/\gamma^*)\, e`, or :math:`\tau = k_t e` with a
+constant stick stiffness :math:`k_t`; a law gives e from the trial
 slip :math:`e_c + \Delta g_t` and the increment :math:`\Delta g_t` of the step. A law with memory stores e as elastic
 slip (trait ``stores_slip``). In a law without memory e is the traction divided by :math:`\mu p/\gamma^*`. It is not
 stored, and the committed elastic slip stays zero. In statics the step is infinite, so all rates are zero.
@@ -55,6 +56,8 @@ class PointLaws(NamedTuple):
     kind : (n,) int64, index of the law in `registry.LAWS`
     stores_slip, sticks, elastic, exact_increment : (n,) bool, traits of the law (see `FrictionLaw`)
     weakening : (n,) velocity-weakening slope of the law, s/m
+    stick : (n,) constant stick stiffness of the law, Pa/m; 0 if it is proportional to the pressure
+    follows : (n,) 1 if the stick stiffness is proportional to the pressure, 0 if it is constant
     own : (n, c) other parameters of the law that are numbers, in the order of its parameters; c is the largest number
         of such parameters in a law
     table : (n,) int64, index of the law's table in ``tables``
@@ -73,6 +76,8 @@ class PointLaws(NamedTuple):
     elastic: BoolArray
     exact_increment: BoolArray
     weakening: FloatArray
+    stick: FloatArray
+    follows: FloatArray
     own: FloatArray
     table: IntArray
     tables: FloatArray
@@ -133,6 +138,8 @@ def stack_laws(
         elastic=column([law.elastic for law in found], bool),
         exact_increment=column([law.exact_increment for law in found], bool),
         weakening=column([law.weakening_slope for law in found]),
+        stick=column([law.constant_stick for law in found]),
+        follows=column([float(not law.constant_stick) for law in found]),
         own=_padded([[[getattr(law, name)] for name in own_parameters(type(law))] for law in found])[which, :, 0],
         table=column([sum(bool(row) for row in rows[:i]) if row else 0 for i, row in enumerate(rows)], np.int64),
         tables=_padded(tabled),
@@ -203,19 +210,19 @@ def _function(law: type[FrictionLaw], name: str) -> Callable[..., Any]:
     return getattr(found, "py_func", found)  # that of a function which numba has compiled
 
 
-def _differences(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
+def _differences(k, trial_h, trial_z, dg_h, dg_z, p, laws, dt):  # type: ignore[no-untyped-def]
     d = H * laws.gamma[k]  # type: ignore[name-defined]  # noqa: F821
-    r_h, r_z, _ = UPDATE(k, trial_h + d, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
-    l_h, l_z, _ = UPDATE(k, trial_h - d, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    r_h, r_z, _ = UPDATE(k, trial_h + d, trial_z, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h - d, trial_z, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
     a00, a10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z, _ = UPDATE(k, trial_h, trial_z + d, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
-    l_h, l_z, _ = UPDATE(k, trial_h, trial_z - d, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z + d, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z - d, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
     a01, a11 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h + d, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
-    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h - d, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h + d, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h - d, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
     b00, b10 = 0.5 * (r_h - l_h) / d, 0.5 * (r_z - l_z) / d
-    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z + d, laws, dt)  # type: ignore[name-defined]  # noqa: F821
-    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z - d, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    r_h, r_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z + d, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    l_h, l_z, _ = UPDATE(k, trial_h, trial_z, dg_h, dg_z - d, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
     return a00, a01, a10, a11, b00, 0.5 * (r_h - l_h) / d, b10, 0.5 * (r_z - l_z) / d
 
 
@@ -231,10 +238,10 @@ def _by_kind(functions: Sequence[Callable[..., Any]], number: int = 0) -> Callab
     return numba.njit(inline="always")(FunctionType(_choose.__code__, names, "choose"))
 
 
-def _choose(k, trial_h, trial_z, dg_h, dg_z, laws, dt):  # type: ignore[no-untyped-def]
+def _choose(k, trial_h, trial_z, dg_h, dg_z, p, laws, dt):  # type: ignore[no-untyped-def]
     if laws.kind[k] == NUMBER:  # type: ignore[name-defined]  # noqa: F821
-        return LAW(k, trial_h, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
-    return OTHERS(k, trial_h, trial_z, dg_h, dg_z, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+        return LAW(k, trial_h, trial_z, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
+    return OTHERS(k, trial_h, trial_z, dg_h, dg_z, p, laws, dt)  # type: ignore[name-defined]  # noqa: F821
 
 
 slip_update = _by_kind(_compiled("slip_update"))
@@ -242,8 +249,8 @@ slip_update = _by_kind(_compiled("slip_update"))
 the stick stiffness.
 
 Arguments: index k of the point; trial slip (hoop, axial), m; increment of the relative displacement (hoop, axial), m;
-`PointLaws`; size of the time step, s (infinite in statics). The trial slip is the committed elastic slip plus the
-increment.
+pressure at the end of the step, Pa, which only laws with a constant stick stiffness use; `PointLaws`; size of the time
+step, s (infinite in statics). The trial slip is the committed elastic slip plus the increment.
 """
 
 slip_derivatives = _by_kind(_compiled("slip_derivatives"))

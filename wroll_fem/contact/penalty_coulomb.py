@@ -64,14 +64,14 @@ def check_stick(mu: float, elastic_slip: float) -> None:
 
 
 def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Elastic slip (m), limited to the disc of radius gamma*, and whether the point slides."""
     return clip(trial_h, trial_z, laws.gamma[k])
 
 
 def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Derivatives of the elastic slip: with respect to the trial slip, then with respect to the increment (zero).
 

@@ -145,12 +145,20 @@ def squared_penalty(tn, separates):
 
 @register_jitable(inline="always")
 def stick_stiffness(k, p, laws):
-    """Stick stiffness mu p / gamma*, Pa/m, of point ``k`` at the pressure ``p``: tangential traction per elastic slip.
+    """Stick stiffness, Pa/m, of point ``k`` at the pressure ``p``: tangential traction per elastic slip.
 
-    With -kn in place of ``p`` it is the derivative of the stick stiffness with respect to the normal gap. Outside
-    compiled code ``k`` may be `EVERY` (all points), with ``p`` (n,).
+    It is mu p / gamma*, or constant. Outside compiled code ``k`` may be `EVERY` (all points), with ``p`` (n,).
     """
-    return laws.mu[k] * p / laws.gamma[k]
+    return laws.stick[k] + laws.follows[k] * laws.mu[k] * p / laws.gamma[k]
+
+
+@register_jitable(inline="always")
+def stick_change(k, p, laws):
+    """Part of the stick stiffness that is proportional to the pressure ``p``, Pa/m, of point ``k``.
+
+    With -kn in place of ``p`` it is the derivative of the stick stiffness with respect to the normal gap.
+    """
+    return laws.follows[k] * laws.mu[k] * p / laws.gamma[k]
 
 
 @numba.njit(cache=True, inline="always")
@@ -196,5 +204,5 @@ def modulation_work(k, p_c, p, e_c, e, laws):
     In J/m^2; the index c marks the committed state. It equals elastic - stored of `tangential_work` where the traction
     is the stick stiffness times e, but without the rounding error of this difference.
     """
-    stick = stick_stiffness(k, 1.0, laws)
+    stick = stick_change(k, 1.0, laws)
     return -0.5 * stick * (p - p_c) * (e[0] * e_c[0] + e[1] * e_c[1])

@@ -65,7 +65,7 @@ def polynomial(x: float, row: int, tables: Any) -> tuple[float, float]:
 
 
 def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Traction divided by p / L, in m; the trial slip is the displacement from the reference state. It never slides."""
     length, row = laws.gamma[k], laws.table[k]
@@ -75,7 +75,7 @@ def slip_update(
 
 
 def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Derivatives of the traction divided by p / L: with respect to the displacement, then to the increment (zero)."""
     length, row = laws.gamma[k], laws.table[k]

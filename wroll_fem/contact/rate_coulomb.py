@@ -88,7 +88,7 @@ def coefficient(speed: float, row: int, tables: Any) -> tuple[float, float]:
 
 
 def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Elastic slip (m), limited to the disc of radius gamma* mu(V) / mu(0), and whether the point slides."""
     gamma, row = laws.gamma[k], laws.table[k]
@@ -99,7 +99,7 @@ def slip_update(
 
 
 def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Derivatives of the elastic slip: with respect to the trial slip, then with respect to the increment.
 

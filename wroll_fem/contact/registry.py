@@ -14,6 +14,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from wroll_fem.contact.bouc_wen import BoucWen
+from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.polynomial_spring import PolynomialSpring
@@ -27,6 +28,7 @@ LAWS: list[type[FrictionLaw]] = [
     SmoothedCoulomb,
     BoucWen,
     PolynomialSpring,
+    ElasticCoulomb,
 ]
 """All friction laws. The index of a law in this list is its number `PointLaws.kind`."""
 

@@ -81,7 +81,7 @@ def regularised_sign_slope(s: float) -> float:
 
 
 def slip_update(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Traction divided by mu p / elastic_slip, e (m), and whether the slip rate exceeds the reference speed."""
     size = math.sqrt(dg_h * dg_h + dg_z * dg_z)
@@ -93,7 +93,7 @@ def slip_update(
 
 
 def slip_derivatives(
-    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, laws: Any, dt: float
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Derivatives of e (see `slip_update`): with respect to the trial slip (zero), then to the increment.
 

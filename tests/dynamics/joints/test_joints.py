@@ -11,6 +11,7 @@ from scipy.integrate import quad
 
 from wroll_fem.dynamics.joints import (
     BoucWen,
+    Coulomb,
     Gap,
     Iwan,
     Jenkins,
@@ -29,6 +30,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
+from wroll_fem.errors import InputError
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.base_motion import Dwell
 from wroll_fem.typing import FloatArray
@@ -254,3 +256,28 @@ def test_a_dwell_reaches_the_motion_of_harmonic_balance_and_closes_its_energy(jo
         assert np.abs(history["pressure_modulation_work"].values).max() < 1e-12
     lossless = isinstance(joint, Spring | Gap)
     assert (float(history["friction_energy"].values[-1]) == pytest.approx(0.0, abs=1e-12)) == lossless
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.4e-3])
+def test_friction_under_a_varying_normal_force_is_that_of_a_spring_and_a_slider(gap: float) -> None:
+    """Marched by hand, through separation: the spring force is clipped to mu times the present normal force."""
+    k_t, k_n, mu, load = 4.0e3, 2.0e4, 0.6, 0.0 if gap else 20.0
+    joint = Coulomb(at=0, normal=1, stiffness=k_t, normal_stiffness=k_n, mu=mu, normal_force=load, gap=gap, force=20.0)
+    t = np.linspace(0.0, 2.0, 801)
+    path = np.column_stack([5e-3 * np.sin(2 * np.pi * t), 1.5e-3 * np.sin(6 * np.pi * t + 0.4)])
+    expected, e, before = [], 0.0, 0.0
+    for x, opening in path:
+        press = max(0.0, load - k_n * (opening + gap) if gap else load - k_n * opening)
+        e = float(np.clip(e + x - before, -mu * press / k_t, mu * press / k_t))
+        before = x
+        expected.append(k_t * e)
+    found = joint_force(joint, path)
+    assert (np.array(expected) == 0.0).any()
+    np.testing.assert_allclose(found[:, 0], expected, atol=1e-9)
+
+
+def test_a_coulomb_joint_without_load_needs_a_typical_force() -> None:
+    with pytest.raises(InputError, match="typical"):
+        Coulomb(at=0, normal=1, stiffness=1.0, normal_stiffness=1.0, mu=0.1, gap=1e-3)
+    with pytest.raises(InputError, match="give one of them"):
+        Coulomb(at=0, normal=1, stiffness=1.0, normal_stiffness=1.0, mu=0.1, gap=1e-3, normal_force=1.0)

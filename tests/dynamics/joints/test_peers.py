@@ -43,6 +43,11 @@ STRUCTURES = {
     "tmdsimpy Iwan": lambda: wf.structure(
         [[0.75]], [[1.0]], [J.Iwan(at=0, stiffness=0.25, limit=0.2, chi=-0.5)], damping=[[0.01]], force={0: 0.1}
     ),
+    "tmdsimpy friction": lambda: wf.structure(
+        np.diag([12.0, 21.0]), np.eye(2),
+        [J.Coulomb(at=0, normal=[0.0, -1.0], stiffness=5.0, normal_stiffness=21.0, mu=0.85, normal_force=50.0)],
+        damping=np.diag([0.34641016151377546, 2.0]), force={0: 100.0, 1: 10.0},
+    ),
     "tmdsimpy Duffing": lambda: wf.structure(
         [[1.0]], [[1.0]], [J.Spring(at=0, coefficients=(0.0, 0.0, 1.0), length=1.0)], damping=[[0.01]], force={0: 1.0}
     ),
@@ -73,7 +78,9 @@ def test_first_harmonics_are_those_of_the_peer(name: str) -> None:
         np.testing.assert_allclose(found, wanted, atol=1e-3 * max(peer["peak"]), err_msg=f"{frequency} rad/s")
 
 
-@pytest.mark.parametrize(("name", "band"), [("pyHarm", (24.0, 27.5)), ("NLvib", (0.5, 2.0))])
+@pytest.mark.parametrize(
+    ("name", "band"), [("pyHarm", (24.0, 27.5)), ("NLvib", (0.5, 2.0)), ("tmdsimpy friction", (0.2, 6.0))]
+)
 def test_peaks_of_own_curves_are_those_of_the_peer(name: str, band: tuple[float, float]) -> None:
     """The curve followed by the program itself, past the fold of the chain."""
     contact, shapes = contact_of(name)

@@ -11,6 +11,7 @@ from support.exact_systems import orbiting_mass, slipping_pair
 from support.periodic import TURN, balance, complete, small_roll, with_friction
 
 from wroll_fem.contact.bouc_wen import BoucWen
+from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic import aft
@@ -23,6 +24,7 @@ LAWS = {
     "rate": RateCoulomb(0.3, 1e-5, rates=(0.0, 1e-3, 2e-2), coefficients=(0.3, 0.25, 0.15)),
     "smoothed": SmoothedCoulomb(0.3, 1e-3),
     "bouc_wen": BoucWen(0.3, 1e-5, 1.5, 0.7),
+    "elastic": ElasticCoulomb(0.3, 1e-5, 3e5),
 }
 
 

@@ -8,7 +8,19 @@ stand for N. A constant normal force is a contact pressure whose normal row is z
 from wroll_fem.dynamics.joints.assembly import joint_force, with_joints
 from wroll_fem.dynamics.joints.elastic import Gap, Spring
 from wroll_fem.dynamics.joints.force import Force
-from wroll_fem.dynamics.joints.friction import BoucWen, Friction, Iwan, Jenkins
+from wroll_fem.dynamics.joints.friction import BoucWen, Coulomb, Friction, Iwan, Jenkins
 from wroll_fem.dynamics.joints.joint import Joint
 
-__all__ = ["BoucWen", "Force", "Friction", "Gap", "Iwan", "Jenkins", "Joint", "Spring", "joint_force", "with_joints"]
+__all__ = [
+    "BoucWen",
+    "Coulomb",
+    "Force",
+    "Friction",
+    "Gap",
+    "Iwan",
+    "Jenkins",
+    "Joint",
+    "Spring",
+    "joint_force",
+    "with_joints",
+]

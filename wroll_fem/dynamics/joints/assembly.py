@@ -53,17 +53,19 @@ def with_joints(system: System, joints: Sequence[Joint]) -> tuple[System, Contac
 def joint_force(joint: Joint, displacement: npt.ArrayLike) -> FloatArray:
     """Quasi-static force (m,), N, of a joint for a history of its relative displacement (m,), m, from rest.
 
-    With ``across``, both are (m, 2). The force is positive where it resists a positive displacement.
+    With ``across``, with ``normal``, or with both, the displacements and the forces have one column for each of them,
+    in this order after that of ``at``. The force is positive where it resists a positive displacement.
     """
     path = np.asarray(displacement, float)
-    across = getattr(joint, "across", None)
-    if path.ndim != (1 if across is None else 2):
+    places = [joint.at, *(p for p in (getattr(joint, name, None) for name in ("across", "normal")) if p is not None)]
+    if path.ndim != min(len(places), 2) or (path.ndim == 2 and path.shape[1] != len(places)):
         raise InputError(
-            f"the displacement of a joint has the shape {path.shape}", remedy="give (m,), or (m, 2) with across"
+            f"the displacement of a joint has the shape {path.shape}",
+            remedy="give (m,), or one column for each of at, across and normal",
         )
     path = path.reshape(len(path), -1)
-    n = 1 + max(_last(place) for place in (joint.at, across) if place is not None)
-    directions = np.array([row_of(place, n) for place in (joint.at, across) if place is not None])
+    n = 1 + max(_last(place) for place in places)
+    directions = np.array([row_of(place, n) for place in places])
     plain = System(sp.csr_matrix((n, n)), sp.identity(n, format="csr"), np.zeros(n))
     system, state = with_joints(plain, [joint])
     # displacements of the degrees of freedom with these relative displacements
@@ -75,7 +77,7 @@ def joint_force(joint: Joint, displacement: npt.ArrayLike) -> FloatArray:
         traction = contact(jump, state)
         force[k] = onto @ (system.jump.T @ traction + system.stiffness @ move)
         state = contact.committed(move, jump)
-    return force[:, 0] if across is None else force
+    return force[:, 0] if len(places) == 1 else force
 
 
 def _last(at: At) -> int:

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.contact.bouc_wen import BoucWen as BoucWenLaw
+from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
-from wroll_fem.dynamics.joints.joint import At, Joint, Points, check_positive
+from wroll_fem.dynamics.joints.joint import At, Joint, Points, check_positive, row_of
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
@@ -67,6 +68,66 @@ class Jenkins(Joint):
         """See `Joint`."""
         law = PenaltyCoulomb(1.0, self.largest_force / self.stiffness)
         return self._sliders(n, [law], np.array([self.largest_force]), self.across)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coulomb(Joint):
+    """Elastic dry friction under a normal force that varies with the motion: springs along and across the contact.
+
+    Attributes
+    ----------
+    normal
+        Place of the normal relative displacement, positive where the contact opens.
+    stiffness, normal_stiffness
+        Tangential stiffness k_t while it sticks, and normal stiffness, N/m.
+    mu
+        Coefficient of friction: it slides at mu times the present normal force.
+    normal_force, gap
+        Normal force at rest, N, or gap at rest, m; one of the two at most.
+    force
+        Typical normal force, N, to which tolerances refer; ``normal_force`` if None.
+    across
+        Place of the second tangential direction.
+    """
+
+    normal: At
+    stiffness: float
+    normal_stiffness: float
+    mu: float
+    normal_force: float = 0.0
+    gap: float = 0.0
+    force: float | None = None
+    across: At | None = None
+
+    def __post_init__(self) -> None:
+        if self.normal_force < 0.0 or self.gap < 0.0 or (self.normal_force and self.gap):
+            raise InputError(
+                f"Coulomb: normal_force is {self.normal_force:g} and gap is {self.gap:g}", key="normal_force",
+                remedy="give one of them, not negative",
+            )  # fmt: skip
+        if not self.typical_force > 0.0:
+            raise InputError(
+                "Coulomb: without a normal force at rest its typical value is unknown", key="force",
+                remedy="give force, N: the typical normal force",
+            )  # fmt: skip
+        check_positive("Coulomb", stiffness=self.stiffness, normal_stiffness=self.normal_stiffness, mu=self.mu)
+
+    @property
+    def typical_force(self) -> float:
+        """Typical normal force, N."""
+        return self.normal_force if self.force is None else self.force
+
+    def points(self, n: int) -> Points:
+        """See `Joint`."""
+        rows = np.zeros((1, 3, n))
+        rows[0, 0], rows[0, 1] = row_of(self.normal, n), row_of(self.at, n)
+        if self.across is not None:
+            rows[0, 2] = row_of(self.across, n)
+        law = ElasticCoulomb(self.mu, self.mu * self.typical_force / self.stiffness, self.stiffness)
+        return Points(
+            rows, [law], np.array([float(self.normal_stiffness)]), np.ones(1, bool),
+            np.array([float(self.normal_force)]), np.array([float(self.gap)]),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

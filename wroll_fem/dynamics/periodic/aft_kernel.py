@@ -24,7 +24,7 @@ from wroll_fem.contact.point import (
     normal,
     penalty_traction,
     pressure,
-    stick_stiffness,
+    stick_change,
     tangential_work,
 )
 from wroll_fem.numerics.numba_cache import drop_stale_cache
@@ -99,9 +99,10 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
     slip, sliding, moved, periods, change = out
     n, count = sliding.shape
     for k in range(n):
-        h, z = hoop(k), axial(k)
+        h, z, r = hoop(k), axial(k), normal(k, n)
         eh, ez = reference.elastic_slip[h], reference.elastic_slip[z]
-        before_h = before_z = 0.0
+        before_h = before_z = p = 0.0
+        g_0, kn, separates, pressed = reference.jump[r], laws.kn[k], laws.separation[k], laws.stick[k] > 0.0
         moved[k] = not laws.sticks[k]
         exact, elastic = laws.exact_increment[k], laws.elastic[k]
         for i in range(1, count + 1):
@@ -112,7 +113,9 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
             vz = ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j]
             if exact:
                 vh, vz = now_h - before_h, now_z - before_z
-            eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
+            if pressed:
+                p = pressure(penalty_traction(g_0 + ramp[i] * motion[r, j], kn, separates))
+            eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
             if elastic:
                 eh, ez = th, tz
             before_h, before_z = now_h, now_z
@@ -126,7 +129,9 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
                 th, tz, vh, vz = eh + motion[h, j] - before_h, ez + motion[z, j] - before_z, rate[h, j], rate[z, j]
                 if exact:
                     vh, vz = motion[h, j] - before_h, motion[z, j] - before_z
-                eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
+                if pressed:
+                    p = pressure(penalty_traction(g_0 + motion[r, j], kn, separates))
+                eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
                 before_h, before_z = motion[h, j], motion[z, j]
                 slip[h, j], slip[z, j] = eh, ez
                 if elastic:
@@ -160,7 +165,7 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
     n, count = is_open.shape
     for k in range(n):
         r = normal(k, n)
-        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        stick, held = stick_change(k, 1.0, laws), laws.stick[k]  # per pressure, and constant; for all samples
         kn, separates = laws.kn[k], laws.separation[k]
         p_0 = -t_0[r]
         largest = 0.0
@@ -171,7 +176,7 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
             is_open[k, j] = not is_closed(gn, separates)
             for c in range(2):
                 i = contact_dof(k, c, n)
-                s[i, j] = point.correction(stick * p * slip[i, j], t_0[i], springs[i], motion[i, j])
+                s[i, j] = point.correction((held + stick * p) * slip[i, j], t_0[i], springs[i], motion[i, j])
             s[r, j] = point.correction(tn, t_0[r], springs[r], motion[r, j])
             largest = max(largest, abs(p - p_0))
         pressure_change[k] = largest / p_0 if p_0 > 0.0 else np.inf
@@ -200,17 +205,19 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
     n = laws.mu.shape[0]
     # derivative of the elastic slip with respect to the hoop, then the axial motion, minus the derivative in stick
     dh, dz = np.zeros(2 * size), np.zeros(2 * size)
+    dn = np.zeros(2 * size)  # of the elastic slip (hoop, axial) with respect to the normal motion
     rows = np.zeros((count, 7 * size + 2))
     for index in range(points.shape[0]):
         k = points[index]
         h, z, normal_dof = hoop(k), axial(k), normal(k, n)
-        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        stick, held = stick_change(k, 1.0, laws), laws.stick[k]  # per pressure, and constant; for all samples
         kn, separates = laws.kn[k], laws.separation[k]
         eh, ez = e_0[h], e_0[z]
         before_h = before_z = 0.0
         dh[:] = 0.0
         dz[:] = 0.0
-        wh = wz = last = 0.0
+        dn[:] = 0.0
+        wh = wz = last = p = 0.0
         exact, elastic, last_j = laws.exact_increment[k], laws.elastic[k], 0
         end = (periods[k] + 1) * count
         for step in range(1 if moved[k] else end - count + 1, end + 1):
@@ -226,9 +233,17 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
                 vz = grown * rate[z, j] + growth * motion[z, j]
                 if exact:
                     vh, vz = now_h - before_h, now_z - before_z
-                eh, ez, slides = slip_update(k, th, tz, vh, vz, laws, dt)
+                if held > 0.0:
+                    p = pressure(penalty_traction(g_0[normal_dof] + grown * motion[normal_dof, j], kn, separates))
+                eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
                 if slides or not laws.sticks[k]:
-                    a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, laws, dt)
+                    a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, p, laws, dt)
+                    if held > 0.0:  # the limit follows the pressure
+                        sink = -kn * grown / p if p > 0.0 else 0.0
+                        for r in range(size):
+                            nh, nz, here = dn[r], dn[size + r], values[j, r]
+                            dn[r] = a00 * nh + a01 * nz + sink * eh * here
+                            dn[size + r] = a10 * nh + a11 * nz + sink * ez * here
                     for r in range(size):
                         here = grown * values[j, r]
                         fast = grown * velocities[j, r] + growth * values[j, r]
@@ -253,7 +268,7 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
                 stiffness = kn if is_closed(gn, separates) else 0.0
                 pressed = pressure(penalty_traction(gn, kn, separates)) > 0.0
                 slope = stick * -stiffness if pressed else 0.0  # of the stick stiffness with the gap
-                kt = slope * gn
+                kt = slope * gn + (held if pressed else 0.0)
                 row = rows[j]
                 for r in range(size):
                     here = values[j, r]
@@ -261,8 +276,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_fr
                     row[size + r] = kt * dh[size + r]
                     row[2 * size + r] = kt * dz[r]
                     row[3 * size + r] = kt * (dz[size + r] + here)
-                    row[4 * size + r] = slope * eh * here
-                    row[5 * size + r] = slope * ez * here
+                    row[4 * size + r] = slope * eh * here + held * dn[r]
+                    row[5 * size + r] = slope * ez * here + held * dn[size + r]
                     row[6 * size + r] = stiffness * here
                 row[7 * size] = kt * wh
                 row[7 * size + 1] = kt * wz
@@ -299,7 +314,7 @@ def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
     n, count = friction.shape[0], motion.shape[1]
     for k in range(n):
         h, z, r = hoop(k), axial(k), normal(k, n)
-        stick = stick_stiffness(k, 1.0, laws)  # per pressure, for all samples
+        stick, held = stick_change(k, 1.0, laws), laws.stick[k]  # per pressure, and constant; for all samples
         kn, separates = laws.kn[k], laws.separation[k]
         keeps = 1.0 if laws.stores_slip[k] else 0.0  # without memory all slip is lost
         friction[k] = modulation[k] = path[k] = 0.0
@@ -313,8 +328,9 @@ def cycle_work(motion, slip, g_0, laws, friction, modulation, path, peak):
             if laws.elastic[k]:
                 eh, ez, eh_b, ez_b = motion[h, j], motion[z, j], motion[h, b], motion[z, b]
             plastic, _, _ = tangential_work(
-                k, p_b, p, (stick * p_b * slip[h, b], stick * p_b * slip[z, b]),
-                (stick * p * slip[h, j], stick * p * slip[z, j]), (dh, dz), (eh_b, ez_b), (eh, ez), laws,
+                k, p_b, p, ((held + stick * p_b) * slip[h, b], (held + stick * p_b) * slip[z, b]),
+                ((held + stick * p) * slip[h, j], (held + stick * p) * slip[z, j]), (dh, dz), (eh_b, ez_b), (eh, ez),
+                laws,
             )  # fmt: skip
             friction[k] += plastic
             if not laws.elastic[k]:
