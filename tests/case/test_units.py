@@ -145,6 +145,8 @@ def test_an_areal_mass_gives_the_density() -> None:
     assert named.coil.material.rho == pytest.approx(2000.0)
     with pytest.raises(InputError, match=r"does not go with material\.rho"):
         load_case(CONFIGS / "lab_sweep.yaml", ["coil.areal_mass=2.5"])
+    with pytest.raises(InputError, match="needs the thickness and the material"):
+        load_case(CONFIGS / "lab_sweep.yaml", ["coil={model: none, areal_mass: 2.5}", "analysis=modal"])
 
 
 def test_angles_of_plies_are_degrees() -> None:
