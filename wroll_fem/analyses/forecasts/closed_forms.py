@@ -150,9 +150,10 @@ def shear_lag(inside: float, outside: float, stick: float) -> float:
 
 
 def root_element_height(roll: RollSections) -> float:
-    """Height in m of the element row at the base of the generated mesh."""
+    """Height in m of the element row at the base of the coil in the generated mesh."""
     n, grading = roll.mesh.axial, roll.mesh.grading
+    low, high = roll.coil_span
     if n < 2 or grading == 1:
-        return roll.geometry.length / n
+        return (high - low) / n
     ratio = grading ** (1 / (n - 1))
-    return roll.geometry.length * (ratio - 1) / (ratio**n - 1)
+    return (high - low) * (ratio - 1) / (ratio**n - 1)
