@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,13 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.forecasts.computing_time import estimate_roll
-from wroll_fem.analyses.harmonic import Passes, condensed_structure, memory_remark, reduction_remark
+from wroll_fem.analyses.harmonic import (
+    Passes,
+    condensed_structure,
+    memory_remark,
+    reduction_remark,
+    training_file,
+)
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
@@ -124,10 +131,19 @@ def end_remark(curve: BackboneCurve, largest: float) -> str:
     )
 
 
-def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
+def run_backbone(
+    case: BackboneCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
     """Compute frequency and damping of the main mode versus its amplitude, from sticking to gross slip.
 
     The main mode contributes most to the tip displacement under a static base acceleration.
+
+    Parameters
+    ----------
+    checkpoint
+        Checkpoint file; None writes none.
+    resume
+        Continue from the checkpoint.
 
     Raises
     ------
@@ -138,7 +154,10 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
     condensation = condensed_structure(case, system, state, progress)
     settings, started = case.harmonic, time.process_time()
     try:
-        with threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage:
+        with (
+            threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage,
+            training_file(case, checkpoint, resume=resume) as file,
+        ):  # fmt: skip
             passes = Passes(progress, stage, settings.reduction_tolerance)
 
             def at_point(share: float, count: int) -> None:
@@ -151,6 +170,7 @@ def run_backbone(case: BackboneCase, *, progress: Progress) -> xr.Dataset:
                 tip_amplitudes=(case.backbone.tip_smallest, case.backbone.tip_largest),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point,
+                file=file,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:
@@ -192,4 +212,5 @@ ANALYSIS = Analysis(
     plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map"),
     preflight=preflight.CHECKS["backbone"],
     estimate=estimate_roll,
+    resumable=True,
 )  # fmt: skip

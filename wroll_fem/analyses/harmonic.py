@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +25,7 @@ from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.dynamics.periodic.training_state import TrainingFile
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
@@ -120,8 +124,36 @@ class Passes:
         self._number = number + 1
 
 
-def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
+@contextmanager
+def training_file(case: StructuralCase, checkpoint: Path | None, *, resume: bool) -> Iterator[TrainingFile | None]:
+    """Context manager that yields the checkpoint file of a training; None without a path.
+
+    An interrupt writes the latest state. After a `ConvergenceError` nothing is left to continue.
+    """
+    file = None if checkpoint is None else TrainingFile(checkpoint, case.solver.checkpoint_seconds, resume)
+    try:
+        yield file
+    except KeyboardInterrupt:
+        if file is not None:
+            file.write()
+        raise
+    except ConvergenceError:
+        if checkpoint is not None:
+            checkpoint.unlink(missing_ok=True)
+        raise
+
+
+def run_harmonic(
+    case: HarmonicCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
     """Compute the response curve with work per cycle and slip, and estimate its damping.
+
+    Parameters
+    ----------
+    checkpoint
+        Checkpoint file; None writes none.
+    resume
+        Continue from the checkpoint.
 
     Raises
     ------
@@ -134,7 +166,10 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
     excitation, settings = case.excitation, case.harmonic
     started = time.process_time()
     try:
-        with threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage:
+        with (
+            threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage,
+            training_file(case, checkpoint, resume=resume) as file,
+        ):  # fmt: skip
             passes = Passes(progress, stage, settings.reduction_tolerance)
 
             def at_point(hertz: float, count: int) -> None:
@@ -145,7 +180,7 @@ def run_harmonic(case: HarmonicCase, *, progress: Progress) -> xr.Dataset:
                 condensation, state, system.laws, amplitude=excitation.amplitude,
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
-                tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point,
+                tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:
@@ -353,4 +388,5 @@ ANALYSIS = Analysis(
     plots=("harmonic_response", "hysteresis", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
     preflight=preflight.CHECKS["harmonic"],
     estimate=estimate_roll,
+    resumable=True,
 )

@@ -10,7 +10,7 @@ import pytest
 from support.periodic import small_roll
 
 from wroll_fem.analyses.harmonic import unbounded_reading
-from wroll_fem.dynamics.periodic import enrichment, training_end
+from wroll_fem.dynamics.periodic import causes, enrichment
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.basis import first_model
 from wroll_fem.dynamics.periodic.causes import with_cause
@@ -133,7 +133,7 @@ def test_curves_that_end_at_one_motion_are_not_trained_further(
     monkeypatch.setattr(enrichment, "response_curve", stopped)
     monkeypatch.setattr(HarmonicCurve, "overtones", lambda self, k: overtones)
     monkeypatch.setattr(HarmonicCurve, "drifts", drifts)
-    monkeypatch.setattr(training_end, "SAFE_END", 10.0)  # the first bases of a small roll are rough
+    monkeypatch.setattr(causes, "SAFE_END", 10.0)  # the first bases of a small roll are rough
     with pytest.raises(ConvergenceError, match="could not be followed") as failure:
         trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-12)
     assert len(ended) <= curves + 1  # and the coarse first curve

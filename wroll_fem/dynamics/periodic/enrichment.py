@@ -11,8 +11,10 @@ from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, Sampling
 from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, Correction, correction
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.periodic.training import FIRST_HARMONICS, Structure, Trained, Training, trained
+from wroll_fem.dynamics.periodic.training_state import TrainingFile, curve_of
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -53,6 +55,7 @@ def trained_response(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
+    file: TrainingFile | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
@@ -65,6 +68,8 @@ def trained_response(
         Called with the number of the curve, its model and its error.
     on_point
         Called at every point of a curve, with its frequency in Hz and the number of points so far.
+    file
+        Checkpoint of the training.
 
     Raises
     ------
@@ -101,8 +106,13 @@ def trained_response(
             return None
         return curve.with_gap(max(below), min(above))
 
-    training = Training(tolerance, max_rounds, on_round)
-    return trained(structure, training, solve, checked_points, check, again, shortened)
+    def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> HarmonicCurve:
+        found = curve_of(HarmonicBalance(structure.contact(model), amplitude), arrays)
+        assert isinstance(found, HarmonicCurve)
+        return found
+
+    training = Training(tolerance, max_rounds, on_round, file)
+    return trained(structure, training, solve, checked_points, check, again, shortened, restored)
 
 
 def trained_backbone(
@@ -119,6 +129,7 @@ def trained_backbone(
     control: StepControl | None = None,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
+    file: TrainingFile | None = None,
 ) -> Trained[BackboneCurve]:
     """Backbone of the full model; see `solve_backbone`. Other arguments and errors as for `trained_response`.
 
@@ -168,5 +179,10 @@ def trained_backbone(
         points = {int(k) for k in np.linspace(0, last - curve.beyond, BACKBONE_POINTS)}
         return sorted(points | {last})
 
-    training = Training(tolerance, max_rounds, on_round)
-    return trained(structure, training, solve, chosen, check, again, shortened)
+    def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> BackboneCurve:
+        found = curve_of(HarmonicBalance(structure.contact(model), 0.0), arrays)
+        assert isinstance(found, BackboneCurve)
+        return found
+
+    training = Training(tolerance, max_rounds, on_round, file)
+    return trained(structure, training, solve, chosen, check, again, shortened, restored)

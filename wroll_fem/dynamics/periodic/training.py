@@ -20,10 +20,11 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
+from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.training_end import beyond_training, ends_in_every_basis
+from wroll_fem.dynamics.periodic.training_state import TrainingFile, TrainingState, arrays_of
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -166,11 +167,23 @@ class Training:
     tolerance : largest correction at the checked points, relative to the motion, both in the energy norm
     max_rounds : largest number of curves
     on_round : called with the number of the curve, its model and its error
+    file : checkpoint from which to continue, and to which the state before every curve goes; None without checkpoints
     """
 
     tolerance: float = 1e-3
     max_rounds: int = 8
     on_round: Callable[[int, ReducedModel, float], None] | None = None
+    file: TrainingFile | None = None
+
+    def start(self, structure: Structure) -> TrainingState:
+        """State before the first curve, or that of the checkpoint."""
+        modes = structure.condensation.eigenvalues
+        state = None if self.file is None else self.file.start(modes)
+        if state is not None:
+            return state
+        model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
+        factor = 1.0 if len(modes) <= SMALL else COARSE
+        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None)
 
 
 def trained(
@@ -181,6 +194,7 @@ def trained(
     check: Check[Curve],
     again: Again[Curve],
     shortened: Callable[[Curve, Curve, list[bool]], Curve | None],
+    restored: Callable[[ReducedModel, dict[str, np.ndarray]], Curve],
 ) -> Trained[Curve]:
     """Response curve or backbone in a basis that is enriched until the corrections of its motions meet the tolerance.
 
@@ -192,16 +206,15 @@ def trained(
     again : see `Again`
     shortened : cuts a curve to its accurate part; called with the curve, its checked points and whether each of them
         is accurate; returns None if no such part exists
+    restored : curve of a checkpoint in a reduced model, from its arrays
     """
-    tolerance = training.tolerance
-    model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
+    tolerance, state = training.tolerance, training.start(structure)
+    model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
     small = len(structure.condensation.eigenvalues) <= SMALL
-    factor, stuck = 1.0 if small else COARSE, False
-    moved: Curve | None = None
+    factor, stuck, error, used = state.factor, state.stuck, state.error, set(state.used)
+    moved = None if state.curve is None else restored(model, state.curve)
     before: Curve | None = None
-    error = np.inf
-    used: set[int] = set()
-    for number in range(1, training.max_rounds + 1):
+    for number in range(state.number, training.max_rounds + 1):
         stopped: ConvergenceError | None = None
         try:
             curve = solve(model, factor) if moved is None else moved
@@ -255,6 +268,14 @@ def trained(
             model = _enriched(structure, training, points, [found[k] for k in sorted(used)], check, again, anew=anew)
         used = set() if moved is None else used
         stuck, factor = model.size == size and not coarse, 1.0
+        if training.file is not None:
+            training.file.keep(
+                structure.condensation.eigenvalues,
+                TrainingState(
+                    number + 1, model.vectors, model.eigenvalues, factor, stuck, error, tuple(sorted(used)),
+                    None if moved is None else arrays_of(moved),
+                ),
+            )  # fmt: skip
     if stopped is None and error <= DOUBTFUL:
         return Trained(curve.without_beyond(), error, max(f.tip for f in held), number)
     failure = ConvergenceError(

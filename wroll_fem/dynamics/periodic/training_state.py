@@ -1,0 +1,143 @@
+"""Checkpoints of the training of a basis: its state between two curves, and the file that keeps it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wroll_fem.dynamics.periodic.backbone import BackboneCurve, ModalMotion
+from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
+from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.errors import InputError
+from wroll_fem.results.atomic import replacing
+from wroll_fem.typing import FloatArray
+
+_OF_CURVE = ("frequencies", "coefficients", "tangents", "iterations")
+
+
+@dataclass(frozen=True)
+class TrainingState:
+    """State of a training before a curve.
+
+    Attributes
+    ----------
+    number : number of the curve, from 1
+    vectors, eigenvalues : basis (r, m) of the reduced model and its eigenvalues (m,), rad^2/s^2
+    factor : factor on the step lengths of the curve
+    stuck : whether the basis grows no further
+    error : largest correction on the curve before
+    used : points of this curve that are in the basis
+    curve : arrays of the curve if its points are moved to the basis already; None if it has to be computed
+    """
+
+    number: int
+    vectors: FloatArray
+    eigenvalues: FloatArray
+    factor: float
+    stuck: bool
+    error: float
+    used: tuple[int, ...]
+    curve: dict[str, np.ndarray] | None
+
+
+@dataclass
+class TrainingFile:
+    """File with the state of a training.
+
+    Attributes
+    ----------
+    path
+        Checkpoint file (.npz).
+    seconds
+        Least wall time between two checkpoints, s; shorter trainings write none.
+    resume
+        Whether to continue the training that is saved in ``path``.
+    """
+
+    path: Path
+    seconds: float = 60.0
+    resume: bool = False
+    _written: float = field(default_factory=time.monotonic, init=False)
+    _latest: tuple[FloatArray, TrainingState] | None = field(default=None, init=False)
+
+    def start(self, structure: FloatArray) -> TrainingState | None:
+        """State from which to continue; None to begin anew.
+
+        ``structure`` (r,) are the eigenvalues of all modes, which tell whether the checkpoint is of this run.
+
+        Raises
+        ------
+        InputError
+            If the checkpoint belongs to another run, or cannot be read.
+        """
+        if not self.resume or not self.path.is_file():
+            return None
+        try:
+            with np.load(self.path) as data:
+                found = {name: data[name] for name in data.files}
+            same = np.array_equal(found["structure"], structure)
+            curve = {name.removeprefix("curve_"): value for name, value in found.items() if name.startswith("curve_")}
+            state = TrainingState(
+                int(found["number"]), found["vectors"], found["eigenvalues"], float(found["factor"]),
+                bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()), curve or None,
+            )  # fmt: skip
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError("cannot be read", file=str(self.path), remedy="run without --resume") from error
+        if not same:
+            raise InputError(
+                "the checkpoint belongs to another run", file=str(self.path), remedy="run without --resume"
+            )
+        return state
+
+    def keep(self, structure: FloatArray, state: TrainingState) -> None:
+        """Take over a state, and write it if the last checkpoint is old enough."""
+        self._latest = structure, state
+        if time.monotonic() - self._written >= self.seconds:
+            self.write()
+
+    def write(self) -> None:
+        """Write the latest state, if there is one; an existing file is replaced once the new one is complete."""
+        if self._latest is None:
+            return
+        structure, state = self._latest
+        curve = {f"curve_{name}": value for name, value in (state.curve or {}).items()}
+        with replacing(self.path) as file, file.open("wb") as stream:
+            np.savez(
+                stream, structure=structure, number=state.number, vectors=state.vectors, factor=state.factor,
+                eigenvalues=state.eigenvalues, stuck=state.stuck, error=state.error,
+                used=np.array(state.used, np.int64), **curve,
+            )  # fmt: skip
+        self._written = time.monotonic()
+
+
+def arrays_of(curve: HarmonicCurve | BackboneCurve) -> dict[str, np.ndarray]:
+    """Arrays from which `curve_of` makes the curve again."""
+    found = {name: getattr(curve, name) for name in _OF_CURVE}
+    if isinstance(curve, BackboneCurve):
+        problem = curve.problem
+        scale = np.array([problem.mode, problem.first, problem.per_unit])
+        return found | {"damping": curve.damping, "cut": np.array(curve.cut), "scale": scale}
+    gap = np.array(curve.gap or (), float)
+    scale = np.array([*curve.problem.band, curve.problem.size])
+    return found | {"stable": curve.stable, "gap": gap, "skipped": np.array(curve.skipped), "scale": scale}
+
+
+def curve_of(balance: HarmonicBalance, arrays: dict[str, np.ndarray]) -> HarmonicCurve | BackboneCurve:
+    """Curve from its arrays (`arrays_of`), in the model and with the excitation of ``balance``."""
+    found: dict[str, Any] = {name: arrays[name] for name in _OF_CURVE}
+    first, second, third = (float(value) for value in arrays["scale"])
+    if "damping" in arrays:
+        motion = ModalMotion(balance, int(first), (1.0, 2.0))
+        motion.first, motion.per_unit = second, third
+        return BackboneCurve(
+            **found, damping=arrays["damping"], balance=balance, problem=motion, cut=str(arrays["cut"])
+        )
+    gap = (float(arrays["gap"][0]), float(arrays["gap"][1])) if len(arrays["gap"]) else None
+    return HarmonicCurve(
+        **found, stable=arrays["stable"], balance=balance, problem=FrequencyCurve(balance, (first, second), third),
+        gap=gap, skipped=tuple(arrays["skipped"].tolist()),
+    )  # fmt: skip
