@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.analyses.forecasts.computing_time import estimate_roll
+from wroll_fem.analyses.forecasts.computing_time import estimate_curve
 from wroll_fem.analyses.harmonic import (
     Passes,
     condensed_structure,
@@ -211,6 +211,6 @@ ANALYSIS = Analysis(
     },
     plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map"),
     preflight=preflight.CHECKS["backbone"],
-    estimate=estimate_roll,
+    estimate=estimate_curve,
     resumable=True,
 )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from wroll_fem.analyses.forecasts.computing_time import estimate_roll
+from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
@@ -96,5 +96,5 @@ ANALYSIS = Analysis(
         "mode": ("load_factor", "critical_pressure", "mode_kind", "mode_harmonic"),
         "mode, node, component": ("mode_shape",),
     },
-    estimate=estimate_roll,
+    estimate=estimate_modes,
 )

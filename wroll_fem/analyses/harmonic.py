@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from wroll_fem.analyses.forecasts.computing_time import estimate_roll
+from wroll_fem.analyses.forecasts.computing_time import estimate_curve
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_curve, with_yield
 from wroll_fem.analyses.registry import Analysis
@@ -387,6 +387,6 @@ ANALYSIS = Analysis(
     },
     plots=("harmonic_response", "hysteresis", "comparison", "slip_map", "peak_slip_vectors", "pressure_map"),
     preflight=preflight.CHECKS["harmonic"],
-    estimate=estimate_roll,
+    estimate=estimate_curve,
     resumable=True,
 )

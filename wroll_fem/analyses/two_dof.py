@@ -181,7 +181,7 @@ def estimate_two_dof(case: TwoDofCase) -> dict[str, Any]:
         curves = section.design_space.m2.points * section.design_space.k2.points * len(section.friction_capacity)
         seconds += SECONDS_PER_DESIGN * curves
         result["curves_over_design"] = curves
-    return result | {"estimated_seconds": 2.0 + seconds / len(os.sched_getaffinity(0))}
+    return result | {"estimated_seconds": 4.5 + seconds / len(os.sched_getaffinity(0))}
 
 
 ANALYSIS = Analysis(

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
+from wroll_fem.analyses.forecasts.slip import layers_clamped
+from wroll_fem.analyses.shared.assembly import is_mirrored, uses_symmetry
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 
 if TYPE_CHECKING:
     from wroll_fem.case import DwellCase, RollSections, SweepCase
 
-SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 3.0e-8, "full": 1.2e-5}
+SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 5.0e-9, "full": 1.2e-5}
 """Method -> computing time of a time step on a 2.5 GHz core, s, divided by the size of the problem. The size is the
 number of contact points (reduced), contact points times modes per circumferential wave number (condensed), or
 DOFs (full)."""
@@ -19,8 +22,21 @@ SECONDS_PER_EIGENPROBLEM = 2.2e-10
 """Time to compute the modes of one circumferential wave number, divided by the cube of its number of DOFs, s, on a
 2.5 GHz core."""
 
-SECONDS_PER_SOLID_DOF = 3.5e-4
-"""Time per DOF to assemble a solid coil and to compute ten modes, s, on a 2.5 GHz core."""
+SECONDS_OF_A_RUN = 4.5
+"""Time to start, to mesh and to draw the figures, s, on a 2.5 GHz core."""
+
+SECONDS_PER_DOF, SECONDS_PER_DOF_OF_MODES = 7.0e-5, 3.5e-4
+"""Time per DOF, s, on a 2.5 GHz core: to assemble and solve; and, for ten modes or a solid coil, in their place."""
+
+SECONDS_PER_CURVE_POINT = 6.0e-3
+"""Time of a response curve or a backbone for each contact point, s, on a 2.5 GHz core."""
+
+SECONDS_WITHOUT_SYMMETRY = 2.2e-9
+"""Time to reduce a roll without cyclic symmetry, divided by the cube of the size of its projection basis, s, on a
+2.5 GHz core."""
+
+PRESSURE_OF_OPENING = 2e3
+"""Interface pressure, Pa, below which large areas open and a time history by `reduced` falls back to `condensed`."""
 
 SECONDS_PER_FOURIER_DOF = 3.0e-5
 """Time per DOF to solve one eigenproblem of one circumferential wave number, s, on a 2.5 GHz core."""
@@ -28,8 +44,18 @@ SECONDS_PER_FOURIER_DOF = 3.0e-5
 
 def estimate_roll(case: StructuralCase) -> dict[str, Any]:
     """Numbers of DOFs and contact points, and computing time, of an analysis that can use the symmetry plane."""
-    half = case.solver.symmetry and case.direction == "x" and case.solver.method != "full"
-    return _estimate(case, half=half)
+    return _estimate(case, half=uses_symmetry(case))
+
+
+def estimate_curve(case: StructuralCase) -> dict[str, Any]:
+    """As `estimate_roll`, for harmonic and backbone."""
+    found = estimate_roll(case)
+    if "estimated_seconds" in found and isinstance(case, OnRoll):
+        points = found["interface_points"]
+        found["estimated_seconds"] += SECONDS_PER_CURVE_POINT * points
+        if not is_mirrored(case):
+            found["estimated_seconds"] += SECONDS_WITHOUT_SYMMETRY * (3.0 * 3.0 * points) ** 3
+    return found
 
 
 def estimate_modes(case: StructuralCase) -> dict[str, Any]:
@@ -38,7 +64,10 @@ def estimate_modes(case: StructuralCase) -> dict[str, Any]:
         dofs = fourier_dofs(case)
         seconds = 2.0 + 12 * SECONDS_PER_FOURIER_DOF * dofs
         return {"dofs": dofs, "interface_points": 0, "estimated_seconds": seconds}
-    return _estimate(case, half=False)
+    found = _estimate(case, half=False)
+    if "estimated_seconds" in found and isinstance(case, OnRoll) and case.coil.model != "solid":
+        found["estimated_seconds"] += (SECONDS_PER_DOF_OF_MODES - SECONDS_PER_DOF) * found["dofs"]
+    return found
 
 
 def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
@@ -54,16 +83,23 @@ def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
     found |= {"steps": steps, "time_step_s": dt, "duration_s": duration}
     if seconds is None or not isinstance(case, OnRoll):
         return found
-    around, method = case.mesh.circumferential, case.solver.method
+    around, method = case.mesh.circumferential, _method(case)
     per_harmonic = 2.0 * found["dofs"] / around
     if method != "full":
-        half = case.solver.symmetry and case.direction == "x"
-        blocks, size = (0.5 * around, per_harmonic) if half else (around, 0.5 * per_harmonic)
+        blocks, size = (0.5 * around, per_harmonic) if uses_symmetry(case) else (around, 0.5 * per_harmonic)
         seconds += SECONDS_PER_EIGENPROBLEM * blocks * size**3
     points = found["interface_points"]
     unit = {"reduced": points, "condensed": points * per_harmonic, "full": found["dofs"]}[method]
     seconds += steps * max(1e-4, SECONDS_PER_UNIT[method] * unit)
     return found | {"estimated_seconds": seconds}
+
+
+def _method(case: SweepCase | DwellCase) -> str:
+    """Method by which a time history ends: `reduced` falls back where layers open, or slip a little everywhere."""
+    if case.solver.method != "reduced" or not isinstance(case, OnRoll) or case.coil.model != "layers":
+        return case.solver.method
+    opens = case.preload is not None and min(interface_pressures(case)) < PRESSURE_OF_OPENING
+    return "condensed" if opens or layers_clamped(case) else "reduced"
 
 
 def fourier_dofs(roll: RollSections) -> int:
@@ -89,5 +125,5 @@ def _estimate(case: StructuralCase, *, half: bool) -> dict[str, Any]:
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
     dofs = 6 * nodes * shells + (6 * nodes * roll.mesh.radial if model == "solid" else 0)
     points = columns * 2 * along * (shells - 1) if model == "layers" else 0
-    seconds = 4.0 + (SECONDS_PER_SOLID_DOF if model == "solid" else 7e-5) * dofs
+    seconds = SECONDS_OF_A_RUN + (SECONDS_PER_DOF_OF_MODES if model == "solid" else SECONDS_PER_DOF) * dofs
     return {"dofs": dofs, "interface_points": points, "estimated_seconds": seconds}

@@ -49,10 +49,10 @@ def normal_penalty(roll: RollSections, normal: Normal) -> float:
 def uses_symmetry(case: StructuralCase) -> bool:
     """Whether case and excitation allow a model of half the circumference; the mesh must be symmetric as well."""
     allowed = case.solver.symmetry and case.direction == "x" and case.solver.method != "full"
-    return bool(allowed and (not isinstance(case, OnRoll) or _is_mirrored(case)))
+    return bool(allowed and (not isinstance(case, OnRoll) or is_mirrored(case)))
 
 
-def _is_mirrored(roll: RollSections) -> bool:
+def is_mirrored(roll: RollSections) -> bool:
     """Whether the walls are their own mirror images about the x-z plane: no ply couples stretching and shear."""
     mandrel, coil = roll.mandrel, roll.coil
     walls = [(mandrel.material, roll.geometry.mandrel_thickness)] if mandrel.is_layered else []
