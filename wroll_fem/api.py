@@ -89,8 +89,8 @@ def run(case: Case, *, out: str | Path | None = None, progress: ShowProgress = N
     ConvergenceError
         If a step does not converge; results up to that step are in `out`, and in ``partial`` of the error.
     KeyboardInterrupt
-        After an interrupt; with `out`, all analyses but the modal ones save a checkpoint, from which the same call
-        continues.
+        After an interrupt; with `out`, sweep, dwell, harmonic and backbone save a checkpoint, from which the same
+        call continues.
     """
     if not isinstance(case, Case):
         remedy = "load it first: run(load_case(path))"

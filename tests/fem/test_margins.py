@@ -10,6 +10,7 @@ from support.paths import CONFIGS
 from support.stepped_beam import stepped_beam
 
 from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case.loader import build_case, load_case
 from wroll_fem.mesh.generate import build_mesh, roll_stations, with_borders
@@ -81,6 +82,8 @@ def test_a_bonded_coil_with_margins_is_a_stepped_beam() -> None:
         LENGTH, lambda z: (0.03 - WALL + 0.0 * z, np.where((z > LOW) & (z < HIGH), 0.03 + COIL, 0.03)), E, NU, RHO
     )
     np.testing.assert_allclose([bending[0], bending[2]], expected, rtol=0.005)
+    case = build_case(roll(margins={"base": LOW, "tip": LENGTH - HIGH}))
+    assert beam_frequency(case, bonded=True) == pytest.approx(expected[0], rel=0.08)
 
 
 LAB_MARGINS = "coil.margins={base: 0.04, tip: 0.06}"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from wroll_fem.case import Friction, RollSections
@@ -30,32 +31,69 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
         Whether the coil adds mass.
     """
     g, m, coil = roll.geometry, roll.mandrel, roll.coil
+    whole = (0.0, g.length)
     radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
-    tubes: list[tuple[Any, float, float, bool]] = [(m.material, radius, g.mandrel_thickness, True)]
+    tubes = [_Tube(m.material, radius, g.mandrel_thickness, whole)]
     if coil.model != "none":
         radius = 0.5 * g.mandrel_outer_diameter + 0.5 * coil.total_thickness
-        stiff = bonded and coil.model != "nonstructural_mass"
-        tubes.append((coil.material, radius, coil.total_thickness, stiff))
-    bending = shear = mass = 0.0
-    for material, radius, thickness, stiff in tubes:
-        area = 2 * math.pi * radius * thickness
-        covered = 1.0 if material is m.material else _covered(roll)
-        if stiff or material is m.material:
-            E, _, _, G = material.in_plane
-            bending += covered * E * math.pi * radius**3 * thickness
-            shear += covered * G * area / 2
-        if added_mass or material is m.material:
-            mass += covered * material.rho * area * g.length
+        tubes.append(_Tube(coil.material, radius, coil.total_thickness, roll.coil_span))
+    heavy = tubes if added_mass else tubes[:1]
+    stiff = tubes if bonded and coil.model != "nonstructural_mass" else tubes[:1]
     if not m.is_cantilever:
-        return _on_springs(m, g.length, bending, shear, mass / g.length)
-    compliance = g.length**3 / (3 * bending) + g.length / shear
-    return math.sqrt(1 / (compliance * (m.tip_mass + 33 / 140 * mass))) / (2 * math.pi)
+        bending, shear = (sum(tube.covers(*whole) * getattr(tube, name) for tube in stiff) for name in _STIFFNESSES)
+        return _on_springs(m, g.length, bending, shear, sum(t.mass for t in heavy) / g.length)
+    compliance, borders = 0.0, sorted({0.0, *roll.coil_span, g.length})
+    for low, high in pairwise(borders):
+        bending, shear = (sum(tube.covers(low, high) * getattr(tube, name) for tube in stiff) for name in _STIFFNESSES)
+        compliance += ((g.length - low) ** 3 - (g.length - high) ** 3) / (3 * bending) + (high - low) / shear
+    at_tip = sum(tube.mass * _share_at_tip(*tube.span, g.length) for tube in heavy)
+    return math.sqrt(1 / (compliance * (m.tip_mass + at_tip))) / (2 * math.pi)
 
 
-def _covered(roll: RollSections) -> float:
-    """Share of the length of the mandrel that the coil covers."""
-    low, high = roll.coil_span
-    return (high - low) / roll.geometry.length
+_STIFFNESSES = ("bending", "shear")
+
+
+class _Tube(NamedTuple):
+    """Thin tube of a beam: material, radius, thickness and span (heights of its ends), m."""
+
+    material: Any
+    radius: float
+    thickness: float
+    span: tuple[float, float]
+
+    @property
+    def area(self) -> float:
+        """Area of the cross-section, m^2."""
+        return 2 * math.pi * self.radius * self.thickness
+
+    @property
+    def bending(self) -> float:
+        """Bending stiffness, N m^2."""
+        return float(self.material.in_plane.E_z * math.pi * self.radius**3 * self.thickness)
+
+    @property
+    def shear(self) -> float:
+        """Shear stiffness, N."""
+        return float(self.material.in_plane.G_z_theta * self.area / 2)
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        return float(self.material.rho * self.area * (self.span[1] - self.span[0]))
+
+    def covers(self, low: float, high: float) -> float:
+        """Share of the heights from ``low`` to ``high``, m, that the tube covers."""
+        return max(0.0, min(high, self.span[1]) - max(low, self.span[0])) / (high - low)
+
+
+def _share_at_tip(low: float, high: float, length: float) -> float:
+    """Mass at the tip with the kinetic energy of a uniform mass between two heights, m, divided by this mass.
+
+    The cantilever has the deflection of a force at its tip; along its whole length the share is 33/140.
+    """
+    low, high = low / length, high / length
+    below, above = (x**5 * (9 / 5 - x + x**2 / 7) / 4 for x in (low, high))
+    return (above - below) / (high - low)
 
 
 def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, mass: float) -> float:
