@@ -27,6 +27,9 @@ _CELL = "quadrilateral"
 _INWARDS = 1e-6
 """Relative distance from the border of a cell at which its wall is looked up, because a step may lie on the border."""
 
+_MATRICES = (("membrane", 3), ("shift", 3), ("bending", 3), ("shear", 2))
+"""Matrices of the energy in `COLUMNS`, and their sizes."""
+
 
 def shell_model(
     nodes: FloatArray, cells: IntArray, section: AnySection, director: Director = radial_director
@@ -129,6 +132,3 @@ class LayeredShellModel(ShellModel):
         """Mass of the wall, kg."""
         self.use(section)
         return float(compat.assemble_array(self._mass_total_form).sum())
-
-
-_MATRICES = (("membrane", 3), ("shift", 3), ("bending", 3), ("shear", 2))
