@@ -106,3 +106,12 @@ def test_a_section_with_defaults_is_shown_for_the_analyses_that_use_it(name: str
     given = yaml.safe_load(load_case(CONFIGS / f"lab_{name}.yaml").resolved_yaml())
     found = {row.section for row in case_rows(given)}
     assert found & {"Modal", "Harmonic", "Backbone"} == shown_sections
+
+
+def test_entries_of_a_list_are_written_in_brief() -> None:
+    """Plies of a laminate and rows of a wall table: one line each, with units, not the dictionaries of Python."""
+    ply = {"material": {"kind": "lamina", "E_1": 1.4e11}, "thickness": 2.5e-4, "angle": 45.0}
+    mandrel = {"material": {"kind": "laminate", "plies": [ply, ply]}, "wall": [{"z": 0.05, "thickness": 0.006}]}
+    rows = {row.key: (row.name, row.value) for row in case_rows({"analysis": "modal", "mandrel": mandrel})}
+    assert rows["mandrel.material.plies.1"] == ("plies 2", "lamina, thickness 250 µm, angle 45 deg")
+    assert rows["mandrel.wall.0"] == ("wall 1", "z 50 mm, thickness 6 mm")

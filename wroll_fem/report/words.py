@@ -89,6 +89,12 @@ def _rows(
         for one in sorted(value, key=lambda name: name not in _TAGS):
             if value[one] is not None and one not in _NOT_PHYSICS:
                 yield from _rows(inner, one, value[one], f"{key}.{one}", unit)
+    elif isinstance(value, list) and value and all(isinstance(entry, Mapping) for entry in value):
+        model = _model(sections(field.annotation) if field is not None else [], value[0])
+        inner = {} if model is None else model.model_fields
+        for number, entry in enumerate(value):
+            parts = [_in_brief(inner, one, held) for one, held in entry.items() if held is not None]
+            yield f"{name.replace('_', ' ')} {number + 1}", ", ".join(parts), f"{key}.{number}"
     elif isinstance(value, bool):
         meaning = "" if value else meaning_of(words, "false")
         yield _name(name, words), f"{'yes' if value else 'no'}{f': {meaning}' if meaning else ''}", key
@@ -98,6 +104,15 @@ def _rows(
         yield label, f"{value}: {meaning}" if meaning else value, key
     else:
         yield _name(name, words), _value(value, unit), key
+
+
+def _in_brief(fields: Mapping[str, FieldInfo], name: str, value: Any) -> str:
+    """Name and value of a key of a list entry; of a section within the entry its kind alone."""
+    if isinstance(value, Mapping):
+        return str(value.get("kind", name))
+    field = fields.get(name)
+    unit = unit_of(field.description or "") if field is not None else ""
+    return f"{name.replace('_', ' ')} {_value(value, unit)}"
 
 
 def _name(name: str, words: str) -> str:
