@@ -110,7 +110,7 @@ def doubts(section: Winding, roll: WoundRoll) -> list[str]:
 def estimate_winding(case: WindingCase) -> dict[str, Any]:
     """Numbers of wraps and cells, and approximate computing time."""
     cells, wraps = case.winding.cells, case.winding.wraps
-    return {"wraps": wraps, "cells": cells, "estimated_seconds": 0.5 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
+    return {"wraps": wraps, "cells": cells, "estimated_seconds": 2.2 + 8e-9 * (0.6 * cells**2 + 0.5 * wraps**2)}
 
 
 ANALYSIS = Analysis(
