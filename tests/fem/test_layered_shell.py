@@ -213,3 +213,32 @@ def test_walls_that_contradict_themselves_are_refused(mandrel: dict[str, Any], w
     with pytest.raises(Exception) as caught:  # noqa: PT011
         build_case(data)
     assert words in str(caught.value)
+
+
+BONDED: dict[str, Any] = {"model": "bonded", "total_thickness": 1e-3}
+
+
+@pytest.mark.parametrize(
+    ("mandrel", "coil"),
+    [
+        ({"material": plies([0.0, 90.0], WALL)}, {"model": "none"}),
+        ({"material": ALUMINIUM}, BONDED | {"material": CARBON}),
+        ({"material": plies([0.0, 90.0], WALL)}, BONDED | {"material": ALUMINIUM, "margins": {"base": 0.1}}),
+    ],
+)
+def test_modal_analysis_takes_walls_that_fourier_elements_do_not(mandrel: Any, coil: Any) -> None:
+    """The check of the mesh against Fourier elements is left out; asked for by name they are refused."""
+    data = {
+        "analysis": "modal",
+        "geometry": {"length": LENGTH, "mandrel_outer_diameter": DIAMETER, "mandrel_thickness": WALL},
+        "mandrel": mandrel, "coil": coil, "modal": {"count": 4}, "output": {"figures": False},
+        "mesh": {"circumferential": 8, "axial": 6, "grading": 1},
+    }  # fmt: skip
+    assert run_analysis(build_case(data), progress=SilentProgress())["mode_frequency"].values[0] > 0.0
+    with pytest.raises(Exception, match=r"does not work with (Fourier elements|coil\.margins)"):
+        build_case(data | {"mesh": {"discretisation": "fourier"}})
+
+
+def test_a_yield_stress_of_plies_in_a_coil_is_refused() -> None:
+    with pytest.raises(Exception, match="does not apply to plies"):
+        load_case(CONFIGS / "lab_sweep.yaml", [f"coil.material={CARBON}".replace("'", ""), "coil.yield_stress=1e8"])

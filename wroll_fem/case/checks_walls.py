@@ -35,7 +35,7 @@ def check_plies(geometry: Geometry, mandrel: Mandrel, coil: Coil) -> None:
             )  # fmt: skip
 
 
-def check_wall(geometry: Geometry, mandrel: Mandrel, mesh: Mesh) -> None:
+def check_wall(geometry: Geometry, mandrel: Mandrel, coil: Coil, mesh: Mesh) -> None:
     """Refuse a wall table that has no end in the tube or that a laminate cannot follow, and plies in Fourier elements.
 
     Raises
@@ -43,10 +43,11 @@ def check_wall(geometry: Geometry, mandrel: Mandrel, mesh: Mesh) -> None:
     PydanticCustomError
         If the check fails.
     """
-    if mandrel.is_layered and mesh.discretisation == "fourier":
-        key = "material.kind" if mandrel.wall is None else "wall"
+    if (mandrel.is_layered or coil.is_layered) and mesh.discretisation == "fourier":
+        own = "mandrel.material.kind" if mandrel.wall is None else "mandrel.wall"
         raise validation_error(
-            "does not work with Fourier elements, whose wall is homogeneous and isotropic", key=f"mandrel.{key}",
+            "does not work with Fourier elements, whose walls are homogeneous and isotropic",
+            key=own if mandrel.is_layered else "coil.material.kind",
             show_value=False, remedy="use mesh.discretisation: three_dimensional",
         )  # fmt: skip
     if mandrel.wall is None:
@@ -71,7 +72,7 @@ def check_wall(geometry: Geometry, mandrel: Mandrel, mesh: Mesh) -> None:
 
 
 def check_margins(geometry: Geometry, coil: Coil, mesh: Mesh, *, prestressed: bool) -> None:
-    """Refuse margins that leave no coil, and those with a mesh file or with geometric stiffness.
+    """Refuse margins that leave no coil, and those with a mesh file, Fourier elements or geometric stiffness.
 
     Raises
     ------
@@ -85,7 +86,11 @@ def check_margins(geometry: Geometry, coil: Coil, mesh: Mesh, *, prestressed: bo
             f"leave no coil on a mandrel of {geometry.length:g} m", key="coil.margins", show_value=False,
             remedy="give margins whose sum is below geometry.length",
         )  # fmt: skip
-    for key, wrong in (("mesh.file", mesh.file is not None), ("preload.geometric_stiffness", prestressed)):
+    for key, wrong in (
+        ("mesh.file", mesh.file is not None),
+        ("mesh.discretisation", mesh.discretisation == "fourier"),
+        ("preload.geometric_stiffness", prestressed),
+    ):
         if wrong:
             raise validation_error(
                 "does not work with coil.margins", key=key, show_value=False, remedy="leave one of them out"

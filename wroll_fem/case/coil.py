@@ -171,6 +171,11 @@ class Coil(Section):
                 "holds the coil to the shaker, but the coil begins above the base (margins.base)", key="base",
                 value=self.base, remedy="use base: free, or leave margins.base out",
             )  # fmt: skip
+        if self.yield_stress is not None and self.is_layered:
+            raise validation_error(
+                "does not apply to plies, whose strength differs along and across their fibres", key="yield_stress",
+                value=self.yield_stress, remedy="leave it out; runs give the stresses of the plies (ply_stress_max)",
+            )  # fmt: skip
         if self.base != "guided" and "base_stiffness" in self.model_fields_set:
             raise validation_error(
                 f"does not apply to base: {self.base}", key="base_stiffness", value=self.base_stiffness,

@@ -26,6 +26,11 @@ class RollSections(Section):
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
 
     @property
+    def suits_fourier(self) -> bool:
+        """Whether Fourier elements describe walls and coil: no plies, a uniform wall, no margins."""
+        return not (self.mandrel.is_layered or self.coil.is_layered or self.coil.margins is not None)
+
+    @property
     def coil_span(self) -> tuple[float, float]:
         """Heights at which the coil begins and ends, m."""
         margins, length = self.coil.margins, self.geometry.length

@@ -111,7 +111,7 @@ class OnRoll(StructuralCase, RollSections):
         yield lambda: check_base(self.mandrel, self.analysis)
         yield self._check_supports
         yield lambda: check_plies(self.geometry, self.mandrel, self.coil)
-        yield lambda: check_wall(self.geometry, self.mandrel, self.mesh)
+        yield lambda: check_wall(self.geometry, self.mandrel, self.coil, self.mesh)
         yield self._check_margins
         yield lambda: check_pressures(self.preload, self.coil.layers)
         yield lambda: check_probes(self.probes or {}, self.coil, self.coil_span, self.geometry.length)

@@ -32,7 +32,8 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     """Warning about the least accurate natural frequency, if its error exceeds `TOLERANCE`; empty otherwise.
 
     The reference is a finer mesh of semi-analytical (Fourier) elements, an independent discretisation of the same roll.
-    It takes about a second. Bending, ovalling and torsion are compared.
+    It takes about a second. Bending, ovalling and torsion are compared. Walls of plies or of variable thickness and
+    coils with margins are not checked: Fourier elements do not describe them.
 
     Parameters
     ----------
@@ -43,7 +44,7 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     pairs
         Whether both modes of a degenerate pair are listed.
     """
-    if case.coil.model not in COILS or case.mesh.file is not None:
+    if case.coil.model not in COILS or case.mesh.file is not None or not case.suits_fourier:
         return ""
     from wroll_fem.fem.fourier_modes import symmetry_class_modes
     from wroll_fem.fem.fourier_roll import FourierRoll
