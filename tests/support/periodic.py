@@ -49,9 +49,11 @@ def largest(coefficients: np.ndarray, row: np.ndarray) -> float:
 
 
 @cache
-def small_roll(around: int, along: int, *overrides: str) -> tuple[System, ContactState, Condensation]:
+def small_roll(
+    around: int, along: int, *overrides: str, mirrored: bool = True
+) -> tuple[System, ContactState, Condensation]:
     mesh = f"mesh={{circumferential: {around}, axial: {along}, grading: 3}}"
     case = load_case(LAB, [mesh, *overrides])
-    system = build_system(case, build_bodies(case))
+    system = build_system(case, build_bodies(case, symmetric=mirrored))
     preload = solve_preload(system)
     return system, preload, condense(system, stick_springs(system, preload), Scheme.hht(0.0), 1e-4)

@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.periodic import small_roll
+from support.twisted_wall import TWISTED
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
 
 
-@pytest.mark.parametrize("symmetric", [True, False])
-def test_maps_are_those_of_all_points_and_modes(symmetric: bool) -> None:
-    system, preload, condensation = small_roll(12, 4)
+@pytest.mark.parametrize(("symmetric", "twisted"), [(True, False), (False, False), (True, True)])
+def test_maps_are_those_of_all_points_and_modes(symmetric: bool, twisted: bool) -> None:
+    roll = small_roll(8, 2, TWISTED, mirrored=False) if twisted else small_roll(12, 4)
+    system, preload, condensation = roll
+    assert condensation.profiles.shape[1] == 1 + twisted
     sampling = Sampling(3, 64)
     symmetry = HalfPeriod.of(condensation, preload, system.laws) if symmetric else None
     model = ReducedModel.of_vectors(condensation, np.eye(len(condensation.eigenvalues))[:, :3])

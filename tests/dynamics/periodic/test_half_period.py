@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from support.periodic import small_roll
+from support.twisted_wall import TWISTED
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.basis import first_model
@@ -25,9 +27,14 @@ def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:
     assert HalfPeriod.of(condensation, preload, system.laws._replace(mu=uneven)) is None
 
 
-def test_one_point_of_each_pair_gives_the_forces_of_all() -> None:
-    """Gross slip, which forgets how it began: every point evaluated, against one of each pair and half the unknowns."""
-    system, preload, condensation = small_roll(12, 4)
+@pytest.mark.parametrize("twisted", [False, True])
+def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
+    """Gross slip, which forgets how it began: every point evaluated, against one of each pair and half the unknowns.
+
+    A roll with a wall of angle plies has no mirror plane; half a turn maps its points onto each other.
+    """
+    roll = small_roll(8, 3, TWISTED, mirrored=False) if twisted else small_roll(12, 4)
+    system, preload, condensation = roll
     sampling, symmetry = Sampling(3, 64), HalfPeriod.of(condensation, preload, system.laws)
     model = first_model(condensation, preload, system.laws, sampling, symmetry)
     half = HarmonicContact(model, preload, system.laws, sampling, symmetry=symmetry)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
 from support.paths import CONFIGS
+from support.twisted_wall import TWISTED
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
@@ -28,8 +29,10 @@ LAB = CONFIGS / "lab_sweep.yaml"
 
 
 @cache
-def roll(symmetric: bool = True, layers: int = 1, mesh: str = "{circumferential: 8, axial: 3, grading: 1}") -> System:
-    case = load_case(LAB, [f"mesh={mesh}", f"coil.layers={layers}"])
+def roll(
+    symmetric: bool = True, layers: int = 1, mesh: str = "{circumferential: 8, axial: 3, grading: 1}", *more: str
+) -> System:
+    case = load_case(LAB, [f"mesh={mesh}", f"coil.layers={layers}", *more])
     return build_system(case, build_bodies(case, symmetric=symmetric))
 
 
@@ -45,9 +48,18 @@ def equilibrium_error(system: System, force: np.ndarray, state: ContactState) ->
 
 @pytest.mark.parametrize(("symmetric", "layers"), [(True, 1), (False, 1), (True, 2)])
 def test_blocks_carry_the_compliance_of_the_interfaces(symmetric, layers):
-    system = roll(symmetric, layers)
+    assert_compliance(roll(symmetric, layers), waves=1, error=1e-9)
+
+
+@pytest.mark.parametrize("layers", [1, 2])
+def test_blocks_of_angle_plies_have_both_parities(layers):
+    assert_compliance(roll(False, layers, "{circumferential: 8, axial: 3, grading: 1}", TWISTED), waves=2, error=1e-8)
+
+
+def assert_compliance(system: System, waves: int, error: float) -> None:
     blocks = Blocks.of(system, springs_of(system))
     assert blocks is not None
+    assert blocks.profiles.shape[1] == waves
     area = system.laws.area
     per_block = [
         blocks.jump(b) @ spla.spsolve(blocks.stiffness(b).tocsc(), blocks.jump(b).T.tocsc()) for b in range(len(blocks))
@@ -55,7 +67,7 @@ def test_blocks_carry_the_compliance_of_the_interfaces(symmetric, layers):
     compliance = spread(np.array([c.toarray() for c in per_block]), blocks.profiles, area)
     whole = spla.splu(system.with_interface_springs(springs_of(system)))
     expected = system.jump @ whole.solve(system.jump.T.toarray() * system.weights)
-    np.testing.assert_allclose(compliance, expected, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(compliance, expected, atol=error * np.abs(expected).max())
 
 
 def by_block(values: np.ndarray, c: Condensation) -> list[np.ndarray]:

@@ -28,8 +28,8 @@ class Group:
     columns : (c,) indices of the Fourier coefficients that these modes have
     modes : (b, d) indices of the modes of each block; rows of shorter blocks are padded with r, the number of all modes
     filled : (b, d) True for a mode, False for padding
-    around : (3, b, n_theta) circumferential profiles at the evaluated contact points
-    jump : (b, d, 3 n_rows) amplitude of the jump of every mode in each row of contact points; zero for padding
+    around : (3, b n_waves, n_theta) circumferential profiles at the evaluated contact points
+    jump : (b, d, n_waves 3 n_rows) amplitude of the jump of every mode in each row of contact points; zero for padding
     """
 
     columns: IntArray
@@ -72,7 +72,7 @@ class EveryMode:
         c = condensation
         self.size, self.coefficients = len(c.eigenvalues), len(orders)
         theta = np.arange(c.n_theta) if symmetry is None else symmetry.first[symmetry.first < c.n_theta]
-        self.rows, self.n_theta = len(c.jump[0]) // 3, len(theta)
+        self.rows, self.n_theta = len(c.jump[0]) // (3 * c.profiles.shape[1]), len(theta)
         order = np.arange(self.rows * self.n_theta).reshape(self.rows, self.n_theta).T
         self.points = order.ravel()
         self.dofs = contact_dofs(len(self.points))[self.points]
@@ -87,10 +87,11 @@ class EveryMode:
         counts = np.diff(c.blocks)[blocks]
         filled = np.arange(counts.max()) < counts[:, None]
         modes = np.where(filled, c.blocks[blocks][:, None] + np.arange(counts.max()), self.size)
-        jump = np.zeros((*modes.shape, 3 * self.rows))
+        jump = np.zeros((*modes.shape, len(c.jump[0])))
         for place, block in enumerate(blocks):
             jump[place, : counts[place]] = c.jump[block].T
-        around = np.ascontiguousarray(c.profiles[blocks][:, :, theta].transpose(1, 0, 2))
+        profiles = c.profiles[blocks].reshape(-1, 3, c.n_theta)  # of each wave
+        around = np.ascontiguousarray(profiles[:, :, theta].transpose(1, 0, 2))
         return Group(columns, modes, filled, around, jump)
 
     def split(self, values: FloatArray) -> list[FloatArray]:
@@ -111,21 +112,21 @@ class EveryMode:
         """Modal forces G^T f due to the forces f (n, 3, R), N, at the contact points; one array (b, d, c) per group."""
         out = []
         for group in self.groups:
-            blocks, count = len(group.modes), len(group.columns)
+            blocks, waves, count = len(group.modes), group.around.shape[1], len(group.columns)
             forces = traction[:, :, group.columns].reshape(self.n_theta, self.rows, 3, count).transpose(2, 0, 1, 3)
             around = group.around @ forces.reshape(3, self.n_theta, self.rows * count)
-            amplitudes = around.reshape(3, blocks, self.rows, count).transpose(1, 0, 2, 3)
-            out.append(group.jump @ amplitudes.reshape(blocks, 3 * self.rows, count))
+            amplitudes = around.reshape(3, waves, self.rows, count).transpose(1, 0, 2, 3)
+            out.append(group.jump @ amplitudes.reshape(blocks, -1, count))
         return out
 
     def motion(self, parts: Sequence[FloatArray]) -> FloatArray:
         """(n, 3, R) relative displacement of the contact points from modal coefficients (b, d, c) per group."""
         out = np.zeros((len(self.points), 3, self.coefficients))
         for group, part in zip(self.groups, parts, strict=True):
-            blocks, count = len(group.modes), len(group.columns)
+            waves, count = group.around.shape[1], len(group.columns)
             amplitudes = group.jump.transpose(0, 2, 1) @ part
-            around = amplitudes.reshape(blocks, 3, self.rows, count).transpose(1, 0, 2, 3)
-            moved = group.around.transpose(0, 2, 1) @ around.reshape(3, blocks, self.rows * count)
+            around = amplitudes.reshape(waves, 3, self.rows, count).transpose(1, 0, 2, 3)
+            moved = group.around.transpose(0, 2, 1) @ around.reshape(3, waves, self.rows * count)
             out[:, :, group.columns] = (
                 moved.reshape(3, self.n_theta, self.rows, count).transpose(1, 2, 0, 3).reshape(-1, 3, count)
             )

@@ -108,13 +108,14 @@ class HalfPeriod:
 def _parity(profiles: FloatArray, around: IntArray, hoop: float) -> BoolArray | None:
     """(n_blocks,) whether the symmetry operation reverses the sign of each circumferential block.
 
-    None if the operation neither keeps nor reverses a block.
+    None if the operation neither keeps nor reverses a block. ``profiles`` (n_blocks, n_waves, 3, n_theta).
     """
-    mapped = profiles[:, :, around].copy()
-    mapped[:, HOOP] *= hoop
-    size = np.abs(profiles).max(axis=(1, 2))
-    kept = np.abs(mapped - profiles).max(axis=(1, 2)) <= SAME * size
-    reverses = np.abs(mapped + profiles).max(axis=(1, 2)) <= SAME * size
+    mapped = profiles[..., around].copy()
+    mapped[:, :, HOOP] *= hoop
+    of_block = (1, 2, 3)
+    size = np.abs(profiles).max(axis=of_block)
+    kept = np.abs(mapped - profiles).max(axis=of_block) <= SAME * size
+    reverses = np.abs(mapped + profiles).max(axis=of_block) <= SAME * size
     return reverses & ~kept if np.all(kept | reverses) else None
 
 

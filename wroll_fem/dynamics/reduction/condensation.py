@@ -46,8 +46,9 @@ class Condensation:
     eigenvalues : (r,) rad^2/s^2 of the r modes, block after block
     blocks : (n_blocks + 1,) index of the first mode of each block, then r
     vectors : mode shapes (n_dofs, r_b) of each block, as a pair of sparse basis and dense Ritz vectors to be multiplied
-    jump : one (3 n_rows, r_b) per block: amplitudes of the hoop, axial and normal jump in each row of contact points
-    profiles : (n_blocks, 3, n_theta) shape of these components around a row
+    jump : one (n_waves 3 n_rows, r_b) per block: amplitudes of the hoop, axial and normal jump of each wave in each row
+        of contact points
+    profiles : (n_blocks, n_waves, 3, n_theta) shape of these components around a row
     base : (r,) modal participation factors; the modal load is -base per unit base acceleration, kg^(1/2)
     tip : (r,) tip displacement
     probes : (p, r) displacement at the other probes, then the rows of the loads at the base (`System.output_rows`)
@@ -78,7 +79,7 @@ class Condensation:
     @property
     def n_theta(self) -> int:
         """Number of contact points per circumferential row."""
-        return int(self.profiles.shape[2])
+        return int(self.profiles.shape[3])
 
     @property
     def main_mode(self) -> tuple[float, float]:
@@ -108,7 +109,8 @@ class Condensation:
 
         Returns
         -------
-        blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
+        blocks : (n_blocks, n_waves 3 n_rows, n_waves 3 n_rows) amplitude of the jump per unit amplitude of the force,
+            m/N
         dense : (3 n_points, 3 n_points) jump per unit traction, m/Pa
         """
         blocks = np.array([(j * p if p.ndim == 1 else j @ p) @ j.T for j, p in zip(self.jump, inverse, strict=True)])
@@ -172,7 +174,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         blocks=np.array([0, len(values)]),
         vectors=[(sp.identity(system.n_dofs, format="csc"), vectors)],
         jump=[np.ascontiguousarray((system.jump @ vectors)[by_component(system.n_points)])],
-        profiles=np.ones((1, 3, 1)),
+        profiles=np.ones((1, 1, 3, 1)),
         base=vectors.T @ (system.mass @ system.influence),
         tip=vectors.T @ system.probes["tip"],
         probes=system.output_rows @ vectors,

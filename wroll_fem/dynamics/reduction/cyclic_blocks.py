@@ -1,11 +1,20 @@
-"""Circumferential blocks of a roll with rotational symmetry and interface springs; a check that they are uncoupled."""
+"""Circumferential blocks of a roll with rotational symmetry and interface springs; a check that they are uncoupled.
+
+A block holds the motions of one circumferential harmonic and one parity. A wall that couples stretch and shear, or
+bending and twist (plies at an angle), has no plane of symmetry: the two parities of a harmonic are coupled. They then
+form one block with two waves, the motions of both parities.
+"""
 
 from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.contact.point import contact_dofs, normals, per_dof, tangentials
+from wroll_fem.dynamics.system.cyclic_symmetry import Subspace
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
@@ -14,18 +23,20 @@ DECOUPLING = 1e-9
 
 
 class Blocks:
-    """Stiffness, mass and jump of the motions in each invariant subspace of a roll (`cyclic_symmetry`).
+    """Stiffness, mass and jump of the motions in each circumferential block of a roll.
 
     Attributes
     ----------
     system
         The roll.
+    spaces
+        The invariant subspaces (`cyclic_symmetry`) of each block: one, or both parities of a harmonic.
     springs
         (3 n_points,) springs in the interfaces, uniform around each row of contact points, Pa/m.
     area
         (n_rows, n_theta) area of the contact points, m^2.
     profiles
-        (n_blocks, 3, n_theta) shape of the hoop, axial and normal jump of each block around a row.
+        (n_blocks, n_waves, 3, n_theta) shape of the hoop, axial and normal jump of each wave around a row.
     """
 
     @classmethod
@@ -37,23 +48,32 @@ class Blocks:
         n_theta = points_per_row(system)
         if not system.subspaces or (n_theta == 1 and system.interfaces):
             return None
-        blocks = cls(system, level_springs(system, springs, n_theta), n_theta)
-        return blocks if blocks._decoupled() else None
+        springs = level_springs(system, springs, n_theta)
+        for spaces in ([(space,) for space in system.subspaces], _both_parities(system.subspaces)):
+            blocks = cls(system, spaces, springs, n_theta)
+            if spaces and blocks._decoupled():
+                return blocks
+        return None
 
-    def __init__(self, system: System, springs: FloatArray, n_theta: int):
-        self.system, self.springs = system, springs
+    def __init__(self, system: System, spaces: Sequence[tuple[Subspace, ...]], springs: FloatArray, n_theta: int):
+        self.system, self.spaces, self.springs = system, spaces, springs
         self.area = system.laws.area.reshape(-1, n_theta)
         theta = system.interfaces[0].points[:n_theta, 0] if system.interfaces else np.zeros(1)
-        self.profiles = np.array([space.profile(theta) for space in system.subspaces])
+        self.profiles = np.array([[space.profile(theta) for space in block] for block in spaces])
         self._stiffness = system.with_interface_springs(springs).tocsr()
         self._mass = system.mass.tocsr()
 
     def __len__(self) -> int:
-        return len(self.system.subspaces)
+        return len(self.spaces)
+
+    def harmonic(self, block: int) -> int:
+        """Circumferential wave number of a block."""
+        return self.spaces[block][0].harmonic
 
     def basis(self, block: int) -> sp.csc_matrix:
         """(n_dofs, k) basis of the k independent motions of a block."""
-        return self.system.subspaces[block].basis
+        bases = [space.basis for space in self.spaces[block]]
+        return bases[0] if len(bases) == 1 else sp.hstack(bases, format="csc")
 
     def stiffness(self, block: int) -> sp.csr_matrix:
         """(k, k) stiffness matrix of a block; it includes the interface springs."""
@@ -68,7 +88,10 @@ class Blocks:
         return None if self.system.damping is None else self._projected(self.system.damping, block)
 
     def jump(self, block: int) -> sp.csr_matrix:
-        """(3 n_rows, k) hoop, axial and normal jump amplitudes in each row of points, per unit motion of a block."""
+        """(n_waves 3 n_rows, k) amplitudes of the jump in each row of points, per unit motion of a block.
+
+        They are sorted by wave, then by component (hoop, axial, normal), then by row.
+        """
         return (amplitudes(self.profiles[block], self.area) @ self.system.jump) @ self.basis(block).tocsr()
 
     def _projected(self, matrix: sp.csr_matrix, block: int) -> sp.csr_matrix:
@@ -93,19 +116,34 @@ class Blocks:
         return True
 
 
+def _both_parities(subspaces: Sequence[Subspace]) -> list[tuple[Subspace, ...]]:
+    """The subspaces of both parities of each harmonic, in pairs; empty if a harmonic lacks one of them."""
+    by_harmonic: dict[int, list[Subspace]] = {}
+    for space in subspaces:
+        by_harmonic.setdefault(space.harmonic, []).append(space)
+    pairs = [tuple(spaces) for spaces in by_harmonic.values()]
+    return pairs if all(len({s.even for s in pair}) == len(pair) == 2 for pair in pairs) else []
+
+
 def by_component(n: int) -> np.ndarray:
     """(3 n,) contact degrees of freedom of n points: all hoop, then all axial, then all normal components."""
     return contact_dofs(n).T.ravel()
 
 
-def amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) matrix that gives the jump amplitudes in each row of points from the jump at all points.
+def amplitudes(profiles: FloatArray, area: FloatArray) -> sp.csr_matrix:
+    """(n_waves 3 n_rows, 3 n_points) matrix that gives the jump amplitudes in each row from the jump at all points.
 
-    The amplitudes multiply ``profile`` (3, n_theta), the shape of the hoop, axial and normal components around a row.
+    The amplitudes multiply ``profiles`` (n_waves, 3, n_theta), the shape of the hoop, axial and normal components of
+    each wave around a row.
     """
+    return sp.vstack([_amplitudes(profile, area) for profile in profiles], format="csr")
+
+
+def _amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
+    """(3 n_rows, 3 n_points) `amplitudes` of the wave with ``profile`` (3, n_theta)."""
     rows, n = len(area), area.size
     norm = area @ (profile**2).T
-    norm = np.where(norm > 1e-12 * norm.max(axis=0, initial=1e-300), norm, np.inf)  # (n_rows, 3)
+    norm = np.where(norm > 1e-12 * area.sum(axis=1, keepdims=True), norm, np.inf)  # (n_rows, 3); sines can be zero
     share = area[:, :, None] * profile.T / norm[:, None, :]
     row = np.arange(rows)[:, None, None] + rows * np.arange(3)
     data, index = share.transpose(2, 0, 1).ravel(), np.broadcast_to(row, share.shape).transpose(2, 0, 1).ravel()
@@ -117,19 +155,19 @@ def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatA
 
     Parameters
     ----------
-    blocks : (n_blocks, 3 n_rows, 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
-    profiles : (n_blocks, 3, n_theta) shape of the hoop, axial and normal components around a row
+    blocks : (n_blocks, n_waves 3 n_rows, n_waves 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N
+    profiles : (n_blocks, n_waves, 3, n_theta) shape of the hoop, axial and normal components of a wave around a row
     area : (n_points,) area of the contact points, m^2
     """
-    n, n_theta = len(area), profiles.shape[2]
+    n, (waves, n_theta) = len(area), (profiles.shape[1], profiles.shape[3])
     rows = n // n_theta
-    split = blocks.reshape(len(blocks), 3, rows, 3, rows)
-    whole = np.empty((3, rows, n_theta, 3, rows, n_theta))
-    for i in range(3):
-        for k in range(3):
-            whole[i, :, :, k] = np.einsum(
-                "bt,brs,bu->rtsu", profiles[:, i], split[:, i, :, k], profiles[:, k], optimize=True
-            )
+    split = blocks.reshape(len(blocks), waves, 3, rows, waves, 3, rows)
+    whole = np.zeros((3, rows, n_theta, 3, rows, n_theta))
+    for wave, other, i, k in itertools.product(range(waves), range(waves), range(3), range(3)):
+        part = split[:, wave, i, :, other, k]
+        whole[i, :, :, k] += np.einsum(
+            "bt,brs,bu->rtsu", profiles[:, wave, i], part, profiles[:, other, k], optimize=True
+        )
     dofs = by_component(n)
     dense = np.empty((3 * n, 3 * n))
     dense[np.ix_(dofs, dofs)] = whole.reshape(3 * n, 3 * n) * np.tile(area, 3)

@@ -116,12 +116,13 @@ class ReducedModel:
 def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:
     """(3 n_points, k) jump at the contact points from k displacements ``vectors`` (r, k) in modal coordinates."""
     amplitudes = [j @ part for j, part in zip(condensation.jump, _parts(condensation, vectors), strict=True)]
-    rows, k = amplitudes[0].shape[0] // 3, vectors.shape[1]
-    stacked = np.array(amplitudes).reshape(len(amplitudes), 3, rows * k)
+    profiles = _by_wave(condensation)
+    rows, k = amplitudes[0].shape[0] * len(amplitudes) // (3 * len(profiles)), vectors.shape[1]
+    stacked = np.array(amplitudes).reshape(len(profiles), 3, rows * k)
     n = rows * condensation.n_theta
     out = np.empty((3 * n, k))
     for component, dofs in enumerate(contact_dofs(n).T):
-        around = condensation.profiles[:, component].T @ stacked[:, component]  # (n_theta, rows k)
+        around = profiles[:, component].T @ stacked[:, component]  # (n_theta, rows k)
         out[dofs] = around.reshape(condensation.n_theta, rows, k).transpose(1, 0, 2).reshape(n, k)
     return out
 
@@ -131,12 +132,18 @@ def modal_force(condensation: Condensation, force: FloatArray) -> FloatArray:
     k, n_theta = force.shape[1], condensation.n_theta
     n = force.shape[0] // 3
     rows = n // n_theta
-    amplitudes = np.empty((len(condensation.profiles), 3, rows * k))
+    profiles = _by_wave(condensation)
+    amplitudes = np.empty((len(profiles), 3, rows * k))
     for component, dofs in enumerate(contact_dofs(n).T):
         around = force[dofs].reshape(rows, n_theta, k).transpose(1, 0, 2).reshape(n_theta, rows * k)
-        amplitudes[:, component] = condensation.profiles[:, component] @ around
-    flat = amplitudes.reshape(len(amplitudes), 3 * rows, k)
+        amplitudes[:, component] = profiles[:, component] @ around
+    flat = amplitudes.reshape(len(condensation.jump), -1, k)
     return np.concatenate([j.T @ part for j, part in zip(condensation.jump, flat, strict=True)])
+
+
+def _by_wave(condensation: Condensation) -> FloatArray:
+    """(n_blocks n_waves, 3, n_theta) profiles of the waves, block after block."""
+    return condensation.profiles.reshape(-1, 3, condensation.n_theta)
 
 
 def _parts(condensation: Condensation, vectors: FloatArray) -> list[FloatArray]:

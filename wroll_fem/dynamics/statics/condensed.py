@@ -2,8 +2,8 @@ r"""Static equilibrium of a roll with rotational symmetry, solved for the interf
 
 The solution is exact and much faster than on the full model. With springs D in the interfaces,
 :math:`u = (K + G^T W D G)^{-1} (f - G^T W s)` and s = t(g) - D g. The jump g follows from g = g_f - F s, a dense system
-of interface size. Here g_f is the jump due to f if s = 0, and F is the interface compliance. K falls into blocks, one
-per circumferential harmonic and parity (`cyclic_symmetry`). A block is factorised when a load first acts on it.
+of interface size. Here g_f is the jump due to f if s = 0, and F is the interface compliance. K falls into
+circumferential blocks (`cyclic_blocks`). A block is factorised when a load first acts on it.
 
 If the load is uniform around the circumference (a pressure), so is the state. One point then represents its row, and
 only the blocks of circumferential harmonic 0 are used.
@@ -135,7 +135,7 @@ class CondensedStatic:
         return self._factors[block]
 
     def _compliance(self, block: int) -> FloatArray:
-        """(3 n_rows, 3 n_rows) compliance of a block: jump amplitude per unit amplitude of the contact force, m/N."""
+        """Compliance of a block: jump amplitude per unit amplitude of the contact force, m/N (see `spread`)."""
         if block not in self._compliances:
             jump = self.blocks.jump(block).toarray()
             self._compliances[block] = jump @ self._factor(block).solve(np.ascontiguousarray(jump.T))
@@ -172,15 +172,15 @@ class CondensedStatic:
         if not all(np.array_equal(a, b) for a, b in zip(around, laws, strict=True)):
             return None
         area = self.blocks.area.sum(axis=1)
-        ring = [b for b, space in enumerate(self.system.subspaces) if space.harmonic == 0]
-        blocks = np.array([self._compliance(b) for b in ring]).reshape(-1, 3 * rows, 3 * rows)
+        ring = [b for b in range(len(self.blocks)) if self.blocks.harmonic(b) == 0]
+        blocks = np.array([self._compliance(b) for b in ring])
         # a profile of harmonic 0 is 1 or 0 all around: the same for the one point that stands for a row
-        compliance = spread(blocks, self.blocks.profiles[ring][:, :, :1], area)
+        compliance = spread(blocks, self.blocks.profiles[ring][..., :1], area)
         return _Unknowns(first._replace(area=area), self._rows(self.blocks.springs), compliance)
 
     def _is_even(self, force: FloatArray, state: ContactState) -> bool:
         """Whether load and state are uniform around the circumference."""
-        ring = all(self.system.subspaces[b].harmonic == 0 for b in self._loads(force))
+        ring = all(self.blocks.harmonic(b) == 0 for b in self._loads(force))
         return ring and all(
             np.array_equal(self._repeat(self._rows(values)), values) for values in (state.jump, state.elastic_slip)
         )

@@ -3,11 +3,12 @@ r"""Circumferential harmonics: the invariant subspaces of a roll with rotational
 A roll meshed with C equal sectors maps onto itself under a rotation by 2 pi / C. In cylindrical components
 (r, theta, z) its matrices then couple a circumferential harmonic :math:`\cos h\theta, \sin h\theta` of the nodes of
 one ring only to the same harmonic of other rings. K and M, and the interface compliance, fall into about C/2 small
-blocks (twice as many without a symmetry plane). Nothing is neglected: the blocks are tested to be uncoupled before they
-are used (`cyclic_blocks`). A mesh without the symmetry has no subspaces.
+blocks. Nothing is neglected: the blocks are tested to be uncoupled before they are used (`cyclic_blocks`). A mesh
+without the symmetry has no subspaces.
 
 Motions of even parity are symmetric about the x-z plane (u_r, u_z, r_theta as cosines; u_theta, r_r, r_z as sines).
-The other motions have odd parity.
+The other motions have odd parity. In a roll with this symmetry plane the parities are uncoupled as well, so that the
+blocks are half as large and twice as many.
 """
 
 from __future__ import annotations

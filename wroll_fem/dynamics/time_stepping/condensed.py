@@ -11,8 +11,7 @@ It is kept small and fast as follows:
   correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload pressure. Newton's
   matrix is formed only for points that slip or open, or whose pressure has changed.
 * The structure is represented by all its modes, without truncation. K and M of a roll with rotational symmetry fall
-  into blocks, one per circumferential harmonic and parity (`cyclic_symmetry`), so that all modes can be computed and
-  used at low cost.
+  into circumferential blocks (`cyclic_blocks`), so that all modes can be computed and used at low cost.
 * F is applied for one circumferential block after the other.
 
 A structure without rotational symmetry and with more than `DENSE_LIMIT` DOFs is instead projected on the low modes and
@@ -91,7 +90,7 @@ class CondensedStepper(Stepper):
             modal = modal_step(c, c.damping, s, dt)
             scaled = [(1.0 + s.alpha) * part for part in inverse_blocks(modal, c.blocks)]
             blocks, compliance = c.compliance(scaled, self.system.laws.area)
-            profiles = np.ascontiguousarray(c.profiles.transpose(1, 0, 2))
+            profiles = np.ascontiguousarray(c.profiles.reshape(-1, 3, c.n_theta).transpose(1, 0, 2))
             interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance.astype(np.float32))
             self._operators[dt] = modal, interface
         return self._operators[dt]

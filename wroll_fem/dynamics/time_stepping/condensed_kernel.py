@@ -41,9 +41,11 @@ class InterfaceOperator(NamedTuple):
     Attributes
     ----------
     starts : (n_blocks + 1,) index of the first mode of each block, then the number of modes
-    modal_jump : flat array; amplitude of the jump in each row of points per unit modal coordinate, block after block
-    profiles : (3, n_blocks, n_theta) shape of the hoop, axial and normal components around a row
-    blocks : (n_blocks, 3 n_rows, 3 n_rows) compliance: amplitude of the jump per unit amplitude of the force, m/N
+    modal_jump : flat array; amplitude of the jump of every wave in each row of points per unit modal coordinate, block
+        after block
+    profiles : (3, n_blocks n_waves, n_theta) shape of the hoop, axial and normal components of each wave around a row
+    blocks : (n_blocks, n_waves 3 n_rows, n_waves 3 n_rows) compliance: amplitude of the jump per unit amplitude of the
+        force, m/N
     compliance : (3 n, 3 n) compliance F: jump per unit traction, m/Pa, in single precision, for Newton's matrix
     """
 
@@ -91,12 +93,13 @@ class _Factors(NamedTuple):
 
 @numba.njit(cache=True)
 def _gather(s, area, profiles, amplitudes):
-    """Circumferential amplitudes (n_blocks, 3 n_rows) of the contact forces area * s, for tractions s (3 n,), Pa.
+    """Circumferential amplitudes (n_blocks, n_waves 3 n_rows) of the contact forces area * s, for tractions s (3 n,).
 
-    They are sorted by component (hoop, axial, normal), then by row.
+    They are sorted by wave, then by component (hoop, axial, normal), then by row. s is in Pa.
     """
-    n, n_blocks, n_theta = area.shape[0], profiles.shape[1], profiles.shape[2]
+    n, n_waves, n_theta = area.shape[0], profiles.shape[1], profiles.shape[2]
     rows = n // n_theta
+    of_wave = amplitudes.reshape(n_waves, 3 * rows)  # a view
     force = np.empty((rows, n_theta))
     for c in range(3):
         for row in range(rows):
@@ -104,21 +107,22 @@ def _gather(s, area, profiles, amplitudes):
                 k = row * n_theta + i
                 force[row, i] = area[k] * s[contact_dof(k, c, n)]
         projected = np.dot(force, profiles[c].T)
-        for b in range(n_blocks):
+        for b in range(n_waves):
             for row in range(rows):
-                amplitudes[b, c * rows + row] = projected[row, b]
+                of_wave[b, c * rows + row] = projected[row, b]
 
 
 @numba.njit(cache=True)
 def _scatter(amplitudes, profiles, out):
-    """Add to ``out`` the values (3 n,) at the contact points from circumferential amplitudes (n_blocks, 3 n_rows)."""
-    n, n_blocks, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
+    """Add to ``out`` the values (3 n,) at the contact points from their ``amplitudes`` (see `_gather`)."""
+    n, n_waves, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
     rows = n // n_theta
-    part = np.empty((rows, n_blocks))
+    of_wave = amplitudes.reshape(n_waves, 3 * rows)
+    part = np.empty((rows, n_waves))
     for c in range(3):
-        for b in range(n_blocks):
+        for b in range(n_waves):
             for row in range(rows):
-                part[row, b] = amplitudes[b, c * rows + row]
+                part[row, b] = of_wave[b, c * rows + row]
         values = np.dot(part, profiles[c])
         for row in range(rows):
             for i in range(n_theta):
