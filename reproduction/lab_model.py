@@ -157,7 +157,7 @@ def friction_law_figure(evidence: Evidence) -> Axes:
     path = np.interp(np.linspace(0.0, 3.0, 1201), [0.0, 1.0, 2.0, 3.0], [0.0, reach, -reach, reach])
     elastic, traction = 0.0, []
     for before, now in pairwise(path):
-        elastic, _, _ = slip_update(0, elastic + now - before, 0.0, now - before, 0.0, laws, np.inf)
+        elastic, _, _ = slip_update(0, elastic + now - before, 0.0, now - before, 0.0, 1.0, laws, np.inf)
         traction.append(elastic / law.elastic_slip)
     ax = style.axes(None, 4.0)
     ax.plot([-4, 0, 0, 4], [-1, -1, 1, 1], color=style.GREY, lw=1.4, ls="--", label="Coulomb")

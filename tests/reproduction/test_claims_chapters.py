@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,11 +14,39 @@ from support.fake_evidence import FakeEvidence, bending_at, judges, member, refe
 from support.synthetic_roll import contact_points
 
 from reproduction import Evidence, base_spring, friction_rate, lab_model, layer_slip, layers, preload_series
+from reproduction.reproduce import GROUPS, claim_groups
 from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from reproduction.words import monotone, numbers, rank_correlation, table
+from wroll_fem.errors import InputError, WrollError
 from wroll_fem.plotting.study import StudyCase
 
 # ---- real evidence -------------------------------------------------------------------------------
+
+
+class NoRuns(Evidence):
+    """Evidence that reads case files and runs nothing."""
+
+    def map(self, *_: object, **__: object) -> list[object]:
+        raise InputError("no run")
+
+    def study(self, *_: object) -> list[StudyCase]:
+        raise InputError("no run")
+
+    def kept(self, *_: object, **__: object) -> xr.Dataset:
+        raise InputError("no run")
+
+
+def test_figures_that_need_no_run_are_drawn(tmp_path: Path) -> None:
+    evidence, drawn = NoRuns(tmp_path, workers=1), []
+    for chapter in GROUPS:
+        for group in claim_groups(chapter):
+            for name, (_, figure) in group.figures.items():
+                with suppress(WrollError):
+                    figure(evidence)
+                    drawn.append(name)
+    plt.close("all")
+    assert "ch4_friction_law" in drawn, drawn
+    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
