@@ -302,7 +302,7 @@ def test_stuck_modes_need_contact_and_preload_but_bonded_ones_do_not() -> None:
 
 
 def test_preload_analysis_needs_layers() -> None:
-    with pytest.raises(InputError, match=r"coil.model: analysis preload needs layers, got 'bonded'; use layers"):
+    with pytest.raises(InputError, match=r"coil.model: analysis preload needs layers, or a solid"):
         example_case().changed("analysis=preload", "coil.model=bonded")
 
 

@@ -66,7 +66,7 @@ def to_cartesian(nodes, radial, hoop, axial):
 
 
 def part_of(model):
-    return SolidPart(model.nodes, in_vtk_order(model.nodes, model.cells), None, 0.0, None)
+    return SolidPart(model.nodes, 1, in_vtk_order(model.nodes, model.cells), None, 0.0, None)
 
 
 # ---- stiffness -------------------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ def base_rotation(body: Body, direction: int, length: float) -> FloatArray | Non
     if node is None or component is None or direction == 2:
         return None
     axis = np.cross(_UP, np.eye(3)[direction])
-    places = np.where((node >= 0)[:, None], body.nodes[np.maximum(node, 0)], length * _UP)
+    places = np.where((node >= 0)[:, None], body.places[np.maximum(node, 0)], length * _UP)
     places[node == RIGID_BASE] = 0.0
     moved = np.column_stack([np.cross(axis, places), np.tile(axis, (len(node), 1))])
     return np.asarray(moved[np.arange(len(node)), component])

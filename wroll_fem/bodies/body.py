@@ -38,12 +38,14 @@ class Trace:
 
 @dataclass(frozen=True)
 class SolidPart:
-    """Homogenised coil bonded to a body: its mesh and its displacements in terms of the body's unknowns.
+    """Homogenised coil of a body: its mesh and its displacements in terms of the body's unknowns.
 
     Attributes
     ----------
     nodes
         (n_nodes, 3) coordinates, m, in layers from the inside outwards; each layer matches the nodes of the mandrel.
+    layers
+        Number of these layers.
     cells
         (n_cells, 27) node numbers in VTK_TRIQUADRATIC_HEXAHEDRON order; the third local axis points outwards.
     expand
@@ -55,6 +57,7 @@ class SolidPart:
     """
 
     nodes: FloatArray
+    layers: int
     cells: npt.NDArray[np.int64]
     expand: sp.csr_matrix
     mass: float
@@ -68,7 +71,8 @@ class Body:
     Attributes
     ----------
     name
-        "mandrel", "layer_01", ... (inner layer first).
+        "mandrel", "layer_01", ... (inner layer first), or "coil", a solid that rubs on the mandrel. Such a body has
+        no shell: `nodes` and `cells` are empty.
     stiffness, mass
         (n, n) sparse symmetric, N/m and kg; constraints are eliminated, so there are no Dirichlet rows.
     influence
@@ -91,9 +95,9 @@ class Body:
     symmetric
         True if only motions symmetric about the x-z plane remain.
     solid
-        Homogenised coil bonded to this body (included in its matrices), or None.
+        Homogenised coil of this body (included in its matrices), or None.
     unknown_node, unknown_component
-        (n,) node of each unknown (-1 for a rigid tip, -2 for a rigid base ring) and its component in
+        (n,) node of each unknown in `places` (-1 for a rigid tip, -2 for a rigid base ring) and its component in
         [ux, uy, uz, rx, ry, rz]; None if unknown.
     """
 
@@ -112,6 +116,11 @@ class Body:
     solid: SolidPart | None = None
     unknown_node: npt.NDArray[np.int64] | None = None
     unknown_component: npt.NDArray[np.int64] | None = None
+
+    @property
+    def places(self) -> FloatArray:
+        """(n, 3) nodes to which `unknown_node` refers, m: those of the shell, or of the solid of a body without one."""
+        return self.nodes if self.solid is None or len(self.nodes) else self.solid.nodes
 
     @property
     def n_dofs(self) -> int:

@@ -58,17 +58,19 @@ def circumferential_content(body: Body, vector: FloatArray, highest: int = _HIGH
     -------
     (highest + 1, 3) mean square displacement of (hoop, axial, radial) times the mass of the body, kg m^2.
     """
-    u = (body.expand @ vector).reshape(-1, 6)[:, :3]
-    if body.solid is None:
-        return _ring_content(body.nodes, u, highest) * body.mass_total
-    content = _ring_content(body.nodes, u, highest) * (body.mass_total - body.solid.mass)
-    n = len(body.nodes)
-    nodes, shape = body.solid.nodes.reshape(-1, n, 3), (body.solid.expand @ vector).reshape(-1, n, 3)
+    content, solid = np.zeros((highest + 1, 3)), body.solid
+    if len(body.nodes):
+        u = (body.expand @ vector).reshape(-1, 6)[:, :3]
+        content += _ring_content(body.nodes, u, highest) * (body.mass_total - (solid.mass if solid else 0.0))
+    if solid is None:
+        return content
+    layers = solid.layers
+    nodes, shape = solid.nodes.reshape(layers, -1, 3), (solid.expand @ vector).reshape(layers, -1, 3)
     radius = np.hypot(nodes[:, 0, 0], nodes[:, 0, 1])
     step = np.diff(radius)
     share = radius * (np.append(step, 0.0) + np.append(0.0, step))  # mass fraction of each layer of nodes
     for k, part in enumerate(share / share.sum()):
-        content += _ring_content(nodes[k], shape[k], highest) * part * body.solid.mass
+        content += _ring_content(nodes[k], shape[k], highest) * part * solid.mass
     return content
 
 

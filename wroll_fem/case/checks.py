@@ -131,9 +131,10 @@ def check_interfaces(section: str, coil: Coil, modal: Modal, analysis: str, writ
         If the check fails.
     """
     stuck = analysis == "modal" and modal.interface == "stuck"
-    if coil.model != "layers" or (analysis == "modal" and not stuck) or section in written:
+    if not coil.has_interfaces or (analysis == "modal" and not stuck) or section in written:
         return
-    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else "coil.model: layers has interfaces"
+    slips = "coil.interface: friction" if coil.rubs else "coil.model: layers"
+    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else f"{slips} has interfaces"
     remedy = f"add it ({INTERFACE_SECTIONS[section]}): {reason}"
     raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
 
@@ -168,16 +169,17 @@ def check_probes(probes: Probes, coil: Coil, span: tuple[float, float], length: 
 
 
 def check_layers(coil: Coil) -> None:
-    """Require `coil.model: layers` for the analysis preload.
+    """Require a coil with interfaces for the analysis preload.
 
     Raises
     ------
     PydanticCustomError
         If the check fails.
     """
-    if coil.model != "layers":
-        problem = "analysis preload needs layers"
-        raise validation_error(problem, key="coil.model", value=coil.model, remedy="use layers")
+    if not coil.has_interfaces:
+        problem = "analysis preload needs layers, or a solid coil that rubs on its mandrel"
+        remedy = "use layers, or solid with coil.interface: friction"
+        raise validation_error(problem, key="coil.model", value=coil.model, remedy=remedy)
 
 
 def check_pressures(preload: Preload | None, layers: int) -> None:
@@ -259,6 +261,11 @@ def check_solid_coil(coil: Coil) -> None:
             "analysis modal_transient recovers the stress of a solid coil", key="coil.model", value=coil.model,
             remedy="use coil.model: solid; for layers use analysis: dwell",
         )  # fmt: skip
+    if coil.rubs:
+        raise validation_error(
+            "analysis modal_transient has no friction", key="coil.interface", value=coil.interface,
+            remedy="use bonded, or analysis: dwell",
+        )  # fmt: skip
 
 
 def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
@@ -281,6 +288,11 @@ def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
         raise validation_error(
             "friction between layers couples the circumferential harmonics", key="coil.model", value=coil.model,
             remedy=f"use {', '.join(FOURIER_COILS)}, {three}",
+        )  # fmt: skip
+    if coil.rubs:
+        raise validation_error(
+            "friction couples the circumferential harmonics", key="coil.interface", value=coil.interface,
+            remedy=f"use bonded, {three}",
         )  # fmt: skip
     if coil.base == "guided":
         raise validation_error(

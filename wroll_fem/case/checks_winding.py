@@ -22,11 +22,12 @@ def check_winding_given(winding: Winding | None, preload: Preload | None) -> Non
     PydanticCustomError
         If the check fails.
     """
-    if winding is None and preload is not None and preload.kind == "winding_tension":
+    if winding is None and preload is not None and preload.needs_winding:
+        other = " without preload.pressure" if preload.kind == "winding_stress" else ""
         raise validation_error(
             "required section is missing", key="winding", show_value=False,
             remedy="add it (winding of the roll: tension, wraps, mandrel, web), because "
-            "preload.kind: winding_tension needs it",
+            f"preload.kind: {preload.kind}{other} needs it",
         )  # fmt: skip
 
 

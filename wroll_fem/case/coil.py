@@ -97,6 +97,17 @@ class Coil(Section):
         "inner_edge (only the innermost layer, or the inner edge of the solid, is clamped), guided (the ring of every "
         "layer moves with the shaker in the radial and hoop direction and is held by base_stiffness along the axis)",
     )
+    interface: Literal["bonded", "friction"] = Field(
+        default="bonded",
+        description="between a solid coil and the mandrel: bonded (no slip), or friction (sections contact and "
+        "preload); model: layers always has friction",
+    )
+    base_width: Real | None = Field(
+        default=None, ge=0,
+        description="width of the clamped annulus at the base of a solid coil, from the mandrel outwards, m; with "
+        "base: inner_edge and interface: friction; left out: the wall thickness of the mandrel; 0: the bare edge, "
+        "whose stiffness falls with the size of the elements",
+    )  # fmt: skip
     base_stiffness: Real = Field(
         default=0.0,
         ge=0,
@@ -176,6 +187,7 @@ class Coil(Section):
                 "does not apply to plies, whose strength differs along and across their fibres", key="yield_stress",
                 value=self.yield_stress, remedy="leave it out; runs give the stresses of the plies (ply_stress_max)",
             )  # fmt: skip
+        self._check_interface()
         if self.base != "guided" and "base_stiffness" in self.model_fields_set:
             raise validation_error(
                 f"does not apply to base: {self.base}", key="base_stiffness", value=self.base_stiffness,
@@ -193,6 +205,26 @@ class Coil(Section):
             )  # fmt: skip
         return self
 
+    def _check_interface(self) -> None:
+        if self.interface == "friction" and self.model != "solid":
+            reason = "has friction between all shells" if self.model == "layers" else "has no interfaces"
+            raise validation_error(
+                f"is for a solid coil; model: {self.model} {reason}", key="interface", value=self.interface,
+                remedy="leave it out, or use model: solid",
+            )  # fmt: skip
+        if self.base_width is None:
+            return
+        if self.base != "inner_edge" or not self.rubs:
+            raise validation_error(
+                "is the width of the clamped edge of a solid coil that rubs on its mandrel", key="base_width",
+                value=self.base_width, remedy="leave it out, or use base: inner_edge and interface: friction",
+            )  # fmt: skip
+        if self.base_width > self.total_thickness:
+            raise validation_error(
+                f"is wider than the coil, {self.total_thickness:g} m", key="base_width", value=self.base_width,
+                remedy="give a smaller width, or use base: clamped",
+            )  # fmt: skip
+
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Serialise without the alias of the thickness and without keys that the model does not use."""
@@ -201,6 +233,8 @@ class Coil(Section):
         unused |= {"total_thickness" if self.thickness is not None else "thickness"}
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
+        unused |= set() if self.rubs else {"interface"}
+        unused |= set() if self.base_width is not None else {"base_width"}
         unused |= {"areal_mass"} | (set() if self.margins is not None else {"margins"})
         return {key: value for key, value in data.items() if key not in unused}
 
@@ -228,6 +262,16 @@ class Coil(Section):
         if isinstance(self.material, LaminaMaterial | LaminateMaterial):
             raise TypeError(f"the {self.model} coil has no material of a solid")
         return self.material.solid()
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the coil is a solid with friction on its mandrel."""
+        return self.model == "solid" and self.interface == "friction"
+
+    @property
+    def has_interfaces(self) -> bool:
+        """Whether the coil can slip: layers, or a solid with friction on its mandrel."""
+        return self.model == "layers" or self.rubs
 
     @property
     def is_layered(self) -> bool:

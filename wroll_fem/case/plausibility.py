@@ -28,6 +28,8 @@ _PRESSURE = Plausible("a pressure", "Pa", 1.0, 1e9, (("MPa", 1e6), ("bar", 1e5),
 _TENSION = Plausible("a tension stress", "Pa", 1e3, 1e10, (("MPa", 1e6), ("kPa", 1e3)))
 _BASE = Plausible("a base acceleration", "m/s^2", 1e-6, 5e3, (("mm/s^2", 1e-3),))
 
+_SOLID = _WALL._replace(what="the thickness of a solid coil", high=5.0)
+
 USUAL = {
     "E": _MODULUS, "E_theta": _MODULUS, "E_z": _MODULUS, "E_1": _MODULUS, "E_2": _MODULUS, "rho": _DENSITY,
     "length": _SIZE, "mandrel_outer_diameter": _SIZE, "outer_radius": _SIZE, "web_width": _SIZE,
@@ -50,7 +52,8 @@ def _numbers(section: BaseModel, path: str = "") -> Iterator[tuple[str, float, P
             if isinstance(entry, BaseModel):
                 yield from _numbers(entry, f"{label}.")
             elif name in USUAL and isinstance(entry, int | float) and not isinstance(entry, bool):
-                yield label, float(entry), USUAL[name]
+                solid = USUAL[name] is _WALL and getattr(section, "model", None) == "solid"
+                yield label, float(entry), _SOLID if solid else USUAL[name]
 
 
 def _entries(key: str, value: Any) -> list[tuple[str, Any]]:

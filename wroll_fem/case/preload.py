@@ -15,15 +15,19 @@ DEFAULT_STEPS = 10
 class Preload(SparseSection):
     """Nonlinear static preload, computed before the vibration."""
 
-    kind: Literal["external_pressure", "winding_tension"] = Field(
+    kind: Literal["external_pressure", "interface_pressure", "winding_stress", "winding_tension"] = Field(
         default="external_pressure",
-        description="external_pressure: pressure on the outside of layers; winding_tension: prescribes the mean "
-        "pressure of every interface as computed for the wound roll (case section winding)",
+        description="external_pressure: pressure on the outside of layers; interface_pressure: external pressures that "
+        "give every interface a mean pressure; winding_stress: the coil presses on the mandrel with its own winding "
+        "stress, uniformly and without an external load; winding_tension: external pressures that give every interface "
+        "the mean pressure of the wound roll (case section winding)",
     )
     pressure: float | list[float] | None = Field(
         default=None,
-        description="external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner "
-        "first); left out with winding_tension",
+        description="pressure, Pa: with external_pressure one number acts on the outermost layer, a list on each layer "
+        "(inner first); with interface_pressure and winding_stress one number applies to every interface, a list to "
+        "each (inner first); winding_stress without it takes the pressure of the wound roll (case section winding); "
+        "left out with winding_tension",
     )
     steps: Whole = Field(default=DEFAULT_STEPS, ge=1, description="load steps of the static preload (count)")
     geometric_stiffness: Switch = Field(
@@ -52,12 +56,36 @@ class Preload(SparseSection):
                 "the pressure", key="pressure", value=self.pressure,
                 remedy="leave it out, or use kind: external_pressure",
             )  # fmt: skip
-        if self.kind == "external_pressure" and self.pressure is None:
+        if self.kind in ("external_pressure", "interface_pressure") and self.pressure is None:
             what = "external pressure, Pa: one number acts on the outermost layer, a list on each layer (inner first)"
+            if self.kind == "interface_pressure":
+                what = "mean pressure of every interface, Pa: one number, or a list (inner first)"
             raise validation_error(
                 "required key is missing", key="pressure", show_value=False, remedy=f"add it ({what})"
             )
+        if self.kind == "winding_stress" and self.geometric_stiffness:
+            raise validation_error(
+                "needs the stress of the shells, which winding_stress does not compute", key="geometric_stiffness",
+                value=True, remedy="leave it out, or use kind: winding_tension",
+            )  # fmt: skip
         return self
+
+    @property
+    def needs_winding(self) -> bool:
+        """Whether the pressures follow from the case section `winding`."""
+        return self.kind == "winding_tension" or (self.kind == "winding_stress" and self.pressure is None)
+
+    def per_interface(self, interfaces: int) -> list[float]:
+        """Prescribed pressure of each interface, Pa, inner first (kinds interface_pressure, winding_stress).
+
+        Raises
+        ------
+        ValueError
+            If the pressures follow from the section `winding`.
+        """
+        if self.pressure is None:
+            raise ValueError(f"the pressures of {self.kind} follow from the section winding")
+        return list(self.pressure) if isinstance(self.pressure, list) else [self.pressure] * interfaces
 
     def per_layer(self, layers: int) -> list[float]:
         """External pressure on the outside of each layer, Pa, inner first (kind external_pressure).

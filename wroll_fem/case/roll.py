@@ -31,6 +31,14 @@ class RollSections(Section):
         return not (self.mandrel.is_layered or self.coil.is_layered or self.coil.margins is not None)
 
     @property
+    def clamped_width(self) -> float:
+        """Width of the clamped annulus at the base of a solid coil, from the mandrel outwards, m; 0 for a bare edge."""
+        if not self.coil.rubs or self.coil.base != "inner_edge":
+            return 0.0
+        width = self.coil.base_width
+        return min(self.geometry.mandrel_thickness, self.coil.total_thickness) if width is None else width
+
+    @property
     def coil_span(self) -> tuple[float, float]:
         """Heights at which the coil begins and ends, m."""
         margins, length = self.coil.margins, self.geometry.length

@@ -17,8 +17,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
 from wroll_fem.fem.constraints import Constraints, build_constraints
 from wroll_fem.fem.layered_shell import shell_model
+from wroll_fem.fem.rubbing_coil import assemble_rubbing_coil
 from wroll_fem.fem.shell import AnySection, ShellModel, ShellSection, radial_director
-from wroll_fem.fem.trace import SurfaceTrace
+from wroll_fem.fem.trace import SurfaceTrace, half_circumference
 from wroll_fem.mesh.contact_points import ContactPoints, contact_points_between
 from wroll_fem.mesh.generate import build_mesh, shell_layout
 from wroll_fem.mesh.shells import CylinderMesh, ring_edges
@@ -50,7 +51,8 @@ def assemble_bodies(
     -------
     list of Body
         For the coil models "none" and "nonstructural_mass" only the mandrel; the latter distributes the mass of the
-        coil over the mid-surface of the mandrel. For "solid" the mandrel with the coil bonded to it, as one body.
+        coil over the mid-surface of the mandrel. For "solid" the mandrel with the coil bonded to it, as one body, or
+        the mandrel and the coil, if the interface has friction.
 
     Raises
     ------
@@ -70,10 +72,11 @@ def assemble_bodies(
             key="coil.layers",
             remedy=f"it has {', '.join(mesh.parts)}; mesh every layer of the case",
         )
-    return [
+    shells = [
         _assemble_shell(roll, index, name, radius, thickness, mesh.part(name), symmetric)
         for index, (name, radius, thickness) in enumerate(shell_layout(roll))
     ]
+    return [*shells, _rubbing_coil(roll, mesh.part("mandrel"), symmetric)] if roll.coil.rubs else shells
 
 
 def shell_section(roll: RollSections, index: int, thickness: float) -> AnySection:
@@ -101,6 +104,12 @@ def shell_section(roll: RollSections, index: int, thickness: float) -> AnySectio
         return ShellSection(m.E, m.nu, m.rho, thickness, bending, extra)
     radius = shell_layout(roll)[index][1]
     return LayeredSection(m.as_plies(thickness), radius, table, bending, extra)
+
+
+def _rubbing_coil(roll: RollSections, part: CylinderMesh, symmetric: bool) -> Body:
+    section = shell_section(roll, 0, roll.geometry.mandrel_thickness)
+    shell, contact = shell_model(part.nodes, part.cells, section), contact_points_between(part, *roll.coil_span)
+    return assemble_rubbing_coil(roll, part, shell, contact, symmetric=symmetric)
 
 
 def _base_is_clamped(roll: RollSections, index: int) -> bool:
@@ -160,7 +169,7 @@ def _assemble_shell(
         unknown_node=constraints.node,
         unknown_component=constraints.component,
     )
-    if index == 0 and roll.coil.model == "solid":
+    if index == 0 and roll.coil.model == "solid" and not roll.coil.rubs:
         return bond_coil(body, assemble_coil(roll, part, constraints, symmetric=symmetric))
     return body
 
@@ -269,12 +278,7 @@ def _traces(
     symmetric: bool,
 ) -> dict[str, Trace]:
     points, surface = contact.points, SurfaceTrace(model, contact)
-    weight = np.ones(len(points))
-    keep = np.ones(len(points), bool)
-    if symmetric:
-        on_plane = np.abs(np.sin(points[:, 0])) < 1e-9
-        keep = (points[:, 0] >= 0.0) | on_plane
-        weight[~on_plane] = 2.0
+    keep, weight = half_circumference(points, symmetric)
     rows = (3 * np.flatnonzero(keep)[:, None] + np.arange(3)).ravel()
     traces = {}
     for side, height in (("inner", -0.5 * thickness), ("outer", 0.5 * thickness)):

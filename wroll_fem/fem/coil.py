@@ -29,7 +29,7 @@ from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints, mirrored_values
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.mesh.generate import axial_stations
+from wroll_fem.mesh.generate import axial_stations, with_borders
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
 from wroll_fem.typing import FloatArray, IntArray
 
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
 
 
-_MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
+MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
+"""Factor of the displacements ux, uy, uz under reflection in the x-z plane."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,13 @@ class CoilMatrices:
 
 
 def coil_heights(roll: RollSections) -> FloatArray:
-    """(2 mesh.radial + 1,) distances of the node layers of the coil from the mid-surface of the mandrel, m."""
+    """Distances of the node layers of the coil from the mid-surface of the mandrel, m, ascending.
+
+    There are 2 `mesh.radial` + 1 of them, and two more if the border of a clamped annulus divides an element.
+    """
     wall = 0.5 * roll.geometry.mandrel_thickness
     borders = axial_stations(roll.coil.total_thickness, roll.mesh.radial, roll.mesh.radial_grading)
+    borders = with_borders(borders, [roll.clamped_width] if roll.clamped_width else [])
     levels = np.zeros(2 * len(borders) - 1)
     levels[::2], levels[1::2] = borders, 0.5 * (borders[1:] + borders[:-1])
     return wall + levels
@@ -122,7 +127,9 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
         stiffness=(expand.T @ stiffness @ expand).tocsr(),
         mass=(expand.T @ mass @ expand).tocsr(),
         component=component,
-        part=SolidPart(nodes, ordered, expand, material.rho * model.volume, skin_quads(ordered)),
+        part=SolidPart(
+            nodes, len(nodes) // len(part.nodes), ordered, expand, material.rho * model.volume, skin_quads(ordered)
+        ),
     )
 
 
@@ -188,7 +195,7 @@ def bonded_map(
         If `symmetric` is set but the nodes are not symmetric about the x-z plane.
     """
     n = len(nodes)
-    source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
+    source, sign, free = mirrored_values(nodes, MIRROR_SIGN, symmetric=symmetric)
     free[clamped] = False
     own = free & (source == np.arange(n))[:, None]
     column = np.full((n, 3), -1, np.int64)

@@ -22,7 +22,7 @@ from dolfinx import fem
 from wroll_fem.fem import compat
 from wroll_fem.fem.shell import ShellModel
 from wroll_fem.mesh.contact_points import ContactPoints
-from wroll_fem.typing import FloatArray, IntArray
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 _DEGREE = 4
 
@@ -54,6 +54,20 @@ def cell_node_rows(model: ShellModel, space: fem.FunctionSpace) -> IntArray:
     rows = np.empty(found.size, np.int64)
     rows[compat.cell_dofs(space).ravel()] = (9 * cell[:, None] + local).ravel()
     return rows
+
+
+def half_circumference(points: FloatArray, symmetric: bool) -> tuple[BoolArray, FloatArray]:
+    """Contact points (n, 3) that a model keeps, and the number of points for which each of them stands.
+
+    A model of the motions symmetric about the x-z plane keeps those with theta in [0, pi]. The points off the plane
+    stand for two.
+    """
+    weight, keep = np.ones(len(points)), np.ones(len(points), bool)
+    if symmetric:
+        on_plane = np.abs(np.sin(points[:, 0])) < 1e-9
+        keep = (points[:, 0] >= 0.0) | on_plane
+        weight[~on_plane] = 2.0
+    return keep, weight
 
 
 class SurfaceTrace:

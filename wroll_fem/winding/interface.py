@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,28 @@ def target_pressures(winding: Winding, layers: int) -> FloatArray:
     return wound_roll(winding).pressure_at(radii)
 
 
+def prescribed_pressures(roll: RollSections, preload: Preload, winding: Winding | None) -> FloatArray:
+    """(n_interfaces,) pressure that a preload prescribes at each interface, innermost first, Pa.
+
+    For all kinds but external_pressure: from `preload.pressure`, or from the wound roll.
+    """
+    if preload.needs_winding and winding is not None:
+        return target_pressures(winding, roll.coil.layers)
+    return np.asarray(preload.per_interface(roll.coil.layers))
+
+
+def pressure_split(roll: RollSections) -> FloatArray:
+    """Pressure at each interface per unit external pressure on each layer, an estimate for rings without end effects.
+
+    Returns
+    -------
+    (n_interfaces, n_interfaces) row: interface, column: loaded layer, innermost first
+    """
+    if roll.coil.rubs:
+        return np.array([[transmitted_pressure(roll)]])
+    return ring_split(roll)
+
+
 def ring_split(roll: RollSections) -> FloatArray:
     """Pressure at each interface per unit external pressure on each layer, for thin rings without end effects.
 
@@ -47,22 +70,47 @@ def ring_split(roll: RollSections) -> FloatArray:
     return np.triu(np.ones((n, n))) - (outside * ring / (core + n * ring))[:, None]
 
 
+def transmitted_pressure(roll: RollSections) -> float:
+    """Pressure between mandrel and solid coil per unit external pressure: a thick orthotropic ring on a thin one.
+
+    The radial displacement of the coil in plane stress is A r^k + B r^-k with k^2 = E_theta / E_r (Lekhnitskii 1963,
+    Theory of elasticity of an anisotropic elastic body); it follows the mandrel at the inner radius.
+    """
+    g, coil, web = roll.geometry, roll.coil, roll.coil.solid()
+    inner = 0.5 * g.mandrel_outer_diameter
+    outer, k = inner + coil.total_thickness, math.sqrt(web.E_theta / web.E_r)
+    coupling = web.nu_theta_r * web.E_r / web.E_theta  # strain along theta per strain along r, under stress along r
+    factor = web.E_r / (1.0 - coupling * web.nu_theta_r)
+
+    def stress(power: float, r: float) -> float:  # radial stress of the displacement r^power
+        return factor * (power + web.nu_theta_r) * r ** (power - 1.0)
+
+    core = roll.mandrel.material.in_plane.E_theta * g.mandrel_thickness / inner**2
+    at_core = [stress(p, inner) - core * inner**p for p in (k, -k)]  # zero: sigma_r = core u
+    at_edge = [stress(p, outer) for p in (k, -k)]  # sigma_r = -1
+    shares = [-at_core[1], at_core[0]]
+    scale = -1.0 / (at_edge[0] * shares[0] + at_edge[1] * shares[1])
+    return -scale * core * (shares[0] * inner**k + shares[1] * inner**-k)
+
+
 def external_pressures(roll: RollSections, preload: Preload, winding: Winding | None = None) -> list[float]:
-    """External pressure on each layer, innermost first, Pa; with `kind: winding_tension` a thin-ring estimate.
+    """External pressure on each layer, innermost first, Pa; an estimate if the preload prescribes another pressure.
 
     Parameters
     ----------
     winding
-        Case section `winding` with its mandrel; used only for `preload.kind: winding_tension`.
+        Case section `winding` with its mandrel; used only if the preload needs it.
 
     Raises
     ------
     InputError
         If the section `winding` is incomplete, or if a layer would need a negative external pressure.
     """
-    if preload.kind != "winding_tension" or winding is None:
+    if preload.kind == "external_pressure":
         return preload.per_layer(roll.coil.layers)
-    pressures = np.linalg.solve(ring_split(roll), target_pressures(winding, roll.coil.layers)).tolist()
+    if preload.kind == "winding_stress":
+        return [0.0] * roll.coil.layers
+    pressures = np.linalg.solve(pressure_split(roll), prescribed_pressures(roll, preload, winding)).tolist()
     refuse_pull(pressures)
     return pressures
 

@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from wroll_fem.case.mandrel import Mandrel
     from wroll_fem.case.structural import OnRoll
 
+DEPTH_ITERATIONS = 20
+"""Iterations for the depth to which a solid coil takes part in the shear lag; each halves the error or better."""
+
 RIGID = 1e-3
 """Frequency, Hz, below which a motion of a free beam counts as rigid."""
 
@@ -120,11 +123,13 @@ def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, m
 def buckling_pressure(roll: RollSections) -> float:
     """Linear hoop-buckling pressure in Pa: sum of mandrel and layers, each a short tube whose ends stay circular.
 
+    Of a roll with a solid coil it is that of the mandrel.
+
     Windenburg and Trilling's formula for a tube is p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)).
     """
     g, coil = roll.geometry, roll.coil
     tubes = [(roll.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
-    if coil.bending:
+    if coil.bending and coil.model != "solid":
         tubes.append(
             (coil.layer_material, g.mandrel_outer_diameter + coil.total_thickness, coil.layer_thickness, coil.layers)
         )
@@ -141,15 +146,20 @@ def buckling_pressure(roll: RollSections) -> float:
 def interface_pressures(case: OnRoll) -> list[float]:
     """Estimated pressure in Pa at each interface, inner first; rings share the load in proportion to E t / R^2.
 
-    The rings are thin, and end effects are neglected. The pressure of an interface that opens is zero.
+    The rings are thin, and end effects are neglected. The pressure of an interface that opens is zero. A solid coil is
+    a thick ring (`transmitted_pressure`).
     """
     g, coil = case.geometry, case.coil
     if case.preload is None:
         return [0.0] * coil.layers
-    if case.preload.kind == "winding_tension" and case.wound is not None:
-        from wroll_fem.winding.interface import target_pressures
+    if case.preload.kind != "external_pressure":
+        from wroll_fem.winding.interface import prescribed_pressures
 
-        return target_pressures(case.wound, coil.layers).tolist()
+        return prescribed_pressures(case, case.preload, case.wound).tolist()
+    if coil.rubs:
+        from wroll_fem.winding.interface import transmitted_pressure
+
+        return [transmitted_pressure(case) * sum(case.preload.per_layer(1))]
     pressures = case.preload.per_layer(coil.layers)
     core = case.mandrel.material.in_plane.E_theta * g.mandrel_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
     ring = coil.layer_material.in_plane.E_theta * coil.layer_thickness / (0.5 * g.mandrel_outer_diameter) ** 2
@@ -173,10 +183,14 @@ def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) ->
         Interface pressure, Pa.
     """
     mandrel = roll.mandrel.material.in_plane.E_z * roll.geometry.mandrel_thickness
-    layer = roll.coil.layer_material.in_plane.E_z * roll.coil.layer_thickness
+    modulus, depth = roll.coil.material.in_plane.E_z, roll.coil.layer_thickness
     if friction.law == "smoothed_coulomb":  # sticks nowhere
         return math.inf
-    return shear_lag(mandrel, layer, friction.mu * pressure / friction.elastic_slip)
+    stick = friction.mu * pressure / friction.elastic_slip
+    if roll.coil.rubs:  # a thick coil takes part to a depth of about the length itself
+        for _ in range(DEPTH_ITERATIONS):
+            depth = min(roll.coil.total_thickness, shear_lag(mandrel, modulus * depth, stick))
+    return shear_lag(mandrel, modulus * depth, stick)
 
 
 def shear_lag(inside: float, outside: float, stick: float) -> float:

@@ -124,6 +124,7 @@ def _estimate(case: StructuralCase, *, half: bool) -> dict[str, Any]:
     columns = around // 2 + 1 if half else around
     nodes = (around + 1 if half else 2 * around) * (2 * along + 1)
     dofs = 6 * nodes * shells + (6 * nodes * roll.mesh.radial if model == "solid" else 0)
-    points = columns * 2 * along * (shells - 1) if model == "layers" else 0
+    interfaces = 1 if roll.coil.rubs else shells - 1 if model == "layers" else 0
+    points = columns * 2 * along * interfaces
     seconds = SECONDS_OF_A_RUN + (SECONDS_PER_DOF_OF_MODES if model == "solid" else SECONDS_PER_DOF) * dofs
     return {"dofs": dofs, "interface_points": points, "estimated_seconds": seconds}

@@ -25,7 +25,7 @@ from wroll_fem.errors import InputError
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
     from wroll_fem.case.structural import StructuralCase
-    from wroll_fem.case.winding import Winding
+    from wroll_fem.typing import FloatArray
 
 DIRECTIONS = {"x": 0, "y": 1}
 
@@ -39,9 +39,16 @@ def normal_penalty(roll: RollSections, normal: Normal) -> float:
 
     ``auto`` is the stiffness of the two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is about a
     thousand times the hoop stiffness E t / R^2 of the lab layer, so the split of the pressure hardly depends on it.
+    Of a solid coil, the half of its first element counts, with the radial modulus.
     """
     if not isinstance(normal.penalty, str):
         return float(normal.penalty)
+    if roll.coil.rubs:
+        from wroll_fem.fem.coil import coil_heights
+
+        heights, wall = coil_heights(roll), 0.5 * roll.geometry.mandrel_thickness
+        first = 0.5 * (heights[2] - heights[0]) / roll.coil.solid().E_r
+        return float(1.0 / (wall / roll.mandrel.material.in_plane.E_theta + first))
     mandrel, layer = (m.in_plane.E_theta for m in (roll.mandrel.material, roll.coil.layer_material))
     return 2.0 / (roll.geometry.mandrel_thickness / mandrel + roll.coil.layer_thickness / layer)
 
@@ -84,14 +91,15 @@ def friction_law(friction: Friction) -> FrictionLaw:
 def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     """Assemble bodies and interfaces into a system, with the laws and loads of the case.
 
-    With ``preload.kind: winding_tension`` the load is computed here by static solutions, if the analysis needs it.
+    If the preload prescribes pressures of the interfaces, the load is computed here, if the analysis needs it: with
+    ``winding_stress`` in one step, otherwise by static solutions.
 
     Raises
     ------
     InputError
         If the analysis includes contact between shells and the case has no section `contact`.
     """
-    from wroll_fem.winding.interface import external_pressures
+    from wroll_fem.winding.interface import external_pressures, prescribed_pressures
 
     direction, points = DIRECTIONS[case.direction], case.probes or {}
     if len(bodies) == 1:
@@ -102,8 +110,8 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     if contact is None and not bonded and not isinstance(case, ModalCase):
         raise InputError(
             "required section is missing", key="contact",
-            remedy=f"add it: analysis {case.analysis} includes contact between all shells; a case with "
-            "coil.model: solid needs no section contact, because its coil is one body with the mandrel",
+            remedy=f"add it: analysis {case.analysis} includes contact between all bodies; a case with "
+            "coil.model: solid needs no section contact if its coil is bonded to the mandrel",
         )  # fmt: skip
     normal = Normal() if contact is None or bonded else contact.normal
     system = System.from_bodies(
@@ -115,9 +123,10 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     )
     system = with_probes(system, bodies, points, direction)
     system = with_base_loads(system, bodies, direction, case.geometry.length)
-    if preload is None or preload.kind != "winding_tension" or case.wound is None or linear:
+    if preload is None or preload.kind == "external_pressure" or linear:
         return system
-    return _wound(case, case.wound, bodies, system)
+    targets = prescribed_pressures(case, preload, case.wound)
+    return system.pressed(targets) if preload.kind == "winding_stress" else _matched(case, targets, bodies, system)
 
 
 def named_probes(points: Mapping[str, ProbePoint] | None) -> dict[str, Probe]:
@@ -155,17 +164,16 @@ def with_base_loads(system: System, bodies: Sequence[Body], direction: int, leng
     return system.with_base_loads(rotation, sum(body.mass_total for body in bodies))
 
 
-def _wound(case: OnRoll, winding: Winding, bodies: Sequence[Body], system: System) -> System:
-    """System with external pressures that produce the mean interface pressures of the wound roll."""
+def _matched(case: OnRoll, targets: FloatArray, bodies: Sequence[Body], system: System) -> System:
+    """System with external pressures that produce the mean pressures ``targets`` (n_interfaces,) in the interfaces."""
     from wroll_fem.dynamics.statics.pressure_matching import match_interface_pressure
-    from wroll_fem.winding.interface import refuse_pull, ring_split, target_pressures
+    from wroll_fem.winding.interface import pressure_split, refuse_pull
 
     unit_loads, end = np.zeros((len(bodies) - 1, system.n_dofs)), bodies[0].n_dofs
     for load, body in zip(unit_loads, bodies[1:], strict=True):
         load[end : end + body.n_dofs] = body.pressure_force
         end += body.n_dofs
-    targets = target_pressures(winding, case.coil.layers)
-    split, steps = ring_split(case), case.preload_steps
+    split, steps = pressure_split(case), case.preload_steps
     pressed = match_interface_pressure(system, unit_loads, targets, split, steps=steps)
     refuse_pull(pressed.pressures)
     return pressed

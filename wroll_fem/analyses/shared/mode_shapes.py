@@ -34,7 +34,7 @@ def _shapes(bodies: Sequence[Body], vectors: FloatArray) -> FloatArray:
     ends = np.cumsum([body.n_dofs for body in bodies])[:-1]
     parts = []
     for body, part in zip(bodies, np.split(vectors, ends), strict=True):
-        parts.append((body.expand @ part).reshape(-1, 6, vectors.shape[1])[:, :3])
+        parts.append((body.expand @ part).reshape(-1, 6, vectors.shape[1])[:, :3])  # none without a shell
         if body.solid is not None:
             parts.append((body.solid.expand @ part).reshape(-1, 3, vectors.shape[1]))
     shapes = np.moveaxis(np.vstack(parts), 2, 0)

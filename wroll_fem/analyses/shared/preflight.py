@@ -85,7 +85,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
 
 def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     """Warn about a chirp whose band does not contain the expected resonance of the roll."""
-    if not isinstance(case, OnRoll):
+    if not isinstance(case, OnRoll) or case.coil.rubs:  # a thick coil that slides is no part of a beam
         return []
     low = beam_frequency(case, bonded=False)
     high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
@@ -99,8 +99,8 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
 
 
 def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
-    """External pressure on each layer, Pa; `wroll_fem.winding` is imported only for a preload by winding tension."""
-    if preload.kind != "winding_tension":
+    """External pressure on each layer, Pa; `wroll_fem.winding` is imported only for other preloads."""
+    if preload.kind == "external_pressure":
         return preload.per_layer(case.coil.layers)
     from wroll_fem.winding.interface import external_pressures
 
@@ -108,8 +108,8 @@ def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
 
 
 def contact_warnings(case: StructuralCase) -> list[str]:
-    """Warn about shear-lag resolution, friction law, buckling and low pressure of a roll with layers."""
-    if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None:
+    """Warn about shear-lag resolution, friction law, buckling and low pressure of a roll with interfaces."""
+    if not isinstance(case, OnRoll) or not case.coil.has_interfaces or case.preload is None:
         return []
     pressures = interface_pressures(case)
     if not any(pressures):
@@ -128,8 +128,15 @@ def contact_warnings(case: StructuralCase) -> list[str]:
             "contact.friction.law smoothed_coulomb has no friction at rest: the preload is frictionless, and below "
             "reference_speed the layers creep instead of sticking; use penalty_coulomb where sticking matters"
         )
-    total, limit = sum(_external_pressures(case, case.preload)), buckling_pressure(case)
-    if total > limit and not case.has_geometric_stiffness:
+    limit = buckling_pressure(case)
+    if case.coil.rubs and pressures[0] > limit:
+        warnings.append(
+            f"the coil presses on the mandrel with about {pressures[0] / 1e3:.3g} kPa, {pressures[0] / limit:.3g} "
+            f"times the linear hoop-buckling pressure of the tube alone, {limit / 1e3:.3g} kPa; the kinematics are "
+            "linear and do not include buckling: check that the coil supports the tube, or use a thicker wall"
+        )
+    total = sum(_external_pressures(case, case.preload))
+    if total > limit and not case.has_geometric_stiffness and not case.coil.rubs:
         warnings.append(
             f"the external pressure of {total / 1e3:.3g} kPa exceeds the linear hoop-buckling pressure of the tubes, "
             f"about {limit / 1e3:.0f} kPa: the kinematics are linear and do not include buckling; real winding "

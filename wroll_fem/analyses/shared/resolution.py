@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wroll_fem.case.kinds import ModalCase
 from wroll_fem.case.roll import RollSections
 from wroll_fem.case.structural import OnRoll
 
@@ -46,6 +47,8 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     """
     if case.coil.model not in COILS or case.mesh.file is not None or not case.suits_fourier:
         return ""
+    if case.coil.rubs and not (isinstance(case, ModalCase) and case.modal.interface == "bonded"):
+        return ""  # Fourier elements have no springs between coil and mandrel
     from wroll_fem.fem.fourier_modes import symmetry_class_modes
     from wroll_fem.fem.fourier_roll import FourierRoll
 

@@ -72,7 +72,7 @@ def match_interface_pressure(
         change = np.linalg.solve(jacobian, misfit)
         pressures = pressures + change
     raise ConvergenceError(
-        "no external pressures give the interfaces the pressure of the wound roll", time_s=None,
+        "no external pressures give the interfaces the prescribed pressure", time_s=None,
         iterations=max_iterations, residual_history=history,
-        advice="use fewer coil.layers or more winding tension: at low pressure the layers open",
+        advice="use fewer coil.layers or more pressure (winding tension): at low pressure the layers open",
     )  # fmt: skip

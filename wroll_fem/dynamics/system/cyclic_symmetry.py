@@ -78,22 +78,26 @@ def cyclic_subspaces(bodies: Sequence[Body]) -> tuple[Subspace, ...]:
 def _rings(body: Body) -> np.ndarray | None:
     """(n_rings, nodes per ring) node numbers, ordered by angle from 0 to 2 pi; None without rotational symmetry.
 
-    The rings need equal numbers of nodes, equal spacing of the nodes, and one common radius.
+    The rings need equal numbers of nodes and equal spacing of the nodes. A shell has one ring at each height, a solid
+    has one at each height and radius.
     """
     if body.unknown_node is None or body.unknown_component is None:
         return None
-    x, y, z = body.nodes.T
+    x, y, z = body.places.T
     theta = np.mod(np.arctan2(y, x), 2 * np.pi)
     theta[theta > 2 * np.pi - 1e-6] = 0.0
-    size = np.ptp(z)
-    level = levels(z)[1]
+    radius = np.hypot(x, y)
+    size = max(np.ptp(z), np.ptp(radius))
+    heights, height = levels(z)
+    radii, distance = levels(radius, 1e-6 * size)
+    level = height + len(heights) * distance
     order = np.lexsort((theta, level))
-    counts = np.bincount(level)
+    counts = np.bincount(level, minlength=len(heights) * len(radii))
     if np.ptp(counts) or counts[0] % 4:
         return None
     rings = order.reshape(-1, counts[0])
     expected = 2 * np.pi * np.arange(counts[0]) / counts[0]
-    if np.abs(theta[rings] - expected).max() > 1e-6 or np.ptp(np.hypot(x, y)) > 1e-6 * size:
+    if np.abs(theta[rings] - expected).max() > 1e-6 or (body.solid is None and len(radii) > 1):
         return None
     return rings
 
@@ -106,7 +110,7 @@ def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns
     two orbits.
     """
     unknown_node, unknown_component = np.asarray(body.unknown_node), np.asarray(body.unknown_component)
-    row_of = np.full((len(body.nodes), 6), -1)
+    row_of = np.full((len(body.places), 6), -1)
     own = unknown_node >= 0
     row_of[unknown_node[own], unknown_component[own]] = start + np.flatnonzero(own)
     sectors = rings.shape[1] // 2
@@ -114,7 +118,7 @@ def _body_columns(body: Body, rings: np.ndarray, start: int, label: int, columns
     for offset in (0, 1):
         orbits = rings[:, offset::2]
         free = (row_of[orbits] >= 0).any(axis=(1, 2))
-        theta = np.arctan2(body.nodes[orbits[free], 1], body.nodes[orbits[free], 0])
+        theta = np.arctan2(body.places[orbits[free], 1], body.places[orbits[free], 0])
         rows, first_label = row_of[orbits[free]], ring_label[free, None] + 6 * offset
         for even in (True,) if body.symmetric else (True, False):
             for harmonic in range(sectors // 2 + 1):

@@ -209,6 +209,22 @@ class System:
         """(3 n_points,) springs that bond the interfaces, Pa/m: `TIE_FACTOR` times the normal penalty."""
         return TIE_FACTOR * per_dof(self.laws.kn, self.laws.kn)
 
+    def pressed(self, pressures: FloatArray) -> System:
+        """System whose preload presses the two surfaces of each interface together, without an external load.
+
+        The forces of the preload are those of uniform pressures on both surfaces. They are the resultant of the initial
+        stress of a wound roll, with which the contact pressure is in equilibrium: the bodies do not deform, except by
+        the compression of the normal penalty.
+
+        Parameters
+        ----------
+        pressures
+            (n_interfaces,) Pa, inner interface first.
+        """
+        at_points = np.repeat(pressures, [interface.n_points for interface in self.interfaces])
+        force = self.jump.T @ (self.weights * per_dof(np.zeros_like(at_points), -at_points))
+        return replace(self, loads={**self.loads, "preload": np.asarray(force)})
+
     def bonded(self) -> System:
         """Linear structure with bonded interfaces: its stiffness includes `tie_springs`, and it has no interfaces."""
         stiffness = self.with_interface_springs(self.tie_springs).tocsr()

@@ -1,0 +1,241 @@
+"""Solid coil that rubs on its mandrel: assembly, circumferential blocks, and limits in which the answer is known."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+
+from wroll_fem.analyses import run_analysis, summarise
+from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.bodies.base_loads import base_rotation
+from wroll_fem.case import build_case
+from wroll_fem.case.case import Case
+from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
+from wroll_fem.dynamics.statics.preload import solve_preload
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.simulate import simulate
+from wroll_fem.errors import InputError
+from wroll_fem.progress import SilentProgress
+from wroll_fem.signals.base_motion import Dwell
+
+SECTIONS = {
+    "geometry": {"length": 0.3, "mandrel_outer_diameter": 0.08, "mandrel_thickness": 1.5e-3},
+    "mandrel": {"material": {"E": 2.7e9, "nu": 0.35, "rho": 1200.0}, "tip_mass": 0.05, "tip": "rigid"},
+    "coil": {
+        "model": "solid", "interface": "friction", "total_thickness": 10e-3,
+        "material": {"E": 0.5e9, "nu": 0.3, "rho": 500.0},
+    },
+    "contact": {"friction": {"law": "penalty_coulomb", "mu": 0.25, "elastic_slip": 1e-6}},
+    "preload": {"kind": "external_pressure", "pressure": 1e5},
+    "excitation": {"kind": "chirp", "amplitude": 5.0, "f_start": 100, "f_end": 250, "rate_oct_per_min": 2},
+    "mesh": {"circumferential": 12, "axial": 6, "radial": 2, "grading": 4},
+    "output": {"figures": False},
+}  # fmt: skip
+
+
+def roll(analysis: str = "harmonic", **changed: dict[str, object]) -> Case:
+    """Case of a mandrel with a thick coil; ``changed`` holds the keys of sections that differ, and further sections."""
+    sections = {name: {**SECTIONS.get(name, {}), **changed.get(name, {})} for name in {**SECTIONS, **changed}}
+    if analysis in ("modal", "preload"):
+        sections.pop("excitation")
+    return build_case({"analysis": analysis, **sections})
+
+
+@cache
+def system(symmetric: bool = True) -> System:
+    case = roll(mesh={"circumferential": 8, "axial": 2, "radial": 1})
+    return build_system(case, build_bodies(case, symmetric=symmetric))
+
+
+def springs_of(system: System) -> np.ndarray:
+    return np.concatenate([np.full(2 * system.n_points, 3e9), system.laws.kn])
+
+
+def first_bending(interface: str, mu: float = 0.25, pressure: float = 1e5) -> float:
+    """First bending frequency, Hz, of a coil that presses uniformly on its mandrel."""
+    case = roll("modal", modal={"interface": interface, "count": 6},
+                preload={"kind": "winding_stress", "pressure": pressure},
+                contact={"friction": {"law": "penalty_coulomb", "mu": mu, "elastic_slip": 1e-6}})  # fmt: skip
+    modes = run_analysis(case, progress=SilentProgress())
+    kinds = modes["mode_kind"].values.tolist()
+    return float(modes["mode_frequency"].values[kinds.index("bending")])
+
+
+def test_both_sides_of_the_interface_move_alike_in_rigid_motions() -> None:
+    """The clamped base is left out of the mandrel, so only points above its first row are compared."""
+    case = roll()
+    bodies = build_bodies(case, symmetric=False)
+    whole = build_system(case, bodies)
+    above = np.flatnonzero(whole.interfaces[0].points[:, 1] > 0.1 * case.geometry.length)
+    for direction in (0, 1):
+        turns = [base_rotation(body, direction, case.geometry.length) for body in bodies]
+        for motion in (np.concatenate([b.influence[:, direction] for b in bodies]), np.concatenate(turns)):
+            jump = whole.jump @ motion
+            normal, tangential = jump[2 * whole.n_points :], jump[: 2 * whole.n_points].reshape(-1, 2)
+            assert np.abs(normal[above]).max() < 1e-3
+            assert np.abs(tangential[above]).max() < 1e-3
+    coil = bodies[1]
+    rigid = np.column_stack([coil.influence, base_rotation(coil, 0, 0.3), base_rotation(coil, 1, 0.3)])
+    strained = np.abs(coil.stiffness @ rigid).max() / np.abs(coil.stiffness).max()
+    assert strained < 1e-9
+    mass = rigid[:, 0] @ (coil.mass @ rigid[:, 0])
+    assert mass == pytest.approx(coil.mass_total, rel=1e-9)
+    outer = 0.05
+    assert coil.mass_total == pytest.approx(500.0 * np.pi * (outer**2 - 0.04**2) * 0.3, rel=1e-3)
+
+
+def test_a_model_of_half_the_roll_gives_the_same_matrices_of_motion() -> None:
+    half, whole = system(), system(symmetric=False)
+    assert half.weights.sum() == pytest.approx(whole.weights.sum(), rel=1e-12)
+    found = []
+    for one in (half, whole):
+        matrix = one.with_interface_springs(springs_of(one))
+        u = spla.spsolve(matrix.tocsc(), one.mass @ one.influence)
+        found.append((float(one.probes["tip"] @ u), float(u @ (one.mass @ one.influence))))
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_blocks_of_a_solid_carry_the_compliance_of_the_interface(symmetric: bool) -> None:
+    one = system(symmetric)
+    blocks = Blocks.of(one, springs_of(one))
+    assert blocks is not None
+    per_block = [
+        blocks.jump(b) @ spla.spsolve(blocks.stiffness(b).tocsc(), blocks.jump(b).T.tocsc()) for b in range(len(blocks))
+    ]
+    compliance = spread(np.array([c.toarray() for c in per_block]), blocks.profiles, one.laws.area)
+    whole = spla.splu(one.with_interface_springs(springs_of(one)))
+    expected = one.jump @ whole.solve(one.jump.T.toarray() * one.weights)
+    np.testing.assert_allclose(compliance, expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_full_and_condensed_agree_with_slip() -> None:
+    one, motion = system(symmetric=False), Dwell(150.0, 150.0, 4, 1)
+    preload = solve_preload(one)
+    runs = [
+        simulate(one, preload, motion, dt=1 / 4000, scheme=Scheme.hht(-0.05), method=method)
+        for method in ("full", "condensed")
+    ]
+    assert float(runs[1]["slipping_fraction"].max()) > 0.1
+    tip = [run["tip_displacement"].values for run in runs]
+    np.testing.assert_allclose(tip[1], tip[0], atol=1e-6 * np.abs(tip[0]).max(), rtol=0)
+
+
+def test_strong_friction_is_the_bonded_coil() -> None:
+    """At 10 MPa and mu = 5 the interface is far stiffer than the coil."""
+    assert first_bending("stuck", mu=5.0, pressure=1e7) == pytest.approx(first_bending("bonded"), rel=3e-4)
+
+
+def test_the_bonded_interface_is_the_coil_without_unknowns_of_its_inner_face() -> None:
+    """The averaged tie approaches the tie of all nodes: 1 % below it on 12 x 6 x 2 cells, 0.08 % on 12 x 20 x 4."""
+    mesh = {"axial": 12, "radial": 3, "grading": 16}
+    springs = roll("modal", modal={"interface": "bonded", "count": 2}, mesh=mesh)
+    sections = roll("modal", coil={"interface": "bonded"}, modal={"count": 2}, mesh=mesh).resolved()
+    tied = build_case({name: section for name, section in sections.items() if name not in ("contact", "preload")})
+    found, exact = (
+        run_analysis(case, progress=SilentProgress())["mode_frequency"].values[0] for case in (springs, tied)
+    )
+    assert found == pytest.approx(exact, rel=3e-3)
+
+
+def test_no_friction_is_the_frictionless_eigenproblem() -> None:
+    assert first_bending("stuck", mu=0.0) == pytest.approx(first_bending("frictionless"), rel=1e-6)
+
+
+def test_a_thin_solid_is_the_layer_of_the_lab_roll() -> None:
+    mesh = {"circumferential": 16, "axial": 6, "radial": 1, "grading": 8}
+    thin = {"total_thickness": 1.25e-3, "material": {"E": 2.8e9, "nu": 0.35, "rho": 2000.0}}
+    band = {"f_start": 140, "f_end": 165}
+    solid = roll(coil=thin, mesh=mesh, excitation=band)
+    data = solid.resolved()
+    data["coil"] = {"model": "layers", "layers": 1, **thin}
+    found = []
+    for case in (solid, build_case(data)):
+        summary = summarise(run_analysis(case, progress=SilentProgress()), case)
+        found.append([summary[key] for key in ("f_n_hz", "peak_transmissibility", "zeta")])
+        assert summary["energy_balance_error"] < 1e-6
+    f_n, peak, zeta = np.array(found[0]) / np.array(found[1]) - 1.0
+    assert abs(f_n) < 5e-3
+    assert abs(peak) < 0.03
+    assert abs(zeta) < 0.03
+
+
+def preloaded(**changed: dict[str, object]) -> tuple[Case, System, np.ndarray]:
+    case = roll("preload", **changed)
+    one = build_system(case, build_bodies(case, symmetric=True))
+    return case, one, solve_preload(one).pressure
+
+
+def test_the_pressure_at_the_interface_is_that_of_a_thick_ring() -> None:
+    """Mean over half of the height: the ends, which are kept round, carry more, and next to them less arrives."""
+    case, one, pressure = preloaded(mesh={"axial": 16, "grading": 1})
+    middle = np.abs(one.interfaces[0].points[:, 1] - 0.15) < 0.075
+    mean = np.average(pressure[middle], weights=one.laws.area[middle])
+    assert mean == pytest.approx(interface_pressures(case)[0], rel=0.01)
+
+
+def test_a_prescribed_pressure_reaches_the_interface() -> None:
+    case, one, pressure = preloaded(preload={"kind": "interface_pressure", "pressure": 3e4})
+    assert np.average(pressure, weights=one.laws.area) == pytest.approx(3e4, rel=1e-4)
+    assert one.pressures[0] == pytest.approx(3e4 * 1e5 / interface_pressures(roll("preload"))[0], rel=0.2)
+    assert interface_pressures(case) == [3e4]
+
+
+def test_winding_stress_is_uniform_and_has_no_resultant() -> None:
+    """Without an external load the bodies do not deform; the penalty gives way, most at the clamped base."""
+    _, one, pressure = preloaded(preload={"kind": "winding_stress", "pressure": 3e4})
+    np.testing.assert_allclose(pressure, 3e4, rtol=5e-3)
+    assert np.average(pressure, weights=one.laws.area) == pytest.approx(3e4, rel=3e-3)
+    assert one.pressures == (0.0,)
+    assert abs(one.influence @ one.loads["preload"]) < 1e-9 * np.abs(one.loads["preload"]).sum()
+
+
+def test_a_clamped_annulus_converges_and_holds_more_the_wider_it_is() -> None:
+    def compliance(width: float, radial: int) -> float:
+        case = roll(coil={"base": "inner_edge", "base_width": width}, mesh={"radial": radial, "axial": 4 * radial})
+        one = build_system(case, build_bodies(case, symmetric=True))
+        shear = spla.spsolve(one.with_interface_springs(springs_of(one)).tocsc(), one.mass @ one.influence)
+        return float(one.probes["tip"] @ shear)
+
+    narrow, wide = compliance(1.5e-3, 2), compliance(5e-3, 2)
+    assert wide < narrow < compliance(0.0, 2)
+    assert compliance(5e-3, 3) == pytest.approx(wide, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changed", "key"),
+    [
+        ({"coil": {"base_width": 1e-3}}, "base_width"),
+        ({"coil": {"base_width": 1.0, "base": "inner_edge"}}, "base_width"),
+        ({"coil": {"model": "layers"}}, "interface"),
+        ({"mesh": {"discretisation": "fourier"}}, "mesh.discretisation"),
+    ],
+)
+def test_keys_that_do_not_fit_are_refused(changed: dict[str, dict[str, object]], key: str) -> None:
+    with pytest.raises(InputError, match=key):
+        roll(**changed)
+
+
+@pytest.mark.parametrize("missing", ["contact", "preload"])
+def test_friction_needs_contact_and_preload(missing: str) -> None:
+    sections = {name: section for name, section in SECTIONS.items() if name != missing}
+    with pytest.raises(InputError, match=f"{missing}.*required section is missing.*coil.interface: friction"):
+        build_case({"analysis": "harmonic", **sections})
+
+
+def test_all_points_slip_alike_whatever_the_numbering() -> None:
+    """A system without subspaces is condensed as one block."""
+    one = system()
+    preload, motion = solve_preload(one), Dwell(150.0, 150.0, 3, 1)
+    run = [
+        simulate(each, preload, motion, dt=1 / 4000, scheme=Scheme.hht(-0.05), method="condensed")
+        for each in (one, dataclasses.replace(one, subspaces=()))
+    ]
+    tip = [r["tip_displacement"].values for r in run]
+    np.testing.assert_allclose(tip[1], tip[0], atol=1e-8 * np.abs(tip[0]).max(), rtol=0)
