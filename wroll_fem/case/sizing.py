@@ -21,7 +21,7 @@ THICKEST = 0.1
 class Sizing(SparseSection):
     """Structure, loads, margin and material of the mandrel (thesis, sections 6.2 and 6.3)."""
 
-    structure: str = Field(default="mandrel", min_length=1, description="name of the structure, for titles")
+    structure: str = Field(default="mandrel", min_length=1, description="name of the structure; used in titles")
     length: Real = Field(gt=0, description="length of mandrel and coil, m")
     mandrel_outer_diameter: Real = Field(gt=0, description="outer diameter of the mandrel, m")
     coil_outer_diameter: Real = Field(gt=0, description="outer diameter of the coil, m")
@@ -36,8 +36,8 @@ class Sizing(SparseSection):
     yield_stress: Real = Field(default=280e6, gt=0, description="yield stress of the mandrel, Pa")
     reading: Reading = Field(
         default="surface_away_from_ends",
-        description="reading of the stress that sets the wall for which buckling, stiffness, frequencies and ratios "
-        "are computed",
+        description="reading of the stress that sets the wall; buckling, stiffness, frequencies and ratios are those "
+        "of this wall",
     )
     wall: Real | None = Field(
         default=None, gt=0, description="thickness of a known wall, m, which is evaluated in place of the search"

@@ -11,8 +11,8 @@ volume (docs/geometric-stiffness.md, eq-volume).
 
 Notes
 -----
-Motions are symmetric about the plane theta = 0. The second-order motion of a rigid tip ring is left out. It concerns the
-tilt of the ring (n = 1) under a pressure p alone; relative to the stiffness of a tube in bending it is about
+Motions are symmetric about the plane theta = 0. The second-order motion of a rigid tip ring is left out. It concerns
+the tilt of the ring (n = 1) under a pressure p alone; relative to the stiffness of a tube in bending it is about
 p L / (E sqrt(R t)), 1e-3 for the mandrels of the thesis.
 """
 
