@@ -7,14 +7,12 @@ not have.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from scipy.constants import g as GRAVITY
-from scipy.optimize import brentq
 
 from reproduction.claim_group import ClaimGroup
 from reproduction.coiled_stiff import bending
@@ -26,8 +24,8 @@ from wroll_fem.plotting import style
 
 YOUNG, POISSON, DENSITY, YIELD = 70.0e9, 0.33, 2700.0, 280.0e6
 """Aluminium; the thesis states the yield stress (Pa) alone."""
-SAFETY, MARGIN, PRESSURE, STATIC = 1.2, 0.25, 5.0e5, 100.0 * GRAVITY
-"""Factor of safety, margin, wrapping pressure (Pa) and static acceleration (m/s^2) of section 6.3."""
+SAFETY, MARGIN, PRESSURE = 1.2, 0.25, 5.0e5
+"""Factor of safety, margin and wrapping pressure (Pa) of section 6.3."""
 
 
 @dataclass(frozen=True)
@@ -106,97 +104,48 @@ def c91(evidence: Evidence) -> Verdict:
         parts.append(f"{name} {numbers(one.metrics, '.3g')}")
         off = np.abs(np.array(one.metrics) / np.array(one.printed) - 1.0)
         holds = holds and bool(np.all(off <= limits))
-    value = f"AR, DR, MR, TR, k (kN/mm): {'; '.join(parts)}; aluminium {DENSITY:g} kg/m^3, {YOUNG / 1e9:g} GPa"
+    shells = evidence.results(sizing_cases(printed_wall=True))
+    stiffness = numbers((d.attrs["tip_stiffness_n_per_m"] / 1e6 for d in shells), ".3g")
+    value = (
+        f"AR, DR, MR, TR, k (kN/mm): {'; '.join(parts)}; aluminium {DENSITY:g} kg/m^3, {YOUNG / 1e9:g} GPa; tip "
+        f"stiffness of the shells, with shear deformation: {stiffness} kN/mm"
+    )
     return Verdict(value, holds)
 
 
 # ---- wall of the mandrel -------------------------------------------------------------------------
 
 
-def mises(axial: float, hoop: float) -> float:
-    """Von Mises stress of a plane state without shear, Pa."""
-    return math.sqrt(axial**2 - axial * hoop + hoop**2)
-
-
-def peak_stress(one: Structure, wall: float, *, surface: bool, ends: bool, pressure: bool) -> float:
-    """Peak von Mises stress of the cantilevered mandrel under 100 g and 500 kPa, closed form, Pa.
-
-    Parameters
-    ----------
-    wall
-        Wall, m.
-    surface
-        Stress at the faces instead of the mid-surface.
-    ends
-        Include the zone near the clamped root; otherwise one decay length of the edge above it.
-    pressure
-        Apply the pressure.
-
-    Notes
-    -----
-    Beam bending of the tube with its coil and end cap, and the membrane hoop stress -p r/t. At a clamped, round edge
-    the radial displacement vanishes: the hoop stress is nu times the axial one there, and the edge moment p/(2 beta^2),
-    beta^4 = 3 (1 - nu^2)/(r t)^2, bends the wall with 6 M/t^2 (Timoshenko, Theory of plates and shells, section 114).
-    """
-    radius = 0.5 * (one.diameter - wall)
-    per_length = DENSITY * one.area(wall) + one.coil_mass / one.length
-    beta = (3.0 * (1.0 - POISSON**2)) ** 0.25 / math.sqrt(radius * wall)
-    height = 0.0 if ends else math.pi / beta
-    arm = one.length - height
-    moment = STATIC * (per_length * arm**2 / 2.0 + one.cap_mass(wall) * arm)
-    lever = 0.5 * one.diameter if surface else radius
-    axial = moment * lever / one.inertia(wall)
-    hoop = -PRESSURE * one.diameter * 0.5 / wall if pressure else 0.0
-    if not ends:
-        return max(mises(side * axial, hoop) for side in (1.0, -1.0))
-    local = 3.0 * PRESSURE / (beta * wall) ** 2 if pressure and surface else 0.0
-    states = ((a + b, POISSON * (a + b)) for a in (axial, -axial) for b in (local, -local))
-    return max(mises(*state) for state in states)
-
-
-MEASURES: dict[str, Mapping[str, bool]] = {
-    f"{'surface' if surface else 'membrane'}, {'with' if ends else 'without'} the ends, "
-    f"{'500 kPa' if pressure else 'no pressure'}": {"surface": surface, "ends": ends, "pressure": pressure}
-    for surface in (False, True)
-    for ends in (True, False)
-    for pressure in (True, False)
-}
-"""Measure of note N92 -> arguments of `peak_stress`."""
-
-
-def margin(one: Structure, wall: float, measure: Mapping[str, bool]) -> float:
-    """Margin against yield (equation 6.1)."""
-    return YIELD / (SAFETY * peak_stress(one, wall, **measure)) - 1.0
-
-
-def wall_for_margin(one: Structure, measure: Mapping[str, bool]) -> float:
-    """Wall for a margin of 25 %, m; nan if the range of 0.3 to 60 mm has none."""
-
-    def missing(wall: float) -> float:
-        return margin(one, wall, measure) - MARGIN
-
-    ends = missing(3e-4), missing(6e-2)
-    return float(brentq(missing, 3e-4, 6e-2)) if ends[0] < 0.0 < ends[1] else math.nan
+def sizing_cases(*, printed_wall: bool = False) -> list[tuple[str, ...]]:
+    """Case of the sizing of each structure: search for the walls, or the wall of Table 6.2."""
+    return [
+        (f"sizing_{name.lower()}", *([f"sizing.wall={one.wall!r}"] if printed_wall else []))
+        for name, one in STRUCTURES.items()
+    ]
 
 
 def c92(evidence: Evidence) -> Verdict:
-    walls = {words: [wall_for_margin(one, m) for one in STRUCTURES.values()] for words, m in MEASURES.items()}
+    found = evidence.results(sizing_cases())
+    walls = {
+        str(name): [float(d["wall_thickness"].sel(reading=name)) for d in found] for name in found[0]["reading"].values
+    }
     printed = np.array([one.wall for one in STRUCTURES.values()])
-    off = {words: float(np.abs(np.array(found) / printed - 1.0).max()) for words, found in walls.items()}
-    closest = min(off, key=lambda words: math.inf if math.isnan(off[words]) else off[words])
-    grid = np.geomspace(1e-3, 2e-2, 60)
-    rises = all(
-        bool(np.all(np.diff([margin(one, float(t), m) for t in grid]) > 0.0))
-        for one in STRUCTURES.values()
-        for m in MEASURES.values()
-    )
-    said = "; ".join(f"{words}: {numbers((1e3 * t for t in found), '.2f')}" for words, found in walls.items())
+    off = {name: float(np.abs(np.array(own) / printed - 1.0).max()) for name, own in walls.items()}
+    closest = min(off, key=lambda name: math.inf if math.isnan(off[name]) else off[name])
+    range_of_figure = slice(1e-3, 2e-2)
+    margins = [d["margin"].sel(mandrel_thickness=range_of_figure).values for d in found]
+    rises = all(bool(np.all(np.diff(lines, axis=0) > 0.0)) for lines in margins)
+    listed = "; ".join(f"{_words(name)}: {numbers((1e3 * t for t in own), '.2f')}" for name, own in walls.items())
     value = (
-        f"closed form, wall in mm of iROSA, SSPP, HabEx (printed {numbers(1e3 * printed, 'g')}): {said}; closest: "
-        f"{closest}, {100 * off[closest]:.0f} % off at most; margin {'rises' if rises else 'does not rise'} with the "
-        "wall"
+        f"shell, wall in mm of iROSA, SSPP, HabEx (printed {numbers(1e3 * printed, 'g')}): {listed}; closest: "
+        f"{_words(closest)}, {100 * off[closest]:.0f} % off at most; margin {'rises' if rises else 'does not rise'} "
+        "with the wall (1 to 20 mm)"
     )
     return Verdict(value, rises and off[closest] <= 0.1)
+
+
+def _words(reading: str) -> str:
+    return reading.replace("_", " ")
 
 
 # ---- buckling, sweep -----------------------------------------------------------------------------
@@ -222,7 +171,12 @@ def c93(evidence: Evidence) -> Verdict:
         critical, waves = lateral_buckling(0.5 * (one.diameter - one.wall), one.wall, one.length)
         holds = holds and critical / 2.0 > PRESSURE
         parts.append(f"{name} {critical / 1e6:.2g} MPa, n = {waves}")
-    value = f"classical, simply supported ends: {'; '.join(parts)}; applied 0.5 MPa"
+    shells = [d.attrs for d in evidence.results(sizing_cases(printed_wall=True))]
+    finite = ", ".join(f"{d['buckling_pressure_pa'] / 1e6:.3g} MPa (n = {d['buckling_waves']})" for d in shells)
+    value = (
+        f"classical, simply supported ends: {'; '.join(parts)}; shells with clamped base and rigid tip ring: {finite}; "
+        "applied 0.5 MPa"
+    )
     return Verdict(value, holds, "" if holds else THESIS_ERROR)
 
 
@@ -308,22 +262,24 @@ ROLLS: dict[str, Callable[[Evidence], Verdict]] = {
 
 
 def plot_margin(evidence: Evidence) -> Axes:
-    """Draw Fig. 6.1 for the measure without ends and for the resolved root edge."""
+    """Draw Fig. 6.1 for the faces away from the ends and for the faces of the whole tube."""
     ax = style.axes(None)
-    walls = np.geomspace(1e-3, 3e-2, 200)
-    for (name, one), colour in zip(STRUCTURES.items(), style.LINES, strict=False):
-        for measure, dash in ((MEASURES["surface, without the ends, 500 kPa"], "-"), (
-            MEASURES["surface, with the ends, 500 kPa"], "--")):  # fmt: skip
-            line = [100 * margin(one, float(t), measure) for t in walls]
-            ax.plot(1e3 * walls, line, dash, color=colour, label=name if dash == "-" else None)
+    found = evidence.results(sizing_cases())
+    for (name, one), data, colour in zip(STRUCTURES.items(), found, style.LINES, strict=False):
+        walls = 1e3 * data["mandrel_thickness"].values
+        for reading, dash in (("surface_away_from_ends", "-"), ("surface", "--")):
+            line = 100.0 * data["margin"].sel(reading=reading).values
+            ax.plot(walls, line, dash, color=colour, label=name if dash == "-" else None)
         ax.plot(1e3 * one.wall, 25.0, "o", color=colour)
     ax.axhline(25.0, color="black", lw=0.8)
     ax.set_xscale("log")
+    ax.set_xlim(1.0, 30.0)
     ax.set_ylim(-100, 200)
+    ax.xaxis.set_major_formatter("{x:g}")
     ax.set_xlabel("Wall of the mandrel (mm)")
     ax.set_ylabel("Margin against yield (%)")
     ax.legend(fontsize=8)
-    style.title(ax, "Margin at the faces without the ends (lines) and at the clamped edge (dashed); dots: Table 6.2")
+    style.title(ax, "Margin at the faces away from the ends (lines) and in the whole tube (dashed); dots: Table 6.2")
     return ax
 
 

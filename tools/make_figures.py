@@ -36,6 +36,7 @@ def jobs() -> dict[str, list[str]]:
     """Name of each run -> case file and overrides."""
     found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
     found["case_study"] = ["configs/case_study.yaml"]
+    found["sizing"] = ["configs/sizing_irosa.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
         for label, pressure in PRESSURES.items():
@@ -157,6 +158,7 @@ def main() -> None:
         ("modes/figures/mode_shapes.png", "mode_shapes.png"),
         ("harmonic/figures/transmissibility.png", "harmonic_response.png"),
         ("backbone/figures/backbone.png", "backbone.png"),
+        ("sizing/figures/margin.png", "sizing.png"),
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)

@@ -57,6 +57,7 @@ CASES: dict[str, tuple[str, list[str]]] = {
             "two_dof.friction_capacity=[2, 10]",
         ],
     ),
+    "sizing": ("sizing_sspp", ["mesh.axial=20", "sizing.reading=surface"]),
     "sweep above the resonance": ("oscillator", [*FAST, "excitation.f_start=20", "output.damping=gaussian_fit"]),
 }  # fmt: skip
 """Case file and overrides, as coarse as they may be: only names are looked at."""

@@ -38,8 +38,8 @@ points to it. Start from one of these files.
 
 _ANALYSES = """`contact` and `preload` are needed only with `coil.model: layers` (by `modal` only with
 `modal.interface: stuck`). `structure` replaces geometry, mandrel, coil, mesh and preload; contact is then optional.
-`preload.kind: winding_tension` needs `winding`. `design_map`, `two_dof` and `damping_ratio` belong to one analysis;
-other sections may be in the file without use."""
+`preload.kind: winding_tension` needs `winding`. `design_map`, `two_dof`, `sizing` and `damping_ratio` belong to one
+analysis; other sections may be in the file without use."""
 
 
 def case_page() -> str:

@@ -95,6 +95,35 @@ class PlyStress(ShellStress):
         return np.moveaxis(found, 3, 0)
 
 
+def largest_von_mises(constant: FloatArray, cosine: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Largest von Mises stress on circles, where the plane stress varies as constant + cosine x cos theta.
+
+    Its square is quadratic in cos theta, so the largest value on each circle is exact.
+
+    Parameters
+    ----------
+    constant, cosine
+        (3, ...) amplitudes of the normal stresses 11 and 22 and of the shear 12, Pa; the shear of ``constant`` is zero,
+        that of ``cosine`` varies with sin theta.
+
+    Returns
+    -------
+    stress : (...) largest von Mises stress, Pa.
+    theta : (...) angle of this stress, 0 to pi, rad.
+    """
+    (a0, b0), (a1, b1), shear = constant[:2], cosine[:2], cosine[2]
+    fixed = a0**2 + b0**2 - a0 * b0 + 3.0 * shear**2
+    linear = 2.0 * (a0 * a1 + b0 * b1) - a0 * b1 - a1 * b0
+    square = a1**2 + b1**2 - a1 * b1 - 3.0 * shear**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = np.where(square < 0.0, np.clip(-0.5 * linear / square, -1.0, 1.0), 1.0)
+    at = np.stack([np.ones_like(linear), -np.ones_like(linear), vertex])
+    found = fixed + linear * at + square * at**2
+    best = found.argmax(axis=0)[None]
+    where, most = (np.take_along_axis(values, best, axis=0)[0] for values in (at, found))
+    return np.sqrt(np.maximum(most, 0.0)), np.arccos(where)
+
+
 def _von_mises(stress: FloatArray) -> FloatArray:
     """Von Mises stress of plane stresses (3, ...): normal stresses 11 and 22, shear 12."""
     s11, s22, s12 = stress

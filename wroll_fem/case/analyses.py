@@ -17,6 +17,7 @@ MODULES: dict[str, str] = {
     "buckling": "wroll_fem.analyses.buckling",
     "winding": "wroll_fem.analyses.winding",
     "design_map": "wroll_fem.analyses.design_map",
+    "sizing": "wroll_fem.analyses.sizing",
     "two_dof": "wroll_fem.analyses.two_dof",
 }
 """Name of the analysis -> module that defines its `ANALYSIS`."""

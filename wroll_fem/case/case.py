@@ -34,8 +34,8 @@ from wroll_fem.errors import InputError
 
 SECTIONS = (
     "analysis", "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation", "damping",
-    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "probes",
-    "output",
+    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "sizing",
+    "probes", "output",
 )  # fmt: skip
 """Top-level keys of a case file, in the order of serialisation."""
 
@@ -50,7 +50,7 @@ _OFF_BY_DEFAULT = (("preload", "geometric_stiffness"),)
 
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
-    "damping_ratio": ("modal damping", "modal_transient"),
+    "damping_ratio": ("modal damping", "modal_transient"), "sizing": ("mandrel to be sized", "sizing"),
 }  # fmt: skip
 """Key that only one analysis uses -> (description of the key, name of the analysis)."""
 

@@ -6,7 +6,7 @@ A roll analysis that has no case section of its own has no class here; its class
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
@@ -34,6 +34,7 @@ from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.preload import Preload
+from wroll_fem.case.sizing import Sizing, SizingMesh
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.structural import (
     BACKBONE,
@@ -302,6 +303,30 @@ class DesignMapCase(OnRoll):
     def _checks(self) -> Iterator[Check]:
         yield from super()._checks()
         yield lambda: check_design_map(self.design_map, self.coil, self.mesh)
+
+
+@case_kind
+class SizingCase(Case):
+    """Wall of a mandrel for a margin against yield under a transverse acceleration and an external pressure."""
+
+    analysis: Literal["sizing"] = Field(description=ANALYSIS)
+    sizing: Sizing = Field(
+        description="structure, loads, margin and material of a mandrel, in place of a roll",
+        examples=[
+            {
+                "structure": "iROSA", "length": 3.0, "mandrel_outer_diameter": 0.5, "coil_outer_diameter": 0.8,
+                "coil_mass": 25, "acceleration_g": 100, "pressure": 5.0e5, "margin": 0.25, "factor_of_safety": 1.2,
+            }
+        ],
+    )  # fmt: skip
+    mesh: SizingMesh = Field(default_factory=SizingMesh, description="cells of the mandrel along its axis")
+
+    ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*Case.ALWAYS_WRITTEN, "mesh")
+
+    @classmethod
+    def _refusal(cls, key: str) -> tuple[str, str] | None:
+        problem = super()._refusal(key)
+        return None if problem is None else ("analysis sizing does not use it", f"leave {key} out")
 
 
 @case_kind

@@ -149,7 +149,8 @@ def create_mesh(
 
         domain = ufl.Mesh(basix_ufl.element("Lagrange", cell, degree, shape=(nodes.shape[1],)))
     else:
-        domain = ufl.Mesh(lagrange(cell, degree, components=nodes.shape[1], dimension=nodes.shape[1]))
+        own = ufl.Cell(cell, geometric_dimension=nodes.shape[1])
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", own, degree, dim=nodes.shape[1]))
     with quiet_compiler():
         if VERSION >= (0, 10):
             return mesh.create_mesh(comm, cells, domain, nodes)

@@ -26,6 +26,7 @@ from wroll_fem.plotting.design_map import plot_design_map as design_map
 from wroll_fem.plotting.history import plot_energy_ledger as energy_ledger
 from wroll_fem.plotting.history import plot_response as response
 from wroll_fem.plotting.hysteresis import plot_hysteresis as hysteresis
+from wroll_fem.plotting.margin import plot_margin as margin
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes as mode_shapes
 from wroll_fem.plotting.modes import plot_modes as modes
 from wroll_fem.plotting.scene import jupyter_backend, slip_scene
@@ -58,7 +59,7 @@ _OLD = {
 
 __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "hysteresis",
-    "jupyter_backend",
+    "jupyter_backend", "margin",
     "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "response", "root_section", "root_sections", "save",
     "shear_along", "shear_distribution", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_zone",
     "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements", "two_dof_design_space",

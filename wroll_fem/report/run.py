@@ -42,6 +42,7 @@ _CAPTIONS = {
     "two_dof_readings": "Damping, peak, its frequency and skewness versus friction capacity",
     "two_dof_design_space": "Largest damping versus mass and stiffness of the secondary",
     "modes": "Natural frequencies", "mode_shapes": "Mode shapes", "winding": "Pressure and stress in the wound roll",
+    "margin": "Margin against yield versus wall",
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
     "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear versus height and radius",
     "slip_in_coil": "Slip in the coil",

@@ -27,7 +27,8 @@ def shown(name: str, value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(shown(name, item) for item in value)
     if isinstance(value, Mapping):
-        return ", ".join(f"{key}: {shown(str(key), item)}" for key, item in value.items())
+        own = {str(key): str(key) if unit_of(str(key)) else name for key in value}  # a key without unit has the entry's
+        return ", ".join(f"{key}: {shown(own[str(key)], item)}" for key, item in value.items())
     if isinstance(value, int):
         return f"{value:,}".replace(",", "\u202f") + _behind(unit_of(name))
     if not isinstance(value, float):

@@ -185,6 +185,14 @@ FIELDS: dict[str, Field] = {
     "frequency_disparity": Field("Hz", "bending frequency, stiffest minus softest coil"),
     "loosest_shear_modulus": Field("Pa", "shear modulus between the wraps of the softest coil"),
     "limit_kind": Field("1", "mode that is lower than bending in a softer coil"),
+    # sizing of a mandrel
+    "reading": Field("1", "reading of the largest stress"),
+    "margin": Field("1", "margin against yield"),
+    "wall_thickness": Field("m", "wall of the mandrel of each reading"),
+    "peak_stress": Field("Pa", "largest von Mises stress with this wall"),
+    "peak_z": Field("m", "height of the largest stress above the base"),
+    "peak_theta": Field("rad", "angle of the largest stress from the direction of the inertial load"),
+    "peak_surface": Field("1", "surface of the largest stress"),
     # two masses
     "omega": Field("rad s-1", "angular frequency of the base"),
     "transmissibility": Field("1", "largest displacement of the primary mass divided by that of the base"),

@@ -265,6 +265,37 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "disparity_smallest_mandrel_radius_m": Entry("m", "mandrel radius of the smallest"),
         "disparity_smallest_mandrel_thickness_m": Entry("m", "mandrel wall of the smallest"),
     },
+    "Sizing of a mandrel": {
+        "wall_thickness_m": Entry("m", "wall with the wanted margin", "per reading of the stress; `null` without one"),
+        "mandrel_material": Entry("", "material of the mandrel", "and which constants are defaults", console="{}"),
+        "design_reading": Entry("", "design reading", "reading whose wall the other entries belong to"),
+        "design_wall_m": Entry("m", "wall", "of the design reading, or the given one", console="{:.4g} m"),
+        "wall_margins": _share("margins against yield of this wall", "per reading"),
+        "peak_stress_pa": Entry("Pa", "largest von Mises stress", "per reading, with its own wall"),
+        "peak_stress_z_m": Entry("m", "height of the largest stress above the base", "per reading"),
+        "peak_stress_theta_rad": _number(
+            "rad", "angle of the largest stress", "per reading, from the direction of the inertial load"
+        ),
+        "peak_stress_surface": Entry("", "surface of the largest stress", "per reading: inner, middle or outer"),
+        "end_zone_m": Entry("m", "length of an end zone", "edge bending decays to 1 % in it"),
+        "buckling_waves": _number("", "waves of the buckling mode", "around the circumference, under pressure alone"),
+        "buckling_factor_pressure": _number("", "buckling pressure divided by the pressure", console="{:.3g}"),
+        "buckling_factor_transverse": _number("", "buckling factor of the acceleration", console="{:.3g}"),
+        "buckling_factor_combined": _number(
+            "", "buckling factor of acceleration and pressure together", console="{:.3g}"
+        ),
+        "aspect_ratio": _number("", "aspect ratio AR", "length divided by outer diameter of the mandrel"),
+        "mass_ratio": _number("", "mass ratio MR", "mass of the mandrel's tube divided by that of the coil"),
+        "thickness_ratio": _number("", "thickness ratio TR", "wall divided by the thickness of the coil"),
+        "diameter_ratio": _number("", "diameter ratio DR", "outer diameter of the mandrel divided by that of the coil"),
+        "tip_stiffness_n_per_m": _number(
+            "N/m", "tip stiffness", "transverse force on the tip ring divided by its displacement", "{:.4g} N/m"
+        ),
+        "mandrel_hz": _number("Hz", "bending frequency of the mandrel", "with end cap, without coil", "{:.2f} Hz"),
+        "mandrel_with_coil_hz": _number("Hz", "bending frequency with the mass of the coil", "with end cap"),
+        "mandrel_mass_kg": Entry("kg", "mass of the mandrel", "without end cap"),
+        "end_cap_mass_kg": Entry("kg", "mass of the end cap"),
+    },
     "Two masses": {
         "friction_capacity_n": Entry("N", "friction capacity", "one curve each"),
         "omega_peak_rad_s": _number("rad/s", "frequency of the peak", "per capacity"),
@@ -308,8 +339,8 @@ SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name
 """Name in summary.json -> its entry."""
 
 _SUFFIXES = {
-    "m_s2": "m/s²", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
-    "n": "N", "nm": "N m", "rad": "rad", "g": "g",
+    "m_s2": "m/s²", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m",
+    "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g",
 }  # fmt: skip
 """Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 
@@ -320,7 +351,7 @@ _NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
 def split_unit(name: str) -> tuple[str, str]:
     """Name without its unit suffix, and the unit ("" if dimensionless)."""
     words = name.split("_")
-    for n in (2, 1):
+    for n in (3, 2, 1):
         unit = _SUFFIXES.get("_".join(words[-n:])) if len(words) > n else None
         if unit is not None:
             return "_".join(words[:-n]), unit

@@ -162,6 +162,7 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "winding": (),
     "design_map": (),
     "two_dof": (),
+    "sizing": (),
 }
 """Analysis -> its checks. They are listed here, not in the modules of the analyses, so that `wroll validate` imports no
 solver."""

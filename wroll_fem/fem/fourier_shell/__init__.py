@@ -1,0 +1,1 @@
+"""Semi-analytical shell elements of a tube: Fourier terms in theta, quadratic line elements along z."""
