@@ -84,6 +84,7 @@ SMALLER: dict[str, list[str]] = {
     "sizing_habex": ["mesh.axial=40"],
     "sizing_irosa": ["mesh.axial=40"],
     "sizing_sspp": ["mesh.axial=40"],
+    "irosa_friction": ["mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6"],
     "structure": SHORT_CHIRP,
     "tiny": [],
     "two_dof": ["two_dof.omega.points=60", "two_dof.friction_capacity=[5, 20]"],

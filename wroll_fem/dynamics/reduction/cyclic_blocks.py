@@ -136,14 +136,21 @@ def amplitudes(profiles: FloatArray, area: FloatArray) -> sp.csr_matrix:
     The amplitudes multiply ``profiles`` (n_waves, 3, n_theta), the shape of the hoop, axial and normal components of
     each wave around a row.
     """
-    return sp.vstack([_amplitudes(profile, area) for profile in profiles], format="csr")
+    # a sine can vanish at all points up to rounding; with one wave the jump vanishes there as well
+    if len(profiles) == 1:
+        return _amplitudes(profiles[0], area, np.zeros((len(area), 1)))
+    least = 1e-12 * area.sum(axis=1, keepdims=True)
+    return sp.vstack([_amplitudes(profile, area, least) for profile in profiles], format="csr")
 
 
-def _amplitudes(profile: FloatArray, area: FloatArray) -> sp.csr_matrix:
-    """(3 n_rows, 3 n_points) `amplitudes` of the wave with ``profile`` (3, n_theta)."""
+def _amplitudes(profile: FloatArray, area: FloatArray, least: FloatArray) -> sp.csr_matrix:
+    """(3 n_rows, 3 n_points) `amplitudes` of the wave with ``profile`` (3, n_theta).
+
+    Amplitudes of components whose squared shape has an integral below ``least`` (n_rows, 1), m^2, are zero.
+    """
     rows, n = len(area), area.size
     norm = area @ (profile**2).T
-    norm = np.where(norm > 1e-12 * area.sum(axis=1, keepdims=True), norm, np.inf)  # (n_rows, 3); sines can be zero
+    norm = np.where(norm > np.maximum(least, 1e-12 * norm.max(axis=0, initial=1e-300)), norm, np.inf)  # (n_rows, 3)
     share = area[:, :, None] * profile.T / norm[:, None, :]
     row = np.arange(rows)[:, None, None] + rows * np.arange(3)
     data, index = share.transpose(2, 0, 1).ravel(), np.broadcast_to(row, share.shape).transpose(2, 0, 1).ravel()
