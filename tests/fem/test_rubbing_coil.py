@@ -12,6 +12,7 @@ import scipy.sparse.linalg as spla
 from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.preflight import contact_warnings
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
@@ -220,6 +221,21 @@ def test_a_clamped_annulus_converges_and_holds_more_the_wider_it_is() -> None:
 def test_keys_that_do_not_fit_are_refused(changed: dict[str, dict[str, object]], key: str) -> None:
     with pytest.raises(InputError, match=key):
         roll(**changed)
+
+
+def test_a_bare_edge_and_a_coarse_root_are_warned_about() -> None:
+    """A case without a warning, and what each of the others changes in it."""
+    pressed = {"preload": {"kind": "interface_pressure", "pressure": 5e3}}
+    fine = {"mesh": {"axial": 12, "grading": 20}}
+    assert contact_warnings(roll(**pressed, **fine)) == []
+    bare = contact_warnings(roll(**pressed, **fine, coil={"base": "inner_edge", "base_width": 0.0}))
+    assert [warning.split(":")[0] for warning in bare] == [
+        "coil.base_width 0 clamps a line, whose stiffness falls with the size of the elements"
+    ]
+    coarse = contact_warnings(roll(**pressed, mesh={"axial": 6, "grading": 1}))
+    assert any("50.0 mm high, but the wall bends within sqrt(R t) = 7.7 mm" in warning for warning in coarse)
+    buckled = contact_warnings(roll(**fine, preload={"kind": "winding_stress", "pressure": 1e6}))
+    assert any("times the linear hoop-buckling pressure of the tube alone" in warning for warning in buckled)
 
 
 @pytest.mark.parametrize("missing", ["contact", "preload"])

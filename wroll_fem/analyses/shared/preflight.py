@@ -135,6 +135,11 @@ def contact_warnings(case: StructuralCase) -> list[str]:
             f"sqrt(R t) = {1e3 * edge:.1f} mm of its round base: pressure and slip there are those of the mesh, "
             "and peak and f_n can be off by 10 %; raise mesh.grading or mesh.axial"
         )
+    if case.coil.rubs and case.coil.base_width == 0.0:
+        warnings.append(
+            "coil.base_width 0 clamps a line, whose stiffness falls with the size of the elements: frequency and "
+            "damping are those of this mesh; give a width, or leave it out (the wall thickness of the mandrel)"
+        )
     if case.friction.law == "smoothed_coulomb":
         warnings.append(
             "contact.friction.law smoothed_coulomb has no friction at rest: the preload is frictionless, and below "

@@ -101,7 +101,7 @@ def _pressures(system: System, state: ContactState) -> list[tuple[str, float, fl
     for interface in system.interfaces:
         part = state.pressure[start : start + interface.n_points]
         mean = float(part @ interface.areas / interface.areas.sum())
-        rows.append((interface.name, mean, float(part.min()), float(part.max())))
+        rows.append((interface.name, mean, float(part.min()) + 0.0, float(part.max())))  # no -0
         start += interface.n_points
     return rows
 
