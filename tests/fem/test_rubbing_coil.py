@@ -18,6 +18,7 @@ from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.preload import solve_preload
+from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
@@ -188,6 +189,29 @@ def test_a_prescribed_pressure_reaches_the_interface() -> None:
     assert interface_pressures(case) == [3e4]
 
 
+def layered(**preload: object) -> dict[str, dict[str, object]]:
+    sections = roll().resolved()
+    web = {"E": 2.8e9, "nu": 0.35, "rho": 2000.0}
+    sections["coil"] = {"model": "layers", "layers": 3, "total_thickness": 3e-3, "material": web}
+    return sections | {"preload": preload}
+
+
+@pytest.mark.parametrize("kind", ["interface_pressure", "winding_stress"])
+def test_layers_have_the_prescribed_pressures(kind: str) -> None:
+    case = build_case(layered(kind=kind, pressure=[5e4, 4e4, 2e4]))
+    one = build_system(case, build_bodies(case, symmetric=True))
+    found = mean_pressures(one, solve_preload(one))
+    np.testing.assert_allclose(found, [5e4, 4e4, 2e4], rtol=1e-4 if kind == "interface_pressure" else 3e-3)
+
+
+def test_pressures_that_would_pull_and_a_missing_stress_are_refused() -> None:
+    steep = build_case(layered(kind="interface_pressure", pressure=[1e4, 2e4, 5e4]))
+    with pytest.raises(InputError, match=r"preload.pressure: the interface pressures increase outwards"):
+        build_system(steep, build_bodies(steep, symmetric=True))
+    with pytest.raises(InputError, match=r"preload.kind: does not compute the stress of the shells"):
+        build_case(layered(kind="winding_stress", pressure=1e4, geometric_stiffness=True))
+
+
 def test_winding_stress_is_uniform_and_has_no_resultant() -> None:
     """Without an external load the bodies do not deform; the penalty gives way, most at the clamped base."""
     _, one, pressure = preloaded(preload={"kind": "winding_stress", "pressure": 3e4})
@@ -216,6 +240,7 @@ def test_a_clamped_annulus_converges_and_holds_more_the_wider_it_is() -> None:
         ({"coil": {"base_width": 1.0, "base": "inner_edge"}}, "base_width"),
         ({"coil": {"model": "layers"}}, "interface"),
         ({"mesh": {"discretisation": "fourier"}}, "mesh.discretisation"),
+        ({"preload": {"kind": "interface_pressure", "pressure": 0.0}}, "preload.pressure"),
     ],
 )
 def test_keys_that_do_not_fit_are_refused(changed: dict[str, dict[str, object]], key: str) -> None:

@@ -329,6 +329,21 @@ def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool, analysis
         raise validation_error("required section is missing", key="contact", show_value=False, remedy=remedy)
 
 
+def check_winding_stress(preload: Preload | None) -> None:
+    """Refuse a preload by winding stress with geometric stiffness.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    if preload is not None and preload.kind == "winding_stress":
+        raise validation_error(
+            "does not compute the stress of the shells, which sets their geometric stiffness", key="preload.kind",
+            value=preload.kind, remedy="use winding_tension, or leave the geometric stiffness out",
+        )  # fmt: skip
+
+
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:
     """Require an orthotropic solid coil and Fourier elements for design_map; check its softest coil, radii and walls.
 

@@ -63,10 +63,11 @@ class Preload(SparseSection):
             raise validation_error(
                 "required key is missing", key="pressure", show_value=False, remedy=f"add it ({what})"
             )
-        if self.kind == "winding_stress" and self.geometric_stiffness:
+        given = self.pressure if isinstance(self.pressure, list) else [self.pressure]
+        if self.kind == "interface_pressure" and 0.0 in given:
             raise validation_error(
-                "needs the stress of the shells, which winding_stress does not compute", key="geometric_stiffness",
-                value=True, remedy="leave it out, or use kind: winding_tension",
+                "no external pressure gives an interface a mean pressure of zero", key="pressure", value=self.pressure,
+                remedy="give pressures above 0 Pa, or use kind: external_pressure",
             )  # fmt: skip
         return self
 

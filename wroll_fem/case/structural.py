@@ -19,6 +19,7 @@ from wroll_fem.case.checks import (
     check_interfaces,
     check_pressures,
     check_probes,
+    check_winding_stress,
 )
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
@@ -134,6 +135,7 @@ class OnRoll(StructuralCase, RollSections):
         if self.has_geometric_stiffness:
             asked = self.preload is not None and self.preload.geometric_stiffness
             analysis = "" if asked else self.analysis
+            check_winding_stress(self.preload)
             check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None, analysis=analysis)
 
     @property

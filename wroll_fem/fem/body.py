@@ -15,7 +15,7 @@ from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.case.supports import TipInertia
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
-from wroll_fem.fem.constraints import Constraints, build_constraints
+from wroll_fem.fem.constraints import Constraints, base_influence, build_constraints
 from wroll_fem.fem.layered_shell import shell_model
 from wroll_fem.fem.rubbing_coil import assemble_rubbing_coil
 from wroll_fem.fem.shell import AnySection, ShellModel, ShellSection, radial_director
@@ -172,29 +172,6 @@ def _assemble_shell(
     if index == 0 and roll.coil.model == "solid" and not roll.coil.rubs:
         return bond_coil(body, assemble_coil(roll, part, constraints, symmetric=symmetric))
     return body
-
-
-def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
-    """Displacement of the unknowns under unit translations of the base along x, y and z.
-
-    Clamped nodes move with the base and have no unknowns. A translation along y has no part that is symmetric about the
-    x-z plane, so its column is zero in a symmetric model.
-
-    Parameters
-    ----------
-    component
-        (n,) component of each unknown: 0 to 5 for [ux, uy, uz, rx, ry, rz].
-    symmetric
-        Whether the model keeps only motions symmetric about the x-z plane.
-
-    Returns
-    -------
-    (n, 3) influence vectors.
-    """
-    influence = (component[:, None] == np.arange(3)).astype(float)
-    if symmetric:
-        influence[:, 1] = 0.0
-    return influence
 
 
 def ring_weights(part: CylinderMesh, ring: IntArray) -> FloatArray:

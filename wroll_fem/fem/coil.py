@@ -26,18 +26,18 @@ import scipy.sparse as sp
 from wroll_fem.bodies.body import Body, SolidPart
 from wroll_fem.errors import InputError
 from wroll_fem.fem import compat
-from wroll_fem.fem.constraints import Constraints, mirrored_values
+from wroll_fem.fem.constraints import Constraints, base_influence, mirrored_values
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import axial_stations, with_borders
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
-from wroll_fem.typing import FloatArray, IntArray
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
 
 
-MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
+_MIRROR_SIGN = np.array([1.0, -1.0, 1.0])
 """Factor of the displacements ux, uy, uz under reflection in the x-z plane."""
 
 
@@ -194,26 +194,52 @@ def bonded_map(
     InputError
         If `symmetric` is set but the nodes are not symmetric about the x-z plane.
     """
+    held = np.zeros(len(nodes), bool)
+    held[clamped] = True
+    rest, _, component = own_unknowns(nodes, layers - 1, np.tile(held, layers - 1), symmetric=symmetric)
+    return sp.block_diag([bond, rest], format="csr"), component
+
+
+def own_unknowns(
+    nodes: FloatArray, layers: int, clamped: BoolArray, *, symmetric: bool
+) -> tuple[sp.csr_matrix, IntArray, IntArray]:
+    """Map from the unknowns of a solid coil to the displacements of its nodes.
+
+    Parameters
+    ----------
+    nodes
+        (n, 3) nodes of the mandrel's mid-surface, m; layer k of the coil consists of its nodes k n to (k + 1) n - 1.
+    layers
+        Number of node layers of the coil.
+    clamped
+        (n layers,) nodes without motion relative to the base.
+    symmetric
+        Keep only motions symmetric about the x-z plane.
+
+    Returns
+    -------
+    expand : (3 n layers, n_unknowns) sparse map, node-major [ux, uy, uz].
+    node, component : (n_unknowns,) node and component (0, 1, 2 for x, y, z) of each unknown.
+    """
     n = len(nodes)
-    source, sign, free = mirrored_values(nodes, MIRROR_SIGN, symmetric=symmetric)
-    free[clamped] = False
-    own = free & (source == np.arange(n))[:, None]
-    column = np.full((n, 3), -1, np.int64)
+    source, sign, free = mirrored_values(nodes, _MIRROR_SIGN, symmetric=symmetric)
+    start = n * np.arange(layers)[:, None]
+    source = (start + source).ravel()
+    sign, free = np.tile(sign, (layers, 1)), np.tile(free, (layers, 1)) & ~clamped[:, None]
+    own = free & (source == np.arange(n * layers))[:, None]
+    column = np.full(own.shape, -1, np.int64)
     column[own] = np.arange(own.sum())
     follows = column[source]
     k, c = np.nonzero((follows >= 0) & free)
-    layer = sp.csr_matrix((sign[k, c], (3 * k + c, follows[k, c])), shape=(3 * n, int(own.sum())))
-    rest = sp.block_diag([layer] * (layers - 1), format="csr")
-    expand = sp.block_diag([bond, rest], format="csr")
-    return expand, np.tile(np.nonzero(own)[1], layers - 1)
+    expand = sp.csr_matrix((sign[k, c], (3 * k + c, follows[k, c])), shape=(3 * n * layers, int(own.sum())))
+    node, component = np.nonzero(own)
+    return expand, node, component
 
 
 def bond_coil(body: Body, coil: CoilMatrices) -> Body:
     """Add the matrices of the coil to those of the mandrel; the unknowns of the coil follow those of the mandrel."""
     more = len(coil.component)
-    influence = (coil.component[:, None] == np.arange(3)).astype(float)
-    if body.symmetric:
-        influence[:, 1] = 0.0
+    influence = base_influence(coil.component, body.symmetric)
     return replace(
         body,
         stiffness=tidy(pad(body.stiffness, more, rows=True) + coil.stiffness),

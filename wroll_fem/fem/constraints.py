@@ -159,6 +159,29 @@ def mirrored_values(
     return source, sign, free
 
 
+def base_influence(component: IntArray, symmetric: bool) -> FloatArray:
+    """Displacement of the unknowns under unit translations of the base along x, y and z.
+
+    Clamped nodes move with the base and have no unknowns. A translation along y has no part that is symmetric about the
+    x-z plane, so its column is zero in a symmetric model.
+
+    Parameters
+    ----------
+    component
+        (n,) component of each unknown: 0 to 5 for [ux, uy, uz, rx, ry, rz].
+    symmetric
+        Whether the model keeps only motions symmetric about the x-z plane.
+
+    Returns
+    -------
+    (n, 3) influence vectors.
+    """
+    influence = (component[:, None] == np.arange(3)).astype(float)
+    if symmetric:
+        influence[:, 1] = 0.0
+    return influence
+
+
 def rigid_motions(nodes: FloatArray, centre: FloatArray) -> FloatArray:
     """(6 n_nodes, 6) nodal values of unit translations and of unit rotations about `centre` (3,), m."""
     n = len(nodes)

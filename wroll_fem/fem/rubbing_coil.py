@@ -21,14 +21,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.bodies.body import Body, SolidPart, Trace
-from wroll_fem.fem.coil import MIRROR_SIGN, in_vtk_order, mesh_coil, skin_quads, tidy
-from wroll_fem.fem.constraints import mirrored_values
+from wroll_fem.fem.coil import in_vtk_order, mesh_coil, own_unknowns, skin_quads, tidy
+from wroll_fem.fem.constraints import base_influence
 from wroll_fem.fem.shell import ShellModel, radial_director
 from wroll_fem.fem.solid import SolidModel
 from wroll_fem.fem.trace import SurfaceTrace, half_circumference
 from wroll_fem.mesh.contact_points import ContactPoints
 from wroll_fem.mesh.shells import CylinderMesh
-from wroll_fem.typing import BoolArray, FloatArray, IntArray
+from wroll_fem.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
@@ -68,14 +68,12 @@ def assemble_rubbing_coil(
     inner_radius = 0.5 * roll.geometry.mandrel_outer_diameter
     outward = shell.area_load(-(inner_radius + roll.coil.total_thickness) / middle * radial_director(part.nodes))
     ordered = in_vtk_order(nodes, cells)
-    mass, influence = material.rho * model.volume, (component[:, None] == np.arange(3)).astype(float)
-    if symmetric:
-        influence[:, 1] = 0.0
+    mass = material.rho * model.volume
     return Body(
         name=NAME,
         stiffness=tidy(expand.T @ model.orthotropic_stiffness(material) @ expand),
         mass=tidy(expand.T @ model.mass(material.rho) @ expand),
-        influence=influence,
+        influence=base_influence(component, symmetric),
         expand=sp.csr_matrix((0, expand.shape[1])),
         nodes=np.empty((0, 3)),
         cells=np.empty((0, 9), np.int64),
@@ -102,42 +100,6 @@ def clamped_nodes(roll: RollSections, part: CylinderMesh, nodes: FloatArray) -> 
         return base
     distance = np.hypot(*nodes[base, :2].T) - 0.5 * roll.geometry.mandrel_outer_diameter
     return np.asarray(base[distance <= roll.clamped_width + _EDGE * roll.coil.total_thickness])
-
-
-def own_unknowns(
-    nodes: FloatArray, layers: int, clamped: BoolArray, *, symmetric: bool
-) -> tuple[sp.csr_matrix, IntArray, IntArray]:
-    """Map from the unknowns of a solid coil to the displacements of its nodes.
-
-    Parameters
-    ----------
-    nodes
-        (n, 3) nodes of the mandrel's mid-surface, m; layer k of the coil consists of its nodes k n to (k + 1) n - 1.
-    layers
-        Number of node layers of the coil.
-    clamped
-        (n layers,) nodes without motion relative to the base.
-    symmetric
-        Keep only motions symmetric about the x-z plane.
-
-    Returns
-    -------
-    expand : (3 n layers, n_unknowns) sparse map, node-major [ux, uy, uz].
-    node, component : (n_unknowns,) node and component (0, 1, 2 for x, y, z) of each unknown.
-    """
-    n = len(nodes)
-    source, sign, free = mirrored_values(nodes, MIRROR_SIGN, symmetric=symmetric)
-    start = n * np.arange(layers)[:, None]
-    source = (start + source).ravel()
-    sign, free = np.tile(sign, (layers, 1)), np.tile(free, (layers, 1)) & ~clamped[:, None]
-    own = free & (source == np.arange(n * layers))[:, None]
-    column = np.full(own.shape, -1, np.int64)
-    column[own] = np.arange(own.sum())
-    follows = column[source]
-    k, c = np.nonzero((follows >= 0) & free)
-    expand = sp.csr_matrix((sign[k, c], (3 * k + c, follows[k, c])), shape=(3 * n * layers, int(own.sum())))
-    node, component = np.nonzero(own)
-    return expand, node, component
 
 
 def _inner_trace(

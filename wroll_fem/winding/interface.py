@@ -111,18 +111,23 @@ def external_pressures(roll: RollSections, preload: Preload, winding: Winding | 
     if preload.kind == "winding_stress":
         return [0.0] * roll.coil.layers
     pressures = np.linalg.solve(pressure_split(roll), prescribed_pressures(roll, preload, winding)).tolist()
-    refuse_pull(pressures)
+    refuse_pull(pressures, preload)
     return pressures
 
 
-def refuse_pull(pressures: Sequence[float]) -> None:
-    """Check that no external pressure (Pa) is negative.
+def refuse_pull(pressures: Sequence[float], preload: Preload) -> None:
+    """Check that no external pressure (Pa) of a preload is negative.
 
     Raises
     ------
     InputError
         If one of the pressures is negative.
     """
+    if min(pressures) < 0.0 and not preload.needs_winding:
+        raise InputError(
+            "the interface pressures increase outwards so steeply that a layer needs a negative external pressure",
+            key="preload.pressure", remedy="reduce the pressures towards the outside, or use kind: winding_stress",
+        )  # fmt: skip
     if min(pressures) < 0.0:
         raise InputError(
             "the wound-roll pressure increases outwards so steeply that a layer needs a negative external pressure",

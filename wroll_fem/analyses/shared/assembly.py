@@ -175,5 +175,6 @@ def _matched(case: OnRoll, targets: FloatArray, bodies: Sequence[Body], system: 
         end += body.n_dofs
     split, steps = pressure_split(case), case.preload_steps
     pressed = match_interface_pressure(system, unit_loads, targets, split, steps=steps)
-    refuse_pull(pressed.pressures)
+    if case.preload is not None:
+        refuse_pull(pressed.pressures, case.preload)
     return pressed
