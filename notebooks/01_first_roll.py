@@ -33,7 +33,7 @@ import numpy as np
 import wroll_fem as wf
 
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]  # coarse, with small elements at the root
-case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_per_min=2.5", "excitation.f_start=130"])
+case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_per_min=2.5", "excitation.f_start=135"])
 print(case.resolved_yaml())
 
 # %% [markdown]

@@ -98,7 +98,7 @@ assert np.isclose(space, frequencies[-2], rtol=0.01)
 # %%
 kapton = wf.load_case("../configs/kapton_roll.yaml", ["mesh.discretisation=fourier", "modal.count=12"])
 alone = wf.load_case("../configs/kapton_mandrel.yaml", ["mesh.discretisation=fourier", "modal.count=2"])
-shear = [1e4, 1e6, 1e9] if quick else [1e4, 1e5, 1e6, 1e7, 1e8, 1e9]
+shear = [1e4, 1e9] if quick else [1e4, 1e5, 1e6, 1e7, 1e8, 1e9]
 keys = {"coil.material.E_theta": [2.5e9, 4e9], "coil.material.G_r_theta": shear}
 band = wf.run_series(kapton, keys, reference=alone)
 wf.plot.frequency_over_shear_stiffness_band(band)

@@ -134,7 +134,7 @@ assert found.error < 0.015
 warnings.filterwarnings("ignore", "a mode at", wf.CaseWarning)  # no fifth harmonic; see the notebook on preload
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]
 if quick:
-    mesh = ["mesh.circumferential=16", "mesh.axial=8", "mesh.grading=9"]
+    mesh = ["mesh.circumferential=12", "mesh.axial=7", "mesh.grading=9"]
 roll = wf.load_case("../configs/lab_harmonic.yaml", [*mesh, "harmonic.harmonics=3", "excitation.f_start=120"])
 guesses = {1e4: 1.0, 1e5: 4.0} if quick else {1e4: 1.0, 3e4: 2.0, 1e5: 4.0}  # Pa: first guess of the capacity, N
 pressures = list(guesses)
@@ -145,7 +145,7 @@ participation = float(np.abs(wf.run(modal)["tip_participation"]).max())
 own = wf.summarise(wf.run(modal.changed("coil.model=none")))["bending_hz"]
 print(f"tube alone {own:.1f} Hz, tip participation {participation:.2f}")
 
-frequency = np.linspace(125, 172, 4 if quick else 12)
+frequency = np.linspace(125, 172, 3 if quick else 12)
 measured = []
 for member, guess in zip(elements, guesses.values(), strict=True):
     curve = wf.transmissibility(member.data)
