@@ -27,7 +27,7 @@ GRID = f"""
 base: {ROOT / "configs" / "oscillator.yaml"}
 grid:
   analysis: [dwell]
-  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 1200}}]
+  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 800}}]
   integrator.alpha: [-0.05, -0.1]
   solver.checkpoint_seconds: [0.3]
   output.figures: [false]

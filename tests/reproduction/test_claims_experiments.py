@@ -30,6 +30,7 @@ def test_what_needs_no_run_is_judged_on_the_spot(name: str, evidence: Evidence) 
     assert verdict.word == QUICK[name], verdict.value
 
 
+@pytest.mark.slow
 def test_the_claims_on_sizing_are_judged_on_one_sizing_of_the_mandrels(evidence: Evidence) -> None:
     found = {name: judges("ch6")[name](evidence) for name in SIZED}
     assert {name: verdict.word for name, verdict in found.items()} == SIZED, found

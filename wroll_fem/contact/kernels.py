@@ -203,3 +203,13 @@ def record_slip(g_c, e_c, g, e, g_0, status, path, peak, peak_vector):
             peak[k] = size
             peak_vector[h] = rh
             peak_vector[z] = rz
+
+
+@numba.njit(cache=True)
+def record_opening(g, status, dt, gap, open_time):
+    """Update the largest normal relative displacement ``gap`` (n,), m, and the time spent open ``open_time`` (n,), s."""
+    n = gap.shape[0]
+    for k in range(n):
+        gap[k] = max(gap[k], g[normal(k, n)])
+        if status[k] == OPEN:
+            open_time[k] += dt

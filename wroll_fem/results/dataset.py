@@ -80,6 +80,8 @@ FIELDS: dict[str, Field] = {
     "peak_slip_hoop": Field("m", "hoop relative displacement at its largest"),
     "peak_slip_axial": Field("m", "axial relative displacement at its largest"),
     "friction_work_density": Field("J m-2", "friction work per area"),
+    "open_time_fraction": Field("1", "fraction of the time, or of the cycle, during which the point is open"),
+    "least_pressure": Field("Pa", "lowest contact pressure of the motion"),
     "pressure": Field("Pa", "contact pressure at the start of the motion"),
     "traction_hoop": Field("Pa", "hoop friction traction at the start of the motion"),
     "traction_axial": Field("Pa", "axial friction traction at the start of the motion"),

@@ -187,6 +187,23 @@ def interface_radius(dataset: xr.Dataset, interface: int) -> float:
     return float(_along_interface(dataset, "area", interface).sum() / (2.0 * np.pi * np.ptp(dataset["z_m"].values)))
 
 
+def open_area_fraction(dataset: xr.Dataset) -> xr.DataArray:
+    """Fraction of the area of each interface that was open at any time of the motion; dimension `interface`."""
+    _require(dataset, "open_time_fraction", "area")
+    fraction = ((dataset["open_time_fraction"] > 0.0) * dataset["area"]).sum("point") / dataset["area"].sum("point")
+    return fraction.rename("open_area_fraction")
+
+
+def least_pressure_ratio(dataset: xr.Dataset) -> xr.DataArray:
+    """Smallest ratio of the pressure in the motion to the preload at the same point; dimension `interface`.
+
+    Points that the preload leaves open do not count; the ratio is NaN where it leaves all of them open.
+    """
+    _require(dataset, "least_pressure", "pressure")
+    pressed = dataset["pressure"].where(dataset["pressure"] > 0.0)
+    return (dataset["least_pressure"] / pressed).min("point").rename("min_pressure_over_preload")
+
+
 def slipping_area_fraction(dataset: xr.Dataset) -> xr.DataArray:
     """Fraction of the area of each interface that slipped at any time; dimension `interface`."""
     _require(dataset, "slipped", "area")

@@ -191,6 +191,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "length of the plastic slip path during the motion; during one period for harmonic and backbone",
         ),
         "slipping_area_fraction": _share("area that slipped", "share of the area that slipped at any time"),
+        "open_area_fraction": _share("area that opened", "share of the area that was open at any time of the motion"),
+        "open_time_fraction": _share(
+            "open longest", "largest share of the time, or of the cycle, that a contact point was open"
+        ),
+        "min_pressure_over_preload": _share(
+            "lowest pressure", "smallest ratio of the pressure in the motion to the preload at the same point"
+        ),
     },
     "Modes": {
         "bending_hz": _number("Hz", "first bending frequency"),

@@ -302,6 +302,8 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.01)
     assert steady["energy_balance_error"] < 5e-3
     assert steady["slipping_area_fraction"][0] > 0.02
+    assert steady["open_area_fraction"] == swept["open_area_fraction"] == [0.0]
+    assert steady["min_pressure_over_preload"] == pytest.approx(swept["min_pressure_over_preload"], rel=0.02)
 
 
 def test_results_of_both_analyses_are_kept_and_drawn(tmp_path: Path) -> None:

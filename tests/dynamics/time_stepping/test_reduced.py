@@ -112,6 +112,11 @@ def test_wide_separation_converges_and_a_larger_span_comes_closer() -> None:
     # opening and closing amplifies every difference, so the tip of the small span agrees to some per cent only
     assert errors[0] < 0.1
     assert errors[1] < 2e-2
+    assert history.attrs["step_cuts"] == 0
+    opened = history["open_time_fraction"]  # of every point over the time, and of every time over the points
+    assert float(opened.mean()) == pytest.approx(float(history["open_fraction"][1:].mean()), rel=1e-9)
+    assert float(history["least_pressure"].where(opened > 0.0).max()) == 0.0
+    assert float(history["least_pressure"].where(opened == 0.0).min()) > 0.0
 
 
 def test_a_span_that_may_not_grow_raises(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -70,10 +70,10 @@ def work_per_cycle(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def slip(dataset: xr.Dataset) -> dict[str, Any]:
-    """Relative displacement, accumulated slip and slipping area; empty without interfaces."""
+    """Relative displacement, accumulated slip, slipping area and opening; empty without interfaces."""
     if "cumulative_slip" not in dataset:
         return {}
-    from wroll_fem.results.interface_slip import slipping_area_fraction
+    from wroll_fem.results.interface_slip import least_pressure_ratio, open_area_fraction, slipping_area_fraction
 
     largest = float(dataset["max_slip"].max())
     return {
@@ -81,6 +81,9 @@ def slip(dataset: xr.Dataset) -> dict[str, Any]:
         "max_slip_m": largest,
         "max_accumulated_slip_m": float(dataset["cumulative_slip"].max()),
         "slipping_area_fraction": slipping_area_fraction(dataset).values.tolist(),
+        "open_area_fraction": open_area_fraction(dataset).values.tolist(),
+        "open_time_fraction": dataset["open_time_fraction"].max("point").values.tolist(),
+        "min_pressure_over_preload": least_pressure_ratio(dataset).values.tolist(),
     }
 
 

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from wroll_fem.contact.point import normals
 from wroll_fem.dynamics.joints.loops import loops
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.fields import interface_fields, per_interface
+from wroll_fem.dynamics.time_stepping.fields import interface_fields, least_pressure, per_interface
 from wroll_fem.signals.tip import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
@@ -34,7 +35,9 @@ class PeriodicMotion:
     friction : (n,) friction work per area and period, J/m^2
     path : (n,) slip path per period, m
     peak : (n, 3) largest tangential displacement from the preload state, then its hoop and axial components, m
-    slips, opens : (n,) whether a contact point slips, opens, at any time of the period
+    slips : (n,) whether a contact point slips at any time of the period
+    open_time : (n,) share of the period during which a contact point is open
+    gap : (n,) largest normal relative displacement, m, negative at a point that stays pressed
     memory : change of the elastic slip during the last period computed, relative to gamma*
     damped : whether the structure has dashpots
     kinetic : amplitude of the kinetic energy of the motion relative to the base, sum of all harmonics, J
@@ -53,8 +56,9 @@ class PeriodicMotion:
         self.slips = (state.hysteresis.sliding & ~state.open).any(axis=1) & (
             self.path > SLIP_SHARE * contact.laws.gamma
         )
-        self.opens = state.open.any(axis=1)
-        for name in ("friction", "path", "peak", "slips", "opens"):
+        self.open_time = state.open.mean(axis=1)
+        self.gap = normals(contact.reference.jump) + normals(state.sampled.motion).max(axis=1)
+        for name in ("friction", "path", "peak", "slips", "open_time", "gap"):
             setattr(self, name, contact.of_every_point(getattr(self, name)))
         self.damped = balance.model.damping is not None
         self.memory = state.periodicity_error
@@ -81,7 +85,7 @@ def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> d
         data["material_modal_damping"] = (dim, np.array(ratios))
     if system.interfaces:
         slips = np.array([motion.slips for motion in motions])
-        opens = np.array([motion.opens for motion in motions])
+        opens = np.array([motion.open_time > 0.0 for motion in motions])
         peaks = np.array([motion.peak[:, 0] for motion in motions])
         data |= {
             "slipping_fraction": (dim, slips.mean(axis=1)),
@@ -93,7 +97,7 @@ def per_motion(motions: Sequence[PeriodicMotion], system: System, dim: str) -> d
 
 
 def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMotion) -> xr.Dataset:
-    """Interface fields of one motion, named as in a sweep; slip path and friction work are per period."""
+    """Interface fields of one motion, named as in a sweep; slip path, friction work and open time are per period."""
     if not system.interfaces:
         return xr.Dataset()
     fields = interface_fields(system, balance.contact.preload)
@@ -105,6 +109,8 @@ def at_one_motion(system: System, balance: HarmonicBalance, motion: PeriodicMoti
         ("peak_slip_hoop", motion.peak[:, 1]),
         ("peak_slip_axial", motion.peak[:, 2]),
         ("friction_work_density", motion.friction),
+        ("open_time_fraction", motion.open_time),
+        ("least_pressure", least_pressure(system, balance.contact.preload, motion.gap)),
     ):
         fields[name] = (dims, per_interface(system, values))
     return fields

@@ -7,7 +7,14 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from wroll_fem.contact.kernels import SLIP, consistent_tangent, interface_work, record_slip, trial_traction
+from wroll_fem.contact.kernels import (
+    SLIP,
+    consistent_tangent,
+    interface_work,
+    record_opening,
+    record_slip,
+    trial_traction,
+)
 from wroll_fem.contact.point import AXIAL, HOOP, NORMAL, axial, component_of, contact_dof, hoop, normal, point_of
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
@@ -338,6 +345,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
             interface_work(contact.jump, contact.elastic_slip, contact.traction, g, e, t, laws, accumulated.work)
             path, peak, peak_vector = accumulated.slip
             record_slip(contact.jump, contact.elastic_slip, g, e, reference.jump, status, path, peak, peak_vector)
+            record_opening(g, status, step.dt, accumulated.opening.gap, accumulated.opening.open_time)
             state.jump_before[:] = contact.jump
             contact.jump[:] = g
             contact.elastic_slip[:] = e

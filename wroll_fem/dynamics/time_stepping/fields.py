@@ -9,6 +9,7 @@ from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.stepper import Stepper
+from wroll_fem.typing import FloatArray
 
 SAME_PLACE = 1e-6
 """Largest difference between matching points of two interfaces: in angle, rad, and in z relative to the length of the
@@ -30,11 +31,23 @@ def per_interface(system: System, values: np.ndarray) -> np.ndarray:
     return result
 
 
-def interface_fields(system: System, preload: ContactState, stepper: Stepper | None = None) -> xr.Dataset:
-    """Fields of the contact points: preload pressure and traction, and the slip recorded by a stepper.
+def least_pressure(system: System, preload: ContactState, gap: FloatArray) -> FloatArray:
+    """(n_points,) lowest contact pressure, Pa, from the largest normal relative displacements ``gap`` (n_points,), m.
+
+    A point without normal stiffness keeps the pressure of the preload.
+    """
+    kn = system.laws.kn
+    pressed = kn * np.maximum(-np.where(np.isfinite(gap), gap, 0.0), 0.0)
+    return np.where((kn > 0.0) & np.isfinite(gap), np.minimum(pressed, preload.pressure), preload.pressure)
+
+
+def interface_fields(
+    system: System, preload: ContactState, stepper: Stepper | None = None, duration: float = 0.0
+) -> xr.Dataset:
+    """Fields of the contact points: preload pressure and traction; slip and opening recorded by a stepper.
 
     Coordinates `theta_rad` and `z_m` have the dimension `point` if all interfaces share them, otherwise the dimensions
-    (`interface`, `point`). They and `radius` are omitted if the positions of the points of an interface are unknown.
+    (`interface`, `point`). ``duration`` is the time, s, that the stepper has run. They and `radius` are omitted if the positions of the points of an interface are unknown.
     """
     dims = ("interface", "point")
     traction = tangentials(preload.traction)
@@ -45,7 +58,7 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
         "traction_axial": traction[:, 1],
     }
     if stepper is not None:
-        slip = stepper.slip
+        slip, opening = stepper.slip, stepper.accumulated.opening
         vector = slip.peak_vector.reshape(-1, 2)
         data |= {
             "cumulative_slip": slip.path,
@@ -53,6 +66,8 @@ def interface_fields(system: System, preload: ContactState, stepper: Stepper | N
             "slipped": slip.path > 0.0,
             "peak_slip_hoop": vector[:, 0],
             "peak_slip_axial": vector[:, 1],
+            "open_time_fraction": opening.open_time / max(duration, float(np.finfo(float).tiny)),
+            "least_pressure": least_pressure(system, preload, opening.gap),
         }
     dataset = xr.Dataset(
         {name: (dims, per_interface(system, values)) for name, values in data.items()},

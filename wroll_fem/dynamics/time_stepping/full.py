@@ -204,6 +204,7 @@ class FullStepper(Stepper):
             kernels.record_slip(
                 contact.jump, contact.elastic_slip, jump, e, self.preload.jump, self.trial.status, *self.slip
             )
+            kernels.record_opening(jump, self.trial.status, dt, *self.accumulated.opening)
             for old, new in zip(motion, (w, v, a, r, dr), strict=True):
                 old[:] = new
             contact.jump[:], contact.elastic_slip[:], contact.traction[:] = jump, e, t

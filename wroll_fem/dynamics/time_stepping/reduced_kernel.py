@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from wroll_fem.contact.kernels import consistent_tangent, interface_work, record_slip, trial_traction
+from wroll_fem.contact.kernels import consistent_tangent, interface_work, record_opening, record_slip, trial_traction
 from wroll_fem.contact.point import NORMAL, axial, hoop, normal
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import (
@@ -268,6 +268,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
         interface_work(contact.jump, contact.elastic_slip, contact.traction, g, e, t, laws, accumulated.work)
         path, peak, peak_vector = accumulated.slip
         record_slip(contact.jump, contact.elastic_slip, g, e, reference.jump, status, path, peak, peak_vector)
+        record_opening(g, status, step.dt, accumulated.opening.gap, accumulated.opening.open_time)
         contact.jump[:] = g
         contact.elastic_slip[:] = e
         contact.traction[:] = t

@@ -314,7 +314,7 @@ class _Run:
         for (name, (_, rigid)), relative in zip(system.base_loads.items(), accelerations.T, strict=True):
             dataset[name] = ("time", -relative - rigid * base[:m])
         if system.interfaces:
-            dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper)])
+            dataset = xr.merge([dataset, interface_fields(system, preload, self.stepper, float(times[m - 1]))])
         if self.kept:
             kept = np.array([per_interface(system, jump.reshape(-1, 2)) for jump in self.kept])
             for c, name in enumerate(("hoop", "axial")):

@@ -12,7 +12,8 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import FloatArray, IntArray
 
 __all__ = [
-    "Accumulated", "ContactMemory", "Dashpots", "Modal", "Motion", "Newton", "Reference", "SlipRecord", "Step",
+    "Accumulated", "ContactMemory", "Dashpots", "Modal", "Motion", "Newton", "OpeningRecord", "Reference", "SlipRecord",
+    "Step",
     "named_arrays",
 ]  # fmt: skip
 
@@ -127,24 +128,40 @@ class SlipRecord(NamedTuple):
     peak_vector: FloatArray
 
 
+class OpeningRecord(NamedTuple):
+    """Opening of every contact point since the start of the run.
+
+    Attributes
+    ----------
+    gap : (n,) largest normal relative displacement, m, negative at a point that stays pressed
+    open_time : (n,) time during which the point was open, s
+    """
+
+    gap: FloatArray
+    open_time: FloatArray
+
+
 class Accumulated(NamedTuple):
-    """Work and slip accumulated since the start of the run.
+    """Work, slip and opening accumulated since the start of the run.
 
     Attributes
     ----------
     work : (5,) work of the interfaces, J; entries as in `contact.kernels.interface_work`
     flows : (3,) work of base, scheme and dashpots, J; indices in `records`
     slip : slip of the contact points
+    opening : opening of the contact points
     """
 
     work: FloatArray
     flows: FloatArray
     slip: SlipRecord
+    opening: OpeningRecord
 
     @classmethod
     def zeros(cls, n: int) -> Self:
         """Zero totals for ``n`` contact points."""
-        return cls(np.zeros(5), np.zeros(3), SlipRecord(np.zeros(n), np.zeros(n), np.zeros(2 * n)))
+        slip = SlipRecord(np.zeros(n), np.zeros(n), np.zeros(2 * n))
+        return cls(np.zeros(5), np.zeros(3), slip, OpeningRecord(np.full(n, -np.inf), np.zeros(n)))
 
 
 class Newton(NamedTuple):
