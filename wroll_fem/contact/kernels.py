@@ -207,7 +207,7 @@ def record_slip(g_c, e_c, g, e, g_0, status, path, peak, peak_vector):
 
 @numba.njit(cache=True)
 def record_opening(g, status, dt, gap, open_time):
-    """Update the largest normal relative displacement ``gap`` (n,), m, and the time spent open ``open_time`` (n,), s."""
+    """Update the largest normal displacement ``gap`` (n,), m, and the time spent open, ``open_time`` (n,), s."""
     n = gap.shape[0]
     for k in range(n):
         gap[k] = max(gap[k], g[normal(k, n)])

@@ -47,7 +47,8 @@ def interface_fields(
     """Fields of the contact points: preload pressure and traction; slip and opening recorded by a stepper.
 
     Coordinates `theta_rad` and `z_m` have the dimension `point` if all interfaces share them, otherwise the dimensions
-    (`interface`, `point`). ``duration`` is the time, s, that the stepper has run. They and `radius` are omitted if the positions of the points of an interface are unknown.
+    (`interface`, `point`). They and `radius` are omitted if the positions of the points of an interface are unknown.
+    ``duration`` is the time, s, that the stepper has run.
     """
     dims = ("interface", "point")
     traction = tangentials(preload.traction)
