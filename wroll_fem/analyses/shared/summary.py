@@ -76,11 +76,15 @@ def slip(dataset: xr.Dataset) -> dict[str, Any]:
     from wroll_fem.results.interface_slip import least_pressure_ratio, open_area_fraction, slipping_area_fraction
 
     largest = float(dataset["max_slip"].max())
-    return {
+    found = {
         "max_relative_displacement_m": largest,
         "max_slip_m": largest,
         "max_accumulated_slip_m": float(dataset["cumulative_slip"].max()),
         "slipping_area_fraction": slipping_area_fraction(dataset).values.tolist(),
+    }
+    if "open_time_fraction" not in dataset:  # results of an earlier version
+        return found
+    return found | {
         "open_area_fraction": open_area_fraction(dataset).values.tolist(),
         "open_time_fraction": dataset["open_time_fraction"].max("point").values.tolist(),
         "min_pressure_over_preload": least_pressure_ratio(dataset).values.tolist(),
