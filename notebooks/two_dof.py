@@ -145,7 +145,7 @@ participation = float(np.abs(wf.run(modal)["tip_participation"]).max())
 own = wf.summarise(wf.run(modal.changed("coil.model=none")))["bending_hz"]
 print(f"tube alone {own:.1f} Hz, tip participation {participation:.2f}")
 
-frequency = np.linspace(125, 172, 2 if quick else 12)
+frequency = np.linspace(125, 172, 4 if quick else 12)
 measured = []
 for member, guess in zip(elements, guesses.values(), strict=True):
     curve = wf.transmissibility(member.data)

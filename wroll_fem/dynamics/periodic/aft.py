@@ -33,6 +33,9 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import InputError
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
+Places = tuple[np.ndarray, ...]
+"""Index of a block of a matrix, from `numpy.ix_`."""
+
 PERIODIC = 1e-8
 """Change of the elastic slip during a period, relative to gamma*, below which the hysteresis counts as periodic."""
 
@@ -211,6 +214,20 @@ class HarmonicContact:
     def active(self) -> IntArray:
         """(k,) indices of the k unknowns in the flattened Fourier coefficients (R, m), one group after the other."""
         return np.concatenate([(rows[:, None] * self.model.size + columns).ravel() for rows, columns in self.groups])
+
+    @cached_property
+    def harmonic_blocks(self) -> list[tuple[int, Places, Places, Places]]:
+        """Places of the damping of each harmonic: its order, two blocks of a Jacobian (k, k), and one of the damping.
+
+        The first block of the Jacobian maps the sine of the harmonic to its cosine, the second maps back. Both have the
+        same modes.
+        """
+        order, mode = np.divmod(self.active, self.model.size)
+        found = []
+        for k in range(1, len(self.sampling.orders), 2):
+            cosine, sine = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
+            found.append((k, np.ix_(cosine, sine), np.ix_(sine, cosine), np.ix_(mode[cosine], mode[sine])))
+        return found
 
     @cached_property
     def every_mode(self) -> EveryMode:

@@ -120,12 +120,10 @@ class HarmonicBalance:
         matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
         by_frequency = by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
         if self.model.damping is not None:
-            order, mode = np.divmod(active, self.model.size)
-            for k in range(1, len(w), 2):  # the sine of a harmonic has the same modes as its cosine
-                cosine, sine = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
-                coupling = w[k, 0] * self.model.damping[np.ix_(mode[cosine], mode[sine])]
-                matrix[np.ix_(cosine, sine)] += coupling
-                matrix[np.ix_(sine, cosine)] -= coupling.T
+            for k, forward, backward, modes in self.contact.harmonic_blocks:
+                coupling = w[k, 0] * self.model.damping[modes]
+                matrix[forward] += coupling
+                matrix[backward] -= coupling.T
             by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
         return matrix, by_frequency.ravel()[active]
 
