@@ -119,6 +119,17 @@ def test_the_error_of_a_linear_peak_is_that_of_a_finer_step(name: str, zeta: flo
         assert found == pytest.approx(0.385 * longer / zeta, rel=0.1)
 
 
+def test_ripple_on_a_flank_is_no_error_of_the_step() -> None:
+    """A smaller step damps the ripple less; its shift kept the estimate from falling with the step."""
+    frequency = np.linspace(8.0, 12.0, 2001)
+    plain = 20.0 / np.hypot(1.0, (frequency - 10.0) / np.where(frequency < 10.0, 0.05, 0.5))
+    place = np.where((frequency > 9.0) & (frequency < 9.9), np.sin(np.pi * (frequency - 9.0) / 0.9) ** 2, 0.0)
+    for steps, ripple in ((40, 1.0), (80, 2.0), (160, 4.0)):
+        rings = plain + ripple * place * np.sin(200.0 * frequency)
+        smooth, found = (curve_error(SCHEMES[0], 0.1 / steps, frequency, curve, 0.05) for curve in (plain, rings))
+        assert found == pytest.approx(smooth, rel=0.1)
+
+
 def test_the_error_of_a_sweep_with_friction_is_that_of_a_finer_step() -> None:
     """Friction makes the lower flank steep: the same shift of frequency costs three times as much as at a dashpot."""
     words = [
