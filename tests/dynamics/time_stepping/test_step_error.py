@@ -25,6 +25,7 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     curve_error,
     fitted_oscillator,
     history_error,
+    without_ripple,
 )
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.progress import SilentProgress
@@ -126,8 +127,12 @@ def test_ripple_on_a_flank_is_no_error_of_the_step() -> None:
     place = np.where((frequency > 9.0) & (frequency < 9.9), np.sin(np.pi * (frequency - 9.0) / 0.9) ** 2, 0.0)
     for steps, ripple in ((40, 1.0), (80, 2.0), (160, 4.0)):
         rings = plain + ripple * place * np.sin(200.0 * frequency)
-        smooth, found = (curve_error(SCHEMES[0], 0.1 / steps, frequency, curve, 0.05) for curve in (plain, rings))
+        smooth, found, raw = (
+            curve_error(SCHEMES[0], 0.1 / steps, frequency, curve, 0.05)
+            for curve in (plain, without_ripple(rings), rings)
+        )
         assert found == pytest.approx(smooth, rel=0.1)
+    assert raw > 2.0 * smooth  # at the smallest step
 
 
 def test_the_error_of_a_sweep_with_friction_is_that_of_a_finer_step() -> None:

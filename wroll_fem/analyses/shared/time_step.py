@@ -16,8 +16,9 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     fitted_oscillator,
     history_error,
     steps_for,
+    without_ripple,
 )
-from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.base_motion import base_motion, sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
 
 if TYPE_CHECKING:
@@ -111,7 +112,10 @@ def sweep_step_error(
         return np.nan, ""
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
     oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
-    error = curve_error(scheme, dt, *curve, oscillator.zeta)
+    frequency, height = curve
+    if case.excitation.rate_oct_per_min <= sweep_rate_limit(read.f_n, oscillator.zeta):
+        height = without_ripple(height)
+    error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator)
 
 

@@ -178,7 +178,7 @@ def curve_error(scheme: Scheme, dt: float, frequency: FloatArray, magnitude: Flo
     """Largest error of |T| in a slow sweep through a resonance, relative to the peak, from the computed curve.
 
     The longer period shifts the whole curve to lower frequencies, also where friction makes a flank steep. The damping
-    that the scheme adds lowers the peak. Ripple below the peak does not count (`without_ripple`).
+    that the scheme adds lowers the peak.
 
     Parameters
     ----------
@@ -192,18 +192,17 @@ def curve_error(scheme: Scheme, dt: float, frequency: FloatArray, magnitude: Flo
     peak = float(frequency[int(np.argmax(magnitude))])
     added, longer = numerical_damping(scheme, 2.0 * np.pi * peak * dt)
     lengthening = longer * (frequency / peak) ** 2  # second order in the step
-    magnitude = without_ripple(magnitude)
     shifted = np.interp(frequency * (1.0 - lengthening), frequency, magnitude)
     lost = added / zeta
     return max(float(np.abs(shifted - magnitude).max() / magnitude.max()), lost / (1.0 + lost))
 
 
 def without_ripple(magnitude: FloatArray) -> FloatArray:
-    """(n,) |T| of a sweep, without the ripple below its peak.
+    """(n,) |T| of a slow upward sweep, without the ripple below its peak.
 
     There the curve is replaced by the mean of the closest curves above and below that grow up to the peak. Slip makes a
     sweep ring on a steep flank. A shift of this ripple looks like an error that no step removes, because a smaller step
-    damps the ripple less.
+    damps the ripple less. In a fast sweep the ripple is the transient, which the longer period does shift.
     """
     before = magnitude[: int(np.argmax(magnitude)) + 1]
     above, below = np.maximum.accumulate(before), np.minimum.accumulate(before[::-1])[::-1]
