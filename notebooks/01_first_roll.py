@@ -23,6 +23,7 @@
 # whose terms are computed independently.
 
 # %%
+import os
 import tempfile
 import warnings
 from pathlib import Path
@@ -32,7 +33,10 @@ import numpy as np
 
 import wroll_fem as wf
 
+quick = "WROLL_QUICK" in os.environ  # a coarser mesh, for a test of this notebook
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]  # coarse, with small elements at the root
+if quick:
+    mesh = ["mesh.circumferential=12", "mesh.axial=8", "mesh.grading=9"]
 case = wf.load_case("../configs/lab_sweep.yaml", [*mesh, "excitation.rate_oct_per_min=2.5", "excitation.f_start=135"])
 print(case.resolved_yaml())
 

@@ -34,7 +34,7 @@ import wroll_fem as wf
 quick = "WROLL_QUICK" in os.environ  # fewer preloads, for a test of this notebook
 mesh = ["mesh.circumferential=16", "mesh.axial=12", "mesh.grading=6"]
 if quick:
-    mesh = ["mesh.circumferential=16", "mesh.axial=8", "mesh.grading=9"]
+    mesh = ["mesh.circumferential=12", "mesh.axial=8", "mesh.grading=9"]
 case = wf.load_case("../configs/lab_harmonic.yaml", [*mesh, "harmonic.harmonics=3", "excitation.f_start=120"])
 # The second bending mode is near five times the resonance. The fifth harmonic, omitted here for speed, changes the
 # curves there and the damping by some 2 %. The program warns for every curve.

@@ -63,7 +63,7 @@ assert family.attrs["energy_balance_error"] < 1e-6
 # %%
 model = wf.two_dof.TwoMasses()
 curves = wf.transmissibility(family)
-for capacity in (2.0, 5.0, 20.0):
+for capacity in (5.0,) if quick else (2.0, 5.0, 20.0):
     omega = float(curves["omega"].sel(omega=0.97, method="nearest"))
     settled = wf.two_dof.integrate_to_steady_state(model.preloaded(capacity), omega)
     periodic = float(curves.sel(friction_capacity=capacity, omega=omega))

@@ -81,6 +81,8 @@ def test_the_whole_structure_gives_the_same_run() -> None:
         "excitation.ramp_cycles=0.5",
         "excitation.amplitude=200",
         "integrator.steps_per_cycle=20",
+        "mesh.circumferential=8",
+        "mesh.axial=3",
     ]
     full, half = (
         run_analysis(load_case(TINY, [*short, f"solver.method={method}"]), progress=SilentProgress())

@@ -16,7 +16,12 @@ SWEEP = CONFIGS / "lab_sweep.yaml"
 
 
 @pytest.mark.parametrize(
-    "words", [[], ["preload.pressure=2e5", "contact.friction.mu=0.5"], ["coil.layers=3", "coil.base=inner_edge"]]
+    "words",
+    [
+        [],
+        ["preload.pressure=2e5", "contact.friction.mu=0.5"],
+        pytest.param(["coil.layers=3", "coil.base=inner_edge"], marks=pytest.mark.slow),
+    ],
 )
 def test_slip_starts_and_is_gross_about_where_it_is_expected(words):
     case = load_case(BACKBONE, ["mesh={circumferential: 8, axial: 8, grading: 8}", "backbone.tip_largest=2e-3", *words])

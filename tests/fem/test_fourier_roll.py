@@ -213,6 +213,7 @@ def test_a_model_moves_to_another_geometry():
         model.move(refined_mesh(case("mesh.axial=9")))
 
 
+@pytest.mark.slow
 def test_solid_coil_in_three_dimensions_has_the_same_frequencies_and_shear():
     # the case study of section 2.4; two discretisations with nothing in common but the material
     coil = kapton(E_theta=10e9, E_z=5e9, E_r=0.1e9, nu_theta_z=0.3, nu_theta_r=0.3, nu_z_r=0.3, rho=1600.0)

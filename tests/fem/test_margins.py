@@ -89,6 +89,7 @@ def test_a_bonded_coil_with_margins_is_a_stepped_beam() -> None:
 LAB_MARGINS = "coil.margins={base: 0.04, tip: 0.06}"
 
 
+@pytest.mark.slow
 def test_friction_with_margins_hardly_changes_on_a_finer_mesh() -> None:
     """Lab roll with 40 and 60 mm without coil: resonance 0.1 %, peak 0.5 % of a mesh with twice the elements."""
     found = []

@@ -132,11 +132,13 @@ def test_full_and_condensed_agree_with_slip() -> None:
     assert np.all(least[0] <= runs[0]["pressure"].values)
 
 
+@pytest.mark.slow
 def test_strong_friction_is_the_bonded_coil() -> None:
     """At 10 MPa and mu = 5 the interface is far stiffer than the coil."""
     assert first_bending("stuck", mu=5.0, pressure=1e7) == pytest.approx(first_bending("bonded"), rel=3e-4)
 
 
+@pytest.mark.slow
 def test_the_bonded_interface_is_the_coil_without_unknowns_of_its_inner_face() -> None:
     """The averaged tie approaches the tie of all nodes: 1 % below it on 12 x 6 x 2 cells, 0.08 % on 12 x 20 x 4."""
     mesh = {"axial": 12, "radial": 3, "grading": 16}

@@ -86,7 +86,7 @@ def finished(out: Path) -> dict[str, tuple[int, int]]:
     return {name: (stat.st_mtime_ns, stat.st_ino) for name, stat in files.items()}
 
 
-@pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("kill", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)])
 def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_path: Path) -> None:
     path, out = grid_file(tmp_path, LONG), tmp_path / "out"
     job = started(path, out)

@@ -53,7 +53,7 @@ from wroll_fem.progress import SilentProgress
 
 case = example_case().changed(
     "contact.friction.law=dahl", "excitation.amplitude=50", "solver.method=full", "integrator.steps_per_cycle=20",
-    "mesh.circumferential=8", "mesh.axial=2",
+    "mesh.circumferential=8", "mesh.axial=2", "excitation.cycles=2", "excitation.ramp_cycles=1", "preload.steps=2",
 )
 summary = summarise(run_analysis(case, progress=SilentProgress()), case)
 assert summary["friction_energy_j"] > 0.05 * summary["input_work_j"] > 0, summary

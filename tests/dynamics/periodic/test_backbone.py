@@ -89,6 +89,7 @@ def test_backbone_of_the_roll_starts_stuck_and_agrees_with_the_forced_peak() -> 
     assert response.frequencies[top] == pytest.approx(at, rel=0.01)
 
 
+@pytest.mark.slow
 def test_backbone_ends_where_friction_no_longer_holds_a_layer_whatever_the_range() -> None:
     """At 2 kPa all points slide and open in every period: the layer's mean displacement is free, the curve turns.
 

@@ -70,7 +70,7 @@ def test_the_steady_peak_of_sticking_layers_is_that_of_the_damping_ratio(method:
     assert energy_balance_error(history) < 1e-8
 
 
-@pytest.mark.parametrize("kind", ["modal", "both"])
+@pytest.mark.parametrize("kind", [pytest.param("modal", marks=pytest.mark.slow), "both"])
 def test_all_methods_give_the_same_motion_with_friction_and_material_damping(kind: str) -> None:
     """The full model forms no matrix of modal damping; the condensed model has diagonal or full blocks."""
     system, preload = roll()

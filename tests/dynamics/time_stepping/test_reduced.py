@@ -101,6 +101,7 @@ def test_energy_identity_holds_in_the_reduced_model() -> None:
     assert gap < 1e-4 * np.abs(history["input_work"].values).max()
 
 
+@pytest.mark.slow
 def test_wide_separation_converges_and_a_larger_span_comes_closer() -> None:
     loose = ("preload.pressure=1.0e3",)
     errors = []
