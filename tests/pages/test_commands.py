@@ -59,7 +59,10 @@ COUNTS = ("mesh.", "excitation.f_", "modal.count", "harmonic.", "integrator.step
 STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
 """Axes of studies over the mesh."""
 
-FLIGHT = ["mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6"]
+FLIGHT = [
+    "mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6", "excitation.amplitude_g=0.02",
+]  # fmt: skip
+"""At a level at which no coil opens."""
 
 SMALLER: dict[str, list[str]] = {
     "case_study": [*SOLID, "winding.cells=600"],

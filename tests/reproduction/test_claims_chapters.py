@@ -18,7 +18,6 @@ from reproduction.reproduce import GROUPS, claim_groups
 from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from reproduction.words import monotone, numbers, rank_correlation, table
 from wroll_fem.errors import InputError, WrollError
-from wroll_fem.jobs.grid import Member
 from wroll_fem.plotting.study import StudyCase
 
 # ---- real evidence -------------------------------------------------------------------------------
@@ -33,8 +32,7 @@ class NoRuns(Evidence):
     def study(self, *_: object) -> list[StudyCase]:
         raise InputError("no run")
 
-    def finished(self, name: str) -> tuple[list[StudyCase], list[Member]]:
-        raise InputError("no run")
+    finished = study  # type: ignore[assignment]
 
     def kept(self, *_: object, **__: object) -> xr.Dataset:
         raise InputError("no run")
