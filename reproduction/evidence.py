@@ -66,6 +66,7 @@ class Evidence:
                 remedy="run from a clone of the project, which contains configs/",
             )  # fmt: skip
         self._studies: dict[str, list[StudyCase]] = {}
+        self._partial: dict[str, tuple[list[StudyCase], list[Member]]] = {}
         self._results: dict[str, xr.Dataset] = {}
         self._pool: ProcessPoolExecutor | None = None
 
@@ -167,6 +168,15 @@ class Evidence:
         if not self._studies[name]:  # told once, and not run again for every claim
             raise InputError(f"study {name} is not complete", remedy=f"see {self.folder / 'studies' / name}")
         return self._studies[name]
+
+    def finished(self, name: str) -> tuple[list[StudyCase], list[Member]]:
+        """Finished and failed cases of a study in which some cases may fail; failed cases are not run again."""
+        if name not in self._partial:
+            grid, out = self.grid(name), self.folder / "studies" / name
+            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress)
+            failed = [o.member for o in outcomes if o.status == "failed"]
+            self._partial[name] = load_series(grid, out, lazy=True), failed
+        return self._partial[name]
 
     def one(self, study: str, **wanted: Any) -> StudyCase:
         """Case of a study with given values; argument names are dotted keys with __ for each dot.

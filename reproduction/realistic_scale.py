@@ -1,15 +1,13 @@
 """Claims on the structures at realistic scale that need no roll with friction: C91 to C95, C103, C108 and C109.
 
-The runs of the rolls (C96 to C102, C104 to C107) need contact between a shell and a solid coil, which the program does
-not have.
+The rolls with friction are in `flight_rolls`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +16,7 @@ from reproduction.claim_group import ClaimGroup
 from reproduction.coiled_stiff import bending
 from reproduction.evidence import Evidence
 from reproduction.sweep_rate import attainment
-from reproduction.verdict import NOT_YET, THESIS_ERROR, Verdict
+from reproduction.verdict import THESIS_ERROR, Verdict
 from reproduction.words import numbers
 from wroll_fem.plotting import style
 
@@ -247,20 +245,6 @@ def c109(evidence: Evidence) -> Verdict:
     return Verdict(f"base clamped, both ends round, end cap as tip mass: {said}", bool(np.all(change < 0.01)))
 
 
-def not_yet(reason: str, evidence: Evidence) -> Verdict:
-    """Verdict on a claim that needs what the program does not have."""
-    return Verdict(reason, False, NOT_YET)
-
-
-ROLL = (
-    "needs friction between a shell and a solid coil, which the program does not have; to be judged on a free base of "
-    "the coil, beside one with a bonded inner edge of stated width"
-)
-ROLLS: dict[str, Callable[[Evidence], Verdict]] = {
-    f"C{n}": partial(not_yet, ROLL) for n in (96, 97, 98, 99, 100, 101, 102, 104, 105, 106, 107)
-}
-
-
 def plot_margin(evidence: Evidence) -> Axes:
     """Draw Fig. 6.1 for the faces away from the ends and for the faces of the whole tube."""
     ax = style.axes(None)
@@ -297,7 +281,7 @@ def plot_ratios(evidence: Evidence) -> Axes:
 
 
 GROUP = ClaimGroup(
-    {"C91": c91, "C92": c92, "C93": c93, "C94": c94, "C95": c95, "C103": c103, "C108": c108, "C109": c109, **ROLLS},
+    {"C91": c91, "C92": c92, "C93": c93, "C94": c94, "C95": c95, "C103": c103, "C108": c108, "C109": c109},
     figures={
         "ch6_margin": ("Fig 6.1: margin over the wall of the mandrel", plot_margin),
         "ch6_ratios": ("Fig 6.12: diameter ratio over mass ratio", plot_ratios),

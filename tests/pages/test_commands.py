@@ -59,6 +59,11 @@ COUNTS = ("mesh.", "excitation.f_", "modal.count", "harmonic.", "integrator.step
 STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
 """Axes of studies over the mesh."""
 
+FLIGHT = [
+    "mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6", "excitation.amplitude_g=0.02",
+]  # fmt: skip
+"""At a level at which no coil opens."""
+
 SMALLER: dict[str, list[str]] = {
     "case_study": [*SOLID, "winding.cells=600"],
     "coiled_stiff": SOLID,
@@ -84,7 +89,9 @@ SMALLER: dict[str, list[str]] = {
     "sizing_habex": ["mesh.axial=40"],
     "sizing_irosa": ["mesh.axial=40"],
     "sizing_sspp": ["mesh.axial=40"],
-    "irosa_friction": ["mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6"],
+    "habex_friction": FLIGHT,
+    "irosa_friction": FLIGHT,
+    "sspp_friction": FLIGHT,
     "structure": SHORT_CHIRP,
     "tiny": [],
     "two_dof": ["two_dof.omega.points=60", "two_dof.friction_capacity=[5, 20]"],

@@ -32,6 +32,8 @@ class NoRuns(Evidence):
     def study(self, *_: object) -> list[StudyCase]:
         raise InputError("no run")
 
+    finished = study  # type: ignore[assignment]
+
     def kept(self, *_: object, **__: object) -> xr.Dataset:
         raise InputError("no run")
 

@@ -10,6 +10,7 @@ import xarray as xr
 
 from reproduction import Evidence, Verdict
 from reproduction.reproduce import claim_groups
+from wroll_fem.jobs.grid import Member
 from wroll_fem.plotting.study import StudyCase
 
 
@@ -33,6 +34,9 @@ class FakeEvidence(Evidence):
 
     def study(self, name: str) -> list[StudyCase]:
         return self.given[name]
+
+    def finished(self, name: str) -> tuple[list[StudyCase], list[Member]]:
+        return self.given[name], []
 
     def summary(self, study: str, member: StudyCase) -> dict:
         return self.summaries[member.name]
