@@ -46,8 +46,9 @@ def test_probes_change_no_other_number() -> None:
     plain = wf.load_case(CONFIGS / "tiny.yaml", [*COARSE, "excitation.cycles=4"])
     first, second = wf.run(plain, progress=False), wf.run(plain.replace({"probes": PROBES}), progress=False)
     assert "probe" not in first.coords
-    for name in first.data_vars:
-        np.testing.assert_array_equal(first[name].values, second[name].values)
+    for name in first.data_vars:  # the probes move other arrays in memory, which the sums of BLAS may depend on
+        a, b = first[name].values, second[name].values
+        np.testing.assert_allclose(b, a, rtol=0, atol=1e-10 * np.abs(a).max(initial=0.0), err_msg=str(name))
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")

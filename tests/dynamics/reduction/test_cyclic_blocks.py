@@ -146,9 +146,12 @@ def test_one_point_stands_for_its_row_under_pressure(symmetric, layers):
     every.__dict__["_even_around"] = None
     points = solve_load_path(system, [0.5 * force, force], condensed=every)[-1]
     np.testing.assert_array_equal(ring.status, points.status)
-    for name in ("jump", "elastic_slip", "traction", "displacement"):
+    for name in ("jump", "elastic_slip", "traction"):
         a, b = getattr(ring, name), getattr(points, name)
         np.testing.assert_allclose(a, b, atol=1e-8 * np.abs(b).max(), err_msg=name)
+    apart = ring.displacement - points.displacement  # by energy: rounding moves single soft unknowns by 1e-8
+    energy = [u @ (system.stiffness @ u) for u in (apart, points.displacement)]
+    assert energy[0] < 1e-16 * energy[1]
     assert equilibrium_error(system, force, ring) < 1e-9
 
 
