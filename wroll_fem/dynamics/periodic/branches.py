@@ -22,6 +22,9 @@ STEEP = 0.4
 """Transmissibility, relative to `LARGEST_GROWTH`, that both edges of a gap in a response curve must exceed. The middle
 of the gap is then the resonance frequency to within 0.5 %."""
 
+SAME_BRANCH = 0.05
+"""Largest relative difference of two motions at one frequency that count as the same point of a branch."""
+
 LARGEST_JUMP = 0.5
 """Largest relative change of the motion that is accepted when an internal resonance is stepped over."""
 
@@ -83,6 +86,7 @@ class Branches:
             points += follow(self.problem, first, end, self.control, on_point=self.report, ends=self.problem.ended)
         except ConvergenceError as error:
             points += error.partial or []
+            del points[_end_of_way_out(points) :]
             return error
         return None
 
@@ -117,6 +121,28 @@ class Branches:
             if problem.overtones(found) <= 0.3 * LARGEST_OVERTONES and change < LARGEST_JUMP:
                 return kept, found
         return None
+
+
+def _end_of_way_out(points: list[CurvePoint]) -> int:
+    """Number of points up to the turn of a branch that comes back the way it went; all of them on other branches.
+
+    Near an undamped internal resonance the tangent can change its direction between two points of one branch.
+    """
+    place = np.array([p.z[-1] for p in points])
+    if len(points) < 3:
+        return len(points)
+    place = place if place[1] > place[0] else -place
+    turn = int(np.argmax(place))
+    near = place[0] + 0.1 * (place[turn] - place[0])
+    back = [k for k in range(turn + 1, len(points)) if place[0] <= place[k] <= near]
+    if turn == 0 or not back:
+        return len(points)
+    after = int(np.searchsorted(np.maximum.accumulate(place[: turn + 1]), place[back[-1]], side="right"))
+    out, size = points[after], float(np.linalg.norm(points[after].z[:-1]))
+    share = (place[back[-1]] - place[after - 1]) / (place[after] - place[after - 1])
+    there = points[after - 1].z + share * (out.z - points[after - 1].z)
+    apart = float(np.linalg.norm(points[back[-1]].z[:-1] - there[:-1]))
+    return turn + 1 if apart < SAME_BRANCH * size else len(points)
 
 
 def _internal(problem: FrequencyCurve, point: CurvePoint) -> ConvergenceError:

@@ -1,0 +1,40 @@
+"""Branches of a response curve that turn at an internal resonance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.dynamics.periodic.branches import _end_of_way_out
+from wroll_fem.numerics.continuation import CurvePoint
+
+
+def branch(places: list[float], height: float = 1.0) -> list[CurvePoint]:
+    """Points of a smooth curve at scaled frequencies; ``height`` scales the motion after the largest of them."""
+    turn = int(np.argmax(np.abs(places)))
+    size = [height if k > turn else 1.0 for k in range(len(places))]
+    return [CurvePoint(np.array([s * p * p, s * np.cos(p), p]), np.zeros(3), 1, True)
+            for s, p in zip(size, places, strict=True)]  # fmt: skip
+
+
+@pytest.mark.parametrize("forward", [1.0, -1.0])
+def test_the_way_back_along_a_branch_is_left_out(forward: float) -> None:
+    there, back = [1.0, 1.3, 1.6, 1.9, 2.0], [1.8, 1.4, 1.02, 0.9]
+    assert _end_of_way_out(branch([forward * p for p in there + back])) == len(there)
+
+
+def test_another_branch_is_no_way_back() -> None:
+    there, back = [1.0, 1.3, 1.6, 1.9, 2.0], [1.8, 1.4, 1.02, 0.9]
+    assert _end_of_way_out(branch(there + back, height=1.5)) == len(there + back)
+    assert _end_of_way_out(branch([*there, 1.8, 1.7])) == 7  # a fold that ends between
+    assert _end_of_way_out(branch(there)) == 5
+
+
+@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+def test_a_curve_passes_a_narrow_internal_resonance() -> None:
+    """With some orders of summation the curve of this roll turned back at 153.6 Hz and ended below the band."""
+    mesh = "mesh={circumferential: 12, axial: 6, grading: 8}"
+    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", [mesh, "preload.pressure=1e5", "contact.friction.mu=0.4"])
+    assert wf.run(case, progress=False).attrs["f_n_hz"] == pytest.approx(156.2, abs=0.1)
