@@ -27,6 +27,7 @@ from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.periodic.training_state import TrainingFile
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
+from wroll_fem.dynamics.reduction.kept_structure import kept_modes
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -66,7 +67,10 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
         moments = MOMENTS if _held(system, springs) else 0
-        condensation = condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments)
+        condensation = kept_modes(
+            system, springs, moments,
+            lambda: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),
+        )  # fmt: skip
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:
         progress.warning(

@@ -19,6 +19,7 @@ from wroll_fem.case.structural import OnRoll
 from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.registry import BY_NAME
+from wroll_fem.dynamics.reduction.kept_structure import kept_bodies
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 
@@ -70,17 +71,21 @@ def is_mirrored(roll: RollSections) -> bool:
 def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
     """Mesh and assemble the bodies of a case, inner first.
 
-    With a mesh file that is not symmetric about the x-z plane, the whole circumference is modelled.
+    With a mesh file that is not symmetric about the x-z plane, the whole circumference is modelled. In a series
+    (`keeping_structure`) the bodies of the last run are used again if the sections of the roll are the same.
     """
     from wroll_fem.fem.body import assemble_bodies
     from wroll_fem.mesh.generate import build_mesh
     from wroll_fem.mesh.shells import mirror_nodes
 
-    mesh = build_mesh(case)
-    half = uses_symmetry(case) if symmetric is None else symmetric
-    if half and symmetric is None and mirror_nodes(mesh.nodes) is None:
-        half = False
-    return assemble_bodies(case, mesh, symmetric=half)
+    wanted = uses_symmetry(case) if symmetric is None else symmetric
+
+    def build() -> list[Body]:
+        mesh = build_mesh(case)
+        half = wanted and (symmetric is not None or mirror_nodes(mesh.nodes) is not None)
+        return assemble_bodies(case, mesh, symmetric=half)
+
+    return kept_bodies(case, wanted, build)
 
 
 def friction_law(friction: Friction) -> FrictionLaw:

@@ -168,7 +168,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
     else:
         values, vectors = _attachment_projection(system, stiffness, scheme, dt)
     coupled = [] if system.damping is None else [vectors.T @ (system.damping @ vectors)]
-    losses = _losses(system, sp.identity(system.n_dofs, format="csc"), vectors)
+    losses = modal_losses(system, sp.identity(system.n_dofs, format="csc"), vectors)
     return Condensation(
         eigenvalues=values,
         blocks=np.array([0, len(values)]),
@@ -180,7 +180,7 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         probes=system.output_rows @ vectors,
         springs=springs,
         exact=exact,
-        damping=_damping(system, values, [len(values)], coupled, losses),
+        damping=viscous_damping(system, values, [len(values)], coupled, losses),
         rigid_tip=system.rigid_tip,
         forces=tuple(HarmonicForce(f.order, vectors.T @ f.cosine, vectors.T @ f.sine) for f in system.harmonic_forces),
     )
@@ -205,7 +205,7 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         base.append(ritz.T @ ends[:, 0])
         end.append(ritz.T @ ends[:, 1])
         probes.append(system.output_rows @ basis @ ritz)
-        losses.append(_losses(system, basis, ritz))
+        losses.append(modal_losses(system, basis, ritz))
         if (dashpots := blocks.damping(b)) is not None:
             coupled.append(ritz.T @ (dashpots @ ritz))
     counts = [len(v) for v in values]
@@ -220,13 +220,13 @@ def _condense_blocks(blocks: Blocks, moments: int) -> Condensation:
         probes=np.column_stack(probes),
         springs=blocks.springs,
         exact=True,
-        damping=_damping(system, np.concatenate(values), counts, coupled, np.concatenate(losses)),
+        damping=viscous_damping(system, np.concatenate(values), counts, coupled, np.concatenate(losses)),
         moments=moments,
         rigid_tip=system.rigid_tip,
     )
 
 
-def _losses(system: System, basis: sp.csc_matrix, ritz: FloatArray) -> FloatArray:
+def modal_losses(system: System, basis: sp.csc_matrix, ritz: FloatArray) -> FloatArray:
     """(r,) loss of each mode shape (see `ModalDamping.loss`), rad^2/s^2; empty if no loss factors are given."""
     if system.modal_damping is None or system.modal_damping.loss is None:
         return np.zeros(0)
@@ -234,7 +234,7 @@ def _losses(system: System, basis: sp.csc_matrix, ritz: FloatArray) -> FloatArra
     return np.asarray(np.einsum("ij,ij->j", shapes, system.modal_damping.loss @ shapes))
 
 
-def _damping(
+def viscous_damping(
     system: System, eigenvalues: FloatArray, counts: Sequence[int], coupled: Sequence[FloatArray], losses: FloatArray
 ) -> tuple[FloatArray, ...]:
     """Viscous damping of the modes of each block: that of ``system.modal_damping`` and the matrices ``coupled``.
@@ -248,7 +248,7 @@ def _damping(
     coupled
         (r_b, r_b) ``system.damping`` in the modal coordinates of each block, 1/s; empty without it.
     losses
-        (r,) from `_losses`.
+        (r,) from `modal_losses`.
     """
     if system.modal_damping is None:
         return tuple(coupled)

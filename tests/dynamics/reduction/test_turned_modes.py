@@ -1,0 +1,121 @@
+"""Modes turned to other springs of the interfaces, against modes that are computed for these springs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from support.paths import CONFIGS
+from support.twisted_wall import TWISTED
+
+import wroll_fem as wf
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.case import load_case
+from wroll_fem.contact.point import per_dof
+from wroll_fem.dynamics.reduction import kept_structure
+from wroll_fem.dynamics.reduction.condensation import Condensation, condense_cyclic
+from wroll_fem.dynamics.reduction.kept_structure import keeping_structure, kept_modes
+from wroll_fem.dynamics.reduction.turned_modes import missed, turned
+from wroll_fem.dynamics.system.modal_damping import ModalDamping
+from wroll_fem.dynamics.system.system import System
+
+MESH = "mesh={circumferential: 8, axial: 3, grading: 1}"
+WALLS = {"isotropic": (True, []), "two layers": (True, ["coil.layers=2"]), "angle plies": (False, [TWISTED])}
+
+
+def roll(wall: str, **changed: Any) -> System:
+    symmetric, more = WALLS[wall]
+    case = load_case(CONFIGS / "lab_sweep.yaml", [MESH, *more])
+    return replace(build_system(case, build_bodies(case, symmetric=symmetric)), **changed)
+
+
+def springs(system: System, tangential: float) -> np.ndarray:
+    return per_dof(np.full(system.n_points, tangential), system.laws.kn)
+
+
+def modes(system: System, tangential: float, moments: int) -> Condensation:
+    found = condense_cyclic(system, springs(system, tangential), moments)
+    assert found is not None
+    return found
+
+
+def compliance(found: Condensation, system: System, hertz: float) -> np.ndarray:
+    part = 1.0 / (found.eigenvalues - (2.0 * np.pi * hertz) ** 2)
+    return found.compliance(np.split(part, found.blocks[1:-1]), system.laws.area)[1]
+
+
+@pytest.mark.parametrize("moments", [0, 4])
+@pytest.mark.parametrize("wall", list(WALLS))
+def test_turned_modes_are_those_of_the_other_springs(wall: str, moments: int) -> None:
+    system = roll(wall)
+    for start, end in ((3e9, 4e11), (4e11, 3e9)):
+        known, fresh = modes(system, start, moments), modes(system, end, moments)
+        found = turned(system, known, springs(system, end))
+        assert missed(system, found) < 1e-7
+        assert found.main_mode[0] == pytest.approx(fresh.main_mode[0], rel=1e-8)
+        for hertz in (0.0, 400.0):
+            expected = compliance(fresh, system, hertz)
+            np.testing.assert_allclose(
+                compliance(found, system, hertz), expected, rtol=0, atol=1e-6 * np.abs(expected).max()
+            )
+
+
+def test_springs_that_are_left_out_are_found_by_the_check() -> None:
+    """A span without the responses to forces of the interfaces does not hold the modes of other springs."""
+    system = roll("isotropic")
+    known = modes(system, 3e9, 4)
+    few = []
+    for basis, ritz in known.vectors:
+        few.append((basis, ritz[:, :10]))
+    cuts = [np.arange(a, a + min(10, b - a)) for a, b in zip(known.blocks[:-1], known.blocks[1:], strict=True)]
+    kept = np.concatenate(cuts)
+    poor = replace(
+        known, eigenvalues=known.eigenvalues[kept], blocks=np.concatenate([[0], np.cumsum([len(c) for c in cuts])]),
+        vectors=few, jump=[j[:, :10] for j in known.jump], base=known.base[kept], tip=known.tip[kept],
+        probes=known.probes[:, kept],
+    )  # fmt: skip
+    assert missed(system, turned(system, poor, springs(system, 4e11))) > 1e-3
+
+
+def test_damping_ratios_are_those_of_the_turned_modes() -> None:
+    system = roll("isotropic", modal_damping=ModalDamping(table=((100.0, 0.01), (1000.0, 0.05))))
+    fresh = modes(system, 4e11, 0)
+    found = turned(system, modes(system, 3e9, 0), springs(system, 4e11))
+    for own, expected in zip(found.damping, fresh.damping, strict=True):
+        np.testing.assert_allclose(own, expected, rtol=1e-5)
+
+
+def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
+    keys = {"preload.pressure": [1e5, 2e5], "contact.friction.mu": [0.25, 0.4]}
+    alone = [wf.run(case.changed(dict(zip(keys, pair, strict=True))), progress=False)
+             for pair in ((1e5, 0.25), (1e5, 0.4), (2e5, 0.25), (2e5, 0.4))]  # fmt: skip
+    turns = []
+    monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
+    series = wf.run_series(case, keys, progress=False)
+    assert len(turns) == 3
+    for one, member in zip(alone, series, strict=True):
+        assert member.data.attrs["stuck_resonance_hz"] == pytest.approx(one.attrs["stuck_resonance_hz"], rel=1e-8)
+        # the points of a curve lie elsewhere after any change of the last digits; f_n is read between them
+        assert member.data.attrs["f_n_hz"] == pytest.approx(one.attrs["f_n_hz"], rel=3e-4)
+        assert member.data.attrs["zeta"] == pytest.approx(one.attrs["zeta"], rel=1e-3)
+
+
+def test_other_matrices_and_a_poor_span_are_computed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    system, other = roll("isotropic"), roll("two layers")
+    calls: list[int] = []
+
+    def found(one: System, tangential: float) -> None:
+        kept_modes(one, springs(one, tangential), 4, lambda: calls.append(1) or modes(one, tangential, 4))
+
+    with keeping_structure():
+        for one, tangential, count in ((system, 3e9, 1), (system, 4e11, 1), (other, 4e11, 2), (system, 4e11, 3)):
+            found(one, tangential)
+            assert len(calls) == count
+        monkeypatch.setattr(kept_structure, "MISSED", 0.0)
+        found(system, 3e9)
+    assert len(calls) == 4
+    found(system, 3e9)
+    assert len(calls) == 5
