@@ -23,7 +23,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "ch3": ("sweep_rate", "experiments"),
     "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": ("two_dof",),
-    "ch6": ("realistic_scale", "flight_rolls"),
+    "ch6": ("realistic_scale", "flight_rolls", "flight_sensitivity"),
     "appendices": (
         "elastic_slip",
         "integrators",
