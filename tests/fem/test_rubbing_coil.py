@@ -117,8 +117,9 @@ def test_blocks_of_a_solid_carry_the_compliance_of_the_interface(symmetric: bool
     np.testing.assert_allclose(compliance, expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_full_and_condensed_agree_with_slip() -> None:
-    one, motion = system(symmetric=False), Dwell(150.0, 150.0, 4, 1)
+@pytest.mark.parametrize("cycles", [4, pytest.param(40, marks=pytest.mark.slow)])
+def test_full_and_condensed_agree_with_slip(cycles: int) -> None:
+    one, motion = system(symmetric=False), Dwell(150.0, 150.0, cycles, 1)
     preload = solve_preload(one)
     runs = [
         simulate(one, preload, motion, dt=1 / 4000, scheme=Scheme.hht(-0.05), method=method)

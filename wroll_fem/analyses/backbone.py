@@ -12,16 +12,15 @@ from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.forecasts.computing_time import estimate_curve
 from wroll_fem.analyses.harmonic import (
-    Passes,
     condensed_structure,
     memory_remark,
     reduction_remark,
-    training_file,
 )
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import backbone_parts
+from wroll_fem.analyses.training_progress import Passes, training_file
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import (

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,16 +17,16 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import parts_of_curve
+from wroll_fem.analyses.training_progress import Passes, training_file
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.training_state import TrainingFile
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.snapshots import snapshots_of_chirp
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
@@ -44,7 +42,7 @@ from wroll_fem.typing import FloatArray
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, StructuralCase
     from wroll_fem.case.harmonic import Harmonic
-    from wroll_fem.progress import Progress, Stage
+    from wroll_fem.progress import Progress
 
 HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
 """Criteria of the warning about a mode near a neglected harmonic: highest odd order of the harmonic; largest relative
@@ -87,21 +85,6 @@ def _held(system: System, springs: FloatArray) -> bool:
     return all(np.any(part > 0.0) for part in np.split(tangentials(springs)[:, 0], ends))
 
 
-def pass_line(number: int, size: int, error: float, target: float) -> str:
-    """Message about the adaptive basis after a pass along the curve.
-
-    Parameters
-    ----------
-    number
-        Number of the pass.
-    size
-        Number of basis vectors.
-    error, target
-        Residual error and its tolerance, relative.
-    """
-    return f"pass {number}: {size} basis vectors, residual error {100 * error:.2g} % (target {100 * target:.2g} %)"
-
-
 def _check_orders(system: System, harmonics: int) -> None:
     highest = max((force.order for force in system.harmonic_forces), default=0)
     if highest > harmonics:
@@ -109,42 +92,6 @@ def _check_orders(system: System, harmonics: int) -> None:
             f"is {harmonics}, but a force acts at harmonic {highest}", key="harmonic.harmonics",
             remedy=f"set it to {highest} or more",
         )  # fmt: skip
-
-
-class Passes:
-    """Progress of an adaptive basis: the place on the curve of the present pass, and a line after each pass."""
-
-    def __init__(self, progress: Progress, stage: Stage, target: float) -> None:
-        self._progress, self._stage, self._target, self._number = progress, stage, target, 1
-
-    def at_point(self, share: float, count: int, place: str) -> None:
-        """Show the ``share`` of the range that this pass has covered; no time is estimated: passes may follow."""
-        note = f"pass {self._number}: {place}, {count} points (until the error is {100 * self._target:.2g} %)"
-        self._stage.update(min(max(share, 0.0), 0.99), note, left=float("nan"))
-
-    def report(self, number: int, model: ReducedModel, error: float) -> None:
-        """Print a line after a pass."""
-        self._progress.info(pass_line(number, model.size, error, self._target))
-        self._number = number + 1
-
-
-@contextmanager
-def training_file(case: StructuralCase, checkpoint: Path | None, *, resume: bool) -> Iterator[TrainingFile | None]:
-    """Context manager that yields the checkpoint file of a training; None without a path.
-
-    An interrupt writes the latest state. After a `ConvergenceError` nothing is left to continue.
-    """
-    file = None if checkpoint is None else TrainingFile(checkpoint, case.solver.checkpoint_seconds, resume)
-    try:
-        yield file
-    except KeyboardInterrupt:
-        if file is not None:
-            file.write()
-        raise
-    except ConvergenceError:
-        if checkpoint is not None:
-            checkpoint.unlink(missing_ok=True)
-        raise
 
 
 def run_harmonic(
@@ -180,11 +127,19 @@ def run_harmonic(
                 share = (hertz - excitation.f_start) / (excitation.f_end - excitation.f_start)
                 passes.at_point(share, count, f"{hertz:.2f} Hz")
 
+            def watch() -> FloatArray:
+                progress.info("interfaces open widely: a chirp in time gives shapes for the basis")
+                return snapshots_of_chirp(
+                    system, state, condensation, amplitude=excitation.amplitude,
+                    frequencies=(excitation.f_start, excitation.f_end),
+                )  # fmt: skip
+
             trained = trained_response(
                 condensation, state, system.laws, amplitude=excitation.amplitude,
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
+                snapshots=None if system.force is not None else watch,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:

@@ -11,7 +11,7 @@ from support.paths import CONFIGS
 from support.periodic import small_roll
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.harmonic import Passes
+from wroll_fem.analyses.training_progress import Passes
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.periodic import training
 from wroll_fem.dynamics.periodic.enrichment import trained_response

@@ -118,6 +118,18 @@ def principal_span(
     return span(condensation, np.column_stack(kept) / root[:, None], symmetry)
 
 
+def with_snapshots(
+    model: ReducedModel, snapshots: FloatArray, least: float, symmetry: HalfPeriod | None
+) -> ReducedModel:
+    """Model whose basis also contains the principal shapes of ``snapshots`` (r, k) above the energy norm ``least``.
+
+    Every snapshot is scaled to unit energy norm.
+    """
+    c = model.condensation
+    found = principal_span(c, snapshots.T[:, None, :], least, symmetry)
+    return span(c, np.column_stack([model.vectors, found.vectors]), symmetry)
+
+
 def _parts(shapes: FloatArray, symmetry: HalfPeriod | None) -> tuple[FloatArray, ...]:
     return (shapes,) if symmetry is None else symmetry.parts(shapes)
 

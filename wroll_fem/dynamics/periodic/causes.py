@@ -26,6 +26,9 @@ MIXED = 0.3
 """Energy norm of the higher harmonics at the end or at the largest tip amplitude of a response curve, relative to the
 whole motion, above which an internal resonance is reported as the cause."""
 
+LOST = 0.5
+"""Largest relative correction of a first curve above which wide opening calls for motions in time."""
+
 FREE = 1e-6
 """Smallest eigenvalue, relative to the eigenvalue of the main mode, below which a body counts as unrestrained."""
 
@@ -152,6 +155,11 @@ def beyond_training(curve: HarmonicCurve | BackboneCurve, number: int, error: fl
         return True
     widths = [wide for first, most, wide in RATTLING if number >= first and error > most]
     return bool(widths) and opening(curve) > min(widths)
+
+
+def opens_widely(curve: HarmonicCurve | BackboneCurve, error: float) -> bool:
+    """Whether a response curve needs the shapes of motions in time: wide opening, and corrections that lead nowhere."""
+    return isinstance(curve, HarmonicCurve) and error > LOST and opening(curve) > WIDE
 
 
 def _same_end(before: HarmonicCurve | BackboneCurve, curve: HarmonicCurve | BackboneCurve) -> bool:

@@ -56,6 +56,7 @@ def trained_response(
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
     file: TrainingFile | None = None,
+    snapshots: Callable[[], FloatArray] | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
@@ -70,6 +71,8 @@ def trained_response(
         Called at every point of a curve, with its frequency in Hz and the number of points so far.
     file
         Checkpoint of the training.
+    snapshots
+        Function that returns motions (r, k) in time, in modal coordinates, used if interfaces open widely.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def trained_response(
         assert isinstance(found, HarmonicCurve)
         return found
 
-    training = Training(tolerance, max_rounds, on_round, file)
+    training = Training(tolerance, max_rounds, on_round, file, snapshots)
     return trained(structure, training, solve, checked_points, check, again, shortened, restored)
 
 

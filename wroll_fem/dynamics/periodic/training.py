@@ -19,8 +19,15 @@ import numpy as np
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
-from wroll_fem.dynamics.periodic.basis import COMPRESSION, SMALL, first_model, principal_span, with_shapes
-from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis
+from wroll_fem.dynamics.periodic.basis import (
+    COMPRESSION,
+    SMALL,
+    first_model,
+    principal_span,
+    with_shapes,
+    with_snapshots,
+)
+from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
 from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
@@ -69,6 +76,10 @@ tolerance."""
 UNSURE, SURE_ROUNDS = 0.1, 5
 """Largest relative correction of the motions beyond the end of a backbone at which this end is accepted. If corrections
 are larger, an insufficient basis may have caused it. From curve number `SURE_ROUNDS` on, any end is accepted."""
+
+OPEN_TOLERANCE, SNAPSHOT_SHARE = 5e-3, 2.0
+"""Smallest tolerance where interfaces open widely: a smaller one asks for hundreds of basis vectors, and neglected
+harmonics weigh as much. Energy norm, relative to it, above which a principal shape of motions in time is added."""
 
 DOUBTFUL = 0.01
 """Largest error of a curve that is returned although it exceeds the tolerance; the analysis then warns. Above it the
@@ -168,12 +179,15 @@ class Training:
     max_rounds : largest number of curves
     on_round : called with the number of the curve, its model and its error
     file : checkpoint from which to continue, and to which the state before every curve goes; None without checkpoints
+    snapshots : function that returns motions (r, k) in time, in modal coordinates, for the basis of a roll whose
+        interfaces open widely; None if there is none
     """
 
     tolerance: float = 1e-3
     max_rounds: int = 8
     on_round: Callable[[int, ReducedModel, float], None] | None = None
     file: TrainingFile | None = None
+    snapshots: Callable[[], FloatArray] | None = None
 
     def start(self, structure: Structure) -> TrainingState:
         """State before the first curve, or that of the checkpoint."""
@@ -183,7 +197,7 @@ class Training:
             return state
         model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
         factor = 1.0 if len(modes) <= SMALL else COARSE
-        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None)
+        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None, False)
 
 
 def trained(
@@ -212,6 +226,9 @@ def trained(
     model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
     small = len(structure.condensation.eigenvalues) <= SMALL
     factor, stuck, error, used = state.factor, state.stuck, state.error, set(state.used)
+    watched = state.watched
+    if watched:
+        training, tolerance = _loosened(training)
     moved = None if state.curve is None else restored(model, state.curve)
     before: Curve | None = None
     for number in range(state.number, training.max_rounds + 1):
@@ -245,7 +262,14 @@ def trained(
             if part is not None and not coarse:
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
-        if hopeless or stuck or beyond_training(curve, number, error):
+        ends = hopeless or stuck or beyond_training(curve, number, error)
+        snapshots = None if watched else training.snapshots
+        if snapshots is not None and (ends or opens_widely(curve, error)):
+            training, tolerance = _loosened(training)
+            model = _watched(structure, training, snapshots())
+            factor, stuck, error, used, before, moved, watched = COARSE, False, np.inf, set(), None, None, True
+            continue
+        if ends:
             break
         if error <= tolerance and not coarse and not unsure:
             if stopped is not None:
@@ -273,7 +297,7 @@ def trained(
                 structure.condensation.eigenvalues,
                 TrainingState(
                     number + 1, model.vectors, model.eigenvalues, factor, stuck, error, tuple(sorted(used)),
-                    None if moved is None else arrays_of(moved),
+                    None if moved is None else arrays_of(moved), watched,
                 ),
             )  # fmt: skip
     if stopped is None and error <= DOUBTFUL:
@@ -353,6 +377,18 @@ def _joined(structure: Structure, training: Training, model: ReducedModel, found
     """
     large = [f.shapes for f in found if f.energy > POINT_SHARE * training.tolerance]
     return with_shapes(model, np.column_stack(large), 0.2 * training.tolerance, structure.symmetry)
+
+
+def _loosened(training: Training) -> tuple[Training, float]:
+    """Training of a roll whose interfaces open widely, and its tolerance."""
+    tolerance = max(training.tolerance, OPEN_TOLERANCE)
+    return replace(training, tolerance=tolerance), tolerance
+
+
+def _watched(structure: Structure, training: Training, snapshots: FloatArray) -> ReducedModel:
+    """First model with the shapes of motions in time."""
+    first = structure.with_harmonics(TRAINING_HARMONICS).first_model()
+    return with_snapshots(first, snapshots, SNAPSHOT_SHARE * training.tolerance, structure.symmetry)
 
 
 def _modal(points: Curve) -> FloatArray:

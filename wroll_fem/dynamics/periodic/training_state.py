@@ -32,6 +32,7 @@ class TrainingState:
     error : largest correction on the curve before
     used : points of this curve that are in the basis
     curve : arrays of the curve if its points are moved to the basis already; None if it has to be computed
+    watched : whether the basis contains shapes of motions in time
     """
 
     number: int
@@ -42,6 +43,7 @@ class TrainingState:
     error: float
     used: tuple[int, ...]
     curve: dict[str, np.ndarray] | None
+    watched: bool
 
 
 @dataclass
@@ -84,6 +86,7 @@ class TrainingFile:
             state = TrainingState(
                 int(found["number"]), found["vectors"], found["eigenvalues"], float(found["factor"]),
                 bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()), curve or None,
+                bool(found["watched"]),
             )  # fmt: skip
         except (OSError, ValueError, KeyError) as error:
             raise InputError("cannot be read", file=str(self.path), remedy="run without --resume") from error
@@ -109,7 +112,7 @@ class TrainingFile:
             np.savez(
                 stream, structure=structure, number=state.number, vectors=state.vectors, factor=state.factor,
                 eigenvalues=state.eigenvalues, stuck=state.stuck, error=state.error,
-                used=np.array(state.used, np.int64), **curve,
+                used=np.array(state.used, np.int64), watched=state.watched, **curve,
             )  # fmt: skip
         self._written = time.monotonic()
 

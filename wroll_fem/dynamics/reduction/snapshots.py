@@ -1,0 +1,75 @@
+"""Motions in time, as vectors for the basis of a reduced model.
+
+A basis for periodic motions grows by corrections, each of which is one Newton step from a motion of a reduced model.
+If most of an interface opens, this motion can be so far from the true one that the step leads nowhere. A chirp through
+the resonance, integrated with all modes, needs no basis; its snapshots contain the shapes of the opening interface.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.signals.base_motion import Chirp
+from wroll_fem.typing import FloatArray
+
+BAND = 0.5, 1.15
+"""Lowest and highest frequency of the chirp, relative to that of the main mode with stuck interfaces. Slip and opening
+lower the resonance."""
+
+RATE = 60.0
+"""Rate of the chirp, octaves per minute: a resonance with 2 % damping reaches most of its height."""
+
+STEPS_PER_CYCLE, EVERY = 40, 4
+"""Steps per cycle of the highest frequency, and number of steps between two snapshots."""
+
+QUIET = 0.1
+"""Energy norm, relative to that of the largest snapshot, below which a snapshot is left out."""
+
+
+def snapshots_of_chirp(
+    system: System,
+    preload: ContactState,
+    condensation: Condensation,
+    *,
+    amplitude: float,
+    frequencies: tuple[float, float],
+) -> FloatArray:
+    """Motions (r, k), in modal coordinates of ``condensation``, during a chirp through its main mode.
+
+    Parameters
+    ----------
+    amplitude
+        Base acceleration, 0-peak, m/s^2.
+    frequencies
+        First and last frequency of the response curve, Hz; the chirp stays between them.
+
+    Raises
+    ------
+    ConvergenceError
+        If a step does not converge.
+    """
+    main = condensation.main_mode[0]
+    low, high = max(frequencies[0], BAND[0] * main), min(frequencies[1], BAND[1] * main)
+    low, high = (low, high) if low < high else frequencies
+    chirp, dt = Chirp(amplitude, low, high, RATE, 2.0), 1.0 / (STEPS_PER_CYCLE * high)
+    stepper = CondensedStepper(system, preload, Scheme.named("transient_fidelity"), NewtonOptions(), dt=dt)
+    times = dt * np.arange(int(chirp.duration / dt) + 1)
+    base = chirp.acceleration(times)
+    found = []
+    for start in range(0, len(times) - EVERY, EVERY):
+        stepper.advance(base[start : start + EVERY + 1], dt, times[start])
+        found.append(condensation.coordinates(system.mass @ stepper.displacement()))
+    motions = np.column_stack(found)
+    size = _energy_norm(condensation, motions)
+    return motions[:, size > QUIET * size.max()]
+
+
+def _energy_norm(condensation: Condensation, motions: FloatArray) -> FloatArray:
+    values = np.maximum(condensation.eigenvalues, 0.0)
+    return np.asarray(np.sqrt(np.einsum("ij,i,ij->j", motions, values, motions)))
