@@ -18,7 +18,7 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import parts_of_curve
 from wroll_fem.analyses.training_progress import Passes, training_file
-from wroll_fem.case.structural import OnStructure
+from wroll_fem.case.structural import OnRoll, OnStructure
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
@@ -139,7 +139,7 @@ def run_harmonic(
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
-                snapshots=None if system.force is not None else watch,
+                snapshots=watch if isinstance(case, OnRoll) and case.coil.rubs else None,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:
