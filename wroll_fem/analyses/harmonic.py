@@ -49,6 +49,9 @@ HIGHEST_ORDER, NEAR_MULTIPLE, LEAST_SHARE = 7, 0.04, 0.02
 difference between the natural frequency of the mode and the frequency of the harmonic; least tip participation of the
 mode, relative to the main mode."""
 
+SAME_MODE = 0.01
+"""Relative difference of two natural frequencies up to which they count as one mode."""
+
 DRIFT = 10.0
 """Mean relative displacement of the interfaces, divided by its oscillating part, above which the run warns."""
 
@@ -155,7 +158,8 @@ def run_harmonic(
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
     curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
-    remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), loose)
+    other = other_mode_remark(condensation)
+    remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), other, loose)
     stuck, participation = condensation.main_mode
     known = Circumstances(
         participation=participation, several=several_motions(curve), remarks=remarks, rigid=system.rigid_tip
@@ -209,6 +213,25 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
                 f"and this harmonic is neglected; set harmonic.harmonics to {order}"
             )
     return ""
+
+
+def other_mode_remark(condensation: Condensation) -> str:
+    """Warning if the base excites another mode more than the one with the largest tip motion; empty otherwise.
+
+    This is so for a coil that is soft in shear: most of its mass moves in a mode of its own.
+    """
+    mass = condensation.base**2
+    if not mass.any():
+        return ""
+    most, (followed, _) = int(np.argmax(mass)), condensation.main_mode
+    hertz = float(np.sqrt(max(condensation.eigenvalues[most], 0.0)) / (2.0 * np.pi))
+    if abs(hertz - followed) <= SAME_MODE * followed:
+        return ""
+    return (
+        f"the base excites a mode at {hertz:.4g} Hz most ({100.0 * mass[most] / mass.sum():.0f} % of the mass that it "
+        f"moves), but the tip moves most in the mode at {followed:.4g} Hz (interfaces stuck), which f_n and zeta "
+        "follow: the coil is soft in shear; give the band of the mode that is wanted"
+    )
 
 
 def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:

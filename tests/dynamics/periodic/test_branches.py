@@ -7,7 +7,9 @@ import pytest
 from support.paths import CONFIGS
 
 import wroll_fem as wf
+from wroll_fem.analyses.harmonic import other_mode_remark
 from wroll_fem.dynamics.periodic.branches import _end_of_way_out
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.numerics.continuation import CurvePoint
 
 
@@ -38,3 +40,20 @@ def test_a_curve_passes_a_narrow_internal_resonance() -> None:
     mesh = "mesh={circumferential: 12, axial: 6, grading: 8}"
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", [mesh, "preload.pressure=1e5", "contact.friction.mu=0.4"])
     assert wf.run(case, progress=False).attrs["f_n_hz"] == pytest.approx(156.2, abs=0.1)
+
+
+def condensation(eigenvalues: list[float], base: list[float], tip: list[float]) -> Condensation:
+    """Modes of one block without interfaces."""
+    one = np.array([[[[1.0]], [[1.0]], [[1.0]]]]).reshape(1, 1, 3, 1)
+    return Condensation(
+        (2.0 * np.pi * np.array(eigenvalues)) ** 2, np.array([0, len(base)]), [], [], one, np.array(base), np.array(tip),
+        np.zeros((0, len(base))), np.zeros(0), exact=True,
+    )  # fmt: skip
+
+
+def test_a_mode_that_takes_most_of_the_mass_is_named() -> None:
+    """The base drives the coil at 20 Hz; the tip moves with the mandrel, at 80 Hz."""
+    told = other_mode_remark(condensation([20.0, 80.0], [9.0, 5.0], [0.01, 0.3]))
+    assert told.startswith("the base excites a mode at 20 Hz most (76 % of the mass that it moves)")
+    assert "in the mode at 80 Hz" in told
+    assert other_mode_remark(condensation([20.0, 80.0], [9.0, 5.0], [0.3, 0.01])) == ""
