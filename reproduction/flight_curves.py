@@ -48,6 +48,8 @@ class Point:
         Energy dissipated by friction in one cycle at the peak, J.
     sweep_work
         Estimate of the energy dissipated by friction in the thesis's chirp of 20 s, J.
+    zeta_work
+        Friction work of a cycle at the peak over 4 pi times the kinetic energy; nan in results that do not have it.
     """
 
     pressure: float
@@ -57,6 +59,7 @@ class Point:
     tip: float
     cycle_work: float
     sweep_work: float
+    zeta_work: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,10 @@ def point(member: StudyCase) -> Point:
     total = float(trapezoid(work[order], frequency[order])) / (OCTAVES_PER_SECOND * math.log(2.0))
     top = int(np.argmax(magnitude(data).values))
     tip = float(data["tip_amplitude"].values.max())
-    return Point(float(member.values[PRESSURE]), found.f_n, found.peak, found.zeta, tip, float(work[top]), total)
+    by_work = float(data["friction_modal_damping"].values[top]) if "friction_modal_damping" in data else math.nan
+    return Point(
+        float(member.values[PRESSURE]), found.f_n, found.peak, found.zeta, tip, float(work[top]), total, by_work
+    )  # fmt: skip
 
 
 def swept(member: StudyCase) -> Swept:

@@ -44,10 +44,10 @@ def test_a_curve_passes_a_narrow_internal_resonance() -> None:
 
 def condensation(eigenvalues: list[float], base: list[float], tip: list[float]) -> Condensation:
     """Modes of one block without interfaces."""
-    one = np.array([[[[1.0]], [[1.0]], [[1.0]]]]).reshape(1, 1, 3, 1)
+    values, count = (2.0 * np.pi * np.array(eigenvalues)) ** 2, len(base)
     return Condensation(
-        (2.0 * np.pi * np.array(eigenvalues)) ** 2, np.array([0, len(base)]), [], [], one, np.array(base), np.array(tip),
-        np.zeros((0, len(base))), np.zeros(0), exact=True,
+        values, np.array([0, count]), [], [], np.ones((1, 1, 3, 1)), np.array(base), np.array(tip),
+        np.zeros((0, count)), np.zeros(0), exact=True,
     )  # fmt: skip
 
 

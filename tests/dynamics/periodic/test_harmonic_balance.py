@@ -301,6 +301,11 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     assert steady["f_n_hz"] == pytest.approx(swept["f_n_hz"], rel=3e-3)
     assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.01)
     assert steady["energy_balance_error"] < 5e-3
+    # the work of a cycle gives the damping that the height of the peak shows
+    data = run_analysis(case, progress=SilentProgress())
+    top = int(magnitude(data).values.argmax())
+    by_height = abs(data.attrs["tip_participation"]) / (2.0 * steady["peak_transmissibility"])
+    assert float(data["friction_modal_damping"][top]) == pytest.approx(by_height, rel=0.05)
     assert steady["slipping_area_fraction"][0] > 0.02
     assert steady["open_area_fraction"] == swept["open_area_fraction"] == [0.0]
     assert steady["min_pressure_over_preload"] == pytest.approx(swept["min_pressure_over_preload"], rel=0.02)

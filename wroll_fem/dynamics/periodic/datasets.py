@@ -147,7 +147,9 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
     """Dataset of a response curve along `frequency`, or along `branch_point` if the curve has folds.
 
     With folds, `frequency` is a variable. Fields per contact point are those of the motion with the highest
-    transmissibility. Attributes hold the size of the model, the number of iterations and the number of folds.
+    transmissibility. `friction_modal_damping` is the friction work of a cycle divided by 4 pi times the kinetic energy,
+    the damping ratio of the motion itself, whatever the shape of the curve. Attributes hold the size of the model, the
+    number of iterations and the number of folds.
     """
     hertz = curve.frequencies / (2.0 * np.pi)
     rises = bool(np.all(np.diff(hertz) > 0.0))
@@ -166,6 +168,9 @@ def curve_dataset(system: System, curve: HarmonicCurve) -> xr.Dataset:
         | per_motion(motions, system, dim)
         | base_load_amplitudes(system, curve, dim)
     )
+    if system.interfaces:
+        ratios = [m.work.friction / (4.0 * np.pi * max(m.kinetic, 1e-300)) for m in motions]
+        data["friction_modal_damping"] = (dim, np.array(ratios))
     place = {dim: hertz} if rises else {dim: np.arange(len(hertz)), "frequency": (dim, hertz)}
     dataset = xr.Dataset(data, coords=place)
     if len(system.probe_names) > 1:
