@@ -16,6 +16,7 @@ from wroll_fem.analyses.shared.preflight import contact_warnings
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
+from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
@@ -286,3 +287,24 @@ def test_all_points_slip_alike_whatever_the_numbering() -> None:
     ]
     tip = [r["tip_displacement"].values for r in run]
     np.testing.assert_allclose(tip[1], tip[0], atol=1e-8 * np.abs(tip[0]).max(), rtol=0)
+
+
+@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+def test_shapes_of_a_chirp_in_time_lead_to_the_same_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A third of the interface opens; the usual training gets through, and so does the one for wide opening."""
+    coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
+    case = roll(preload={"pressure": 5e3}, excitation={"f_start": 80, "f_end": 180}, mesh=coarse)
+    usual = run_analysis(case, progress=SilentProgress())
+    seen: list[str] = []
+
+    class Told(SilentProgress):
+        def info(self, text: str) -> None:
+            seen.append(text)
+
+    monkeypatch.setattr(causes, "LOST", 0.1)
+    found = run_analysis(case, progress=Told())
+    assert "interfaces open widely: a chirp in time gives shapes for the basis" in seen
+    assert summarise(found, case)["open_area_fraction"][0] > 0.2
+    assert found.attrs["reduction_error_estimate"] < 5e-3
+    for name, error in (("f_n_hz", 2e-3), ("peak_transmissibility", 0.01)):
+        assert found.attrs[name] == pytest.approx(usual.attrs[name], rel=error)
