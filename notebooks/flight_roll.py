@@ -55,8 +55,8 @@ assert walls["surface_away_from_ends"] < walls["surface"]
 # %% [markdown]
 # ## Response over the preload
 #
-# The coil rests on friction alone. The pressure acts outside the coil; a third of it reaches the interface. `run_series`
-# assembles the roll once.
+# The coil rests on friction alone. The pressure acts outside the coil; a third of it reaches the interface.
+# `run_series` assembles the roll once.
 
 # %%
 mesh = {"circumferential": 16, "axial": 8, "radial": 2, "grading": 40}
