@@ -89,9 +89,9 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
 
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
-    keys = {"preload.pressure": [1e5, 2e5], "contact.friction.mu": [0.25, 0.4]}
+    keys = {"preload.pressure": [1e5, 2e5], "contact.friction.mu": [0.2, 0.25]}
     alone = [wf.run(case.changed(dict(zip(keys, pair, strict=True))), progress=False)
-             for pair in ((1e5, 0.25), (1e5, 0.4), (2e5, 0.25), (2e5, 0.4))]  # fmt: skip
+             for pair in ((1e5, 0.2), (1e5, 0.25), (2e5, 0.2), (2e5, 0.25))]  # fmt: skip
     turns = []
     monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
     series = wf.run_series(case, keys, progress=False)
