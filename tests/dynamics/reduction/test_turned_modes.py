@@ -89,13 +89,12 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
 
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
-    keys = {"preload.pressure": [1e5, 2e5], "contact.friction.mu": [0.2, 0.25]}
-    alone = [wf.run(case.changed(dict(zip(keys, pair, strict=True))), progress=False)
-             for pair in ((1e5, 0.2), (1e5, 0.25), (2e5, 0.2), (2e5, 0.25))]  # fmt: skip
+    keys = {"preload.pressure": [1e5, 2e5]}  # no harmonic meets a mode at these
+    alone = [wf.run(case.changed({"preload.pressure": p}), progress=False) for p in keys["preload.pressure"]]
     turns = []
     monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
     series = wf.run_series(case, keys, progress=False)
-    assert len(turns) == 3
+    assert len(turns) == 1
     for one, member in zip(alone, series, strict=True):
         assert member.data.attrs["stuck_resonance_hz"] == pytest.approx(one.attrs["stuck_resonance_hz"], rel=1e-8)
         # the points of a curve lie elsewhere after any change of the last digits; f_n is read between them
