@@ -89,7 +89,7 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
 
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
-    keys = {"preload.pressure": [1e5, 2e5]}  # no harmonic meets a mode at these
+    keys = {"preload.pressure": [6e4, 1e5]}  # no harmonic meets a mode at these
     alone = [wf.run(case.changed({"preload.pressure": p}), progress=False) for p in keys["preload.pressure"]]
     turns = []
     monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
@@ -97,9 +97,9 @@ def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(mo
     assert len(turns) == 1
     for one, member in zip(alone, series, strict=True):
         assert member.data.attrs["stuck_resonance_hz"] == pytest.approx(one.attrs["stuck_resonance_hz"], rel=1e-8)
-        # the points of a curve lie elsewhere after any change of the last digits; f_n is read between them
-        assert member.data.attrs["f_n_hz"] == pytest.approx(one.attrs["f_n_hz"], rel=3e-4)
-        assert member.data.attrs["zeta"] == pytest.approx(one.attrs["zeta"], rel=1e-3)
+        # the points of a curve lie elsewhere after any change of the last digits; f_n and zeta are read between them
+        assert member.data.attrs["f_n_hz"] == pytest.approx(one.attrs["f_n_hz"], rel=1e-3)
+        assert member.data.attrs["zeta"] == pytest.approx(one.attrs["zeta"], rel=5e-3)
 
 
 def test_other_matrices_and_a_poor_span_are_computed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
