@@ -48,8 +48,6 @@ class Point:
         Energy dissipated by friction in one cycle at the peak, J.
     sweep_work
         Estimate of the energy dissipated by friction in the thesis's chirp of 20 s, J.
-    zeta_work
-        Friction work of a cycle at the peak over 4 pi times the kinetic energy; nan in results that do not have it.
     """
 
     pressure: float
@@ -59,7 +57,6 @@ class Point:
     tip: float
     cycle_work: float
     sweep_work: float
-    zeta_work: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -70,8 +67,6 @@ class Swept:
     ----------
     pressure, f_n, peak
         External pressure (Pa), resonance (Hz) and largest transmissibility of the demodulated envelope.
-    zeta
-        Half-power damping ratio of the envelope, whether it rings or not.
     tip, work
         Largest displacement of the tip, m, and energy dissipated by friction, J.
     """
@@ -79,7 +74,6 @@ class Swept:
     pressure: float
     f_n: float
     peak: float
-    zeta: float
     tip: float
     work: float
 
@@ -104,18 +98,14 @@ def point(member: StudyCase) -> Point:
     total = float(trapezoid(work[order], frequency[order])) / (OCTAVES_PER_SECOND * math.log(2.0))
     top = int(np.argmax(magnitude(data).values))
     tip = float(data["tip_amplitude"].values.max())
-    by_work = float(data["friction_modal_damping"].values[top]) if "friction_modal_damping" in data else math.nan
-    return Point(
-        float(member.values[PRESSURE]), found.f_n, found.peak, found.zeta, tip, float(work[top]), total, by_work
-    )  # fmt: skip
+    return Point(float(member.values[PRESSURE]), found.f_n, found.peak, found.zeta, tip, float(work[top]), total)
 
 
 def swept(member: StudyCase) -> Swept:
     """Readings of a chirp."""
     data, found = member.data, read(member)
-    zeta = float(data.attrs.get("zeta_apparent", found.zeta))
     tip = float(np.abs(data["tip_displacement"].values).max())
-    return Swept(float(member.values[PRESSURE]), found.f_n, found.peak, zeta, tip, friction_work(member))
+    return Swept(float(member.values[PRESSURE]), found.f_n, found.peak, tip, friction_work(member))
 
 
 def baseline(evidence: Evidence) -> dict[str, Series]:
@@ -157,15 +147,20 @@ def structure(study: str, member: StudyCase | Member) -> str:
     return NAMES[str(case)]
 
 
+def points(members: Sequence[StudyCase]) -> Series:
+    """Points with a damping ratio, in order of increasing preload."""
+    return sorted((p for p in map(point, members) if math.isfinite(p.zeta)), key=lambda p: p.pressure)
+
+
 def series(name: str, members: Sequence[StudyCase]) -> Series:
-    """Points with a damping ratio, in order of increasing preload.
+    """The `points` of a structure.
 
     Raises
     ------
     InputError
         If there are fewer than three.
     """
-    found = sorted((p for p in map(point, members) if math.isfinite(p.zeta)), key=lambda p: p.pressure)
+    found = points(members)
     if len(found) < 3:
         raise InputError(f"{name} has fewer than three curves", remedy="see the run folders of the study")
     return found

@@ -6,8 +6,6 @@ inner edge is clamped stand beside them. The verdicts name the preloads without 
 
 from __future__ import annotations
 
-import math
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,7 +26,7 @@ from reproduction.flight_curves import (
     inside,
     missing,
     panels,
-    point,
+    points,
     table_of,
 )
 from reproduction.verdict import Verdict
@@ -160,11 +158,7 @@ def c102(evidence: Evidence) -> Verdict:
 def edged(evidence: Evidence) -> dict[str, Series]:
     """Structure -> points with the inner edge of the coil clamped; empty for structures without a curve."""
     members = evidence.finished(INNER_EDGE)[0]
-    found = {}
-    for case, name in NAMES.items():
-        line = [point(m) for m in members if m.values["case"] == case]
-        found[name] = sorted((p for p in line if math.isfinite(p.zeta)), key=lambda p: p.pressure)
-    return found
+    return {name: points([m for m in members if m.values["case"] == case]) for case, name in NAMES.items()}
 
 
 def attained(evidence: Evidence) -> str:

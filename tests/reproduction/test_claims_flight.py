@@ -134,5 +134,7 @@ def test_work_of_the_chirp_is_the_number_of_its_cycles() -> None:
 def test_figures_are_drawn(tmp_path: Path) -> None:
     for group in (flight_rolls.GROUP, flight_sensitivity.GROUP):
         for _, drawing in group.figures.values():
-            drawing(rolls(tmp_path))
+            axes = drawing(rolls(tmp_path))
+            assert axes.get_lines()
+            assert axes.get_ylabel()
     plt.close("all")

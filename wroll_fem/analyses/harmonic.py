@@ -115,6 +115,7 @@ def run_harmonic(
         If a point of the curve does not converge; ``partial`` contains the curve up to that point.
     """
     system, state = prepare(case, progress)
+    rubs = isinstance(case, OnRoll) and case.coil.rubs
     _check_orders(system, case.harmonic.harmonics)
     condensation = condensed_structure(case, system, state, progress)
     excitation, settings = case.excitation, case.harmonic
@@ -142,7 +143,7 @@ def run_harmonic(
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
-                snapshots=watch if isinstance(case, OnRoll) and case.coil.rubs else None,
+                snapshots=watch if rubs else None,
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:
@@ -158,7 +159,7 @@ def run_harmonic(
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
     curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
-    other = other_mode_remark(condensation)
+    other = other_mode_remark(condensation) if rubs else ""
     remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), other, loose)
     stuck, participation = condensation.main_mode
     known = Circumstances(

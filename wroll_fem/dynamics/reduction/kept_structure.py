@@ -61,9 +61,10 @@ def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]])
 
 
 def kept_modes(system: System, springs: FloatArray, moments: int, compute: Callable[[], Condensation]) -> Condensation:
-    """Modes from ``compute``, or those that are kept for the same matrices, turned to ``springs`` (`turned_modes`).
+    """Modes from ``compute``, or those that are kept for the same matrices, turned to other springs (`turned_modes`).
 
-    Modes of whole structures, in place of circumferential blocks, are always computed.
+    ``springs`` (3 n_points,) are those of the interfaces, Pa/m; for ``moments`` see `condense`. Modes of whole
+    structures, in place of circumferential blocks, are always computed.
     """
     kept = _kept.get()
     if kept is None:
