@@ -25,8 +25,8 @@ from threadpoolctl import threadpool_limits
 from wroll_fem import load_case
 from wroll_fem.analyses.harmonic import condensed_structure
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.dynamics.periodic.enrichment import trained_backbone, trained_response
-from wroll_fem.dynamics.periodic.training import Trained
+from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
+from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.progress import SilentProgress
 
 CONFIGS = Path(__file__).parents[1] / "configs"

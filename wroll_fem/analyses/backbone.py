@@ -31,8 +31,8 @@ from wroll_fem.dynamics.periodic.datasets import (
     per_motion,
     quadrature_error,
 )
-from wroll_fem.dynamics.periodic.enrichment import trained_backbone
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.training.enrichment import trained_backbone
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray

@@ -22,7 +22,6 @@ from wroll_fem.case.structural import OnRoll, OnStructure
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
@@ -31,6 +30,7 @@ from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.damping import HalfPower

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wroll_fem.dynamics.periodic.training_state import TrainingFile
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.training.training_state import TrainingFile
 from wroll_fem.errors import ConvergenceError
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic import aft
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
+from wroll_fem.dynamics.training.enrichment import trained_response
 
 LAWS = {
     "penalty": None,

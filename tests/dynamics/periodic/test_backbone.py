@@ -12,8 +12,8 @@ from support.periodic import TURN, balance, complete, small_roll
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import ModalMotion, main_mode, solve_backbone
-from wroll_fem.dynamics.periodic.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 
 
 def test_backbone_of_the_bilinear_oscillator_follows_its_loop_area() -> None:

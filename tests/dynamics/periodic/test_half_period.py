@@ -8,12 +8,12 @@ from support.periodic import small_roll
 from support.twisted_wall import TWISTED
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.basis import first_model
-from wroll_fem.dynamics.periodic.correction import correction
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.reduced_model import modal_force
+from wroll_fem.dynamics.training.basis import first_model
+from wroll_fem.dynamics.training.correction import correction
+from wroll_fem.dynamics.training.enrichment import trained_response
 
 
 def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:

@@ -17,7 +17,6 @@ from wroll_fem.case import load_case
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.periodic.response import solve_response
 from wroll_fem.dynamics.reduction.condensation import condense
@@ -29,6 +28,7 @@ from wroll_fem.dynamics.time_stepping.full import FullStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import FRICTION, INPUT, KINETIC, NUMERICAL, STRAIN, VISCOUS
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress

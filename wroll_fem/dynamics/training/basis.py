@@ -14,12 +14,12 @@ import scipy.linalg as la
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import main_mode
-from wroll_fem.dynamics.periodic.correction import correction
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.typing import FloatArray
 
 SMALL = 40

@@ -10,15 +10,16 @@ import pytest
 from support.periodic import small_roll
 
 from wroll_fem.analyses.harmonic import unbounded_reading
-from wroll_fem.dynamics.periodic import causes, enrichment
+from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
-from wroll_fem.dynamics.periodic.basis import first_model
 from wroll_fem.dynamics.periodic.causes import with_cause
-from wroll_fem.dynamics.periodic.correction import correction
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.training import Structure, Training, _enriched
+from wroll_fem.dynamics.training import enrichment
+from wroll_fem.dynamics.training.basis import first_model
+from wroll_fem.dynamics.training.correction import correction
+from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.training import Structure, Training, _enriched
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 

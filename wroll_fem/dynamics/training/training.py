@@ -19,7 +19,13 @@ import numpy as np
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
-from wroll_fem.dynamics.periodic.basis import (
+from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
+from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.training.basis import (
     COMPRESSION,
     SMALL,
     first_model,
@@ -27,14 +33,8 @@ from wroll_fem.dynamics.periodic.basis import (
     with_shapes,
     with_snapshots,
 )
-from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
-from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.training_state import TrainingFile, TrainingState, arrays_of
-from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
+from wroll_fem.dynamics.training.training_state import TrainingFile, TrainingState, arrays_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 

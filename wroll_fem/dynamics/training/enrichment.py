@@ -10,14 +10,14 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, Sampling
 from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
-from wroll_fem.dynamics.periodic.correction import KRYLOV_TOLERANCE, Correction, correction
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.training import FIRST_HARMONICS, Structure, Trained, Training, trained
-from wroll_fem.dynamics.periodic.training_state import TrainingFile, curve_of
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, correction
+from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Structure, Trained, Training, trained
+from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.typing import FloatArray

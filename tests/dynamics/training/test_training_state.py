@@ -13,10 +13,10 @@ from support.periodic import small_roll
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.training_progress import Passes
 from wroll_fem.case import Case, load_case
-from wroll_fem.dynamics.periodic import training
-from wroll_fem.dynamics.periodic.enrichment import trained_response
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.training_state import TrainingFile, arrays_of, curve_of
+from wroll_fem.dynamics.training import training
+from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.training_state import TrainingFile, arrays_of, curve_of
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
