@@ -179,9 +179,19 @@ def test_a_few_points_or_wrong_wishes_are_refused():
 
 def test_noise_level_is_that_of_the_noise_and_zero_on_a_smooth_curve():
     T = np.abs(dof(0.02, NEAR, 150.0))
-    assert noise_level(T) < 1e-4
+    assert noise_level(NEAR, T) < 1e-4
     rough = T + 0.1 * np.random.default_rng(1).standard_normal(T.size)
-    assert noise_level(rough) == pytest.approx(0.1, rel=0.12)
+    assert noise_level(NEAR, rough) == pytest.approx(0.1, rel=0.12)
+
+
+def test_noise_level_does_not_depend_on_the_steps_of_the_curve():
+    """Points inserted at a peak are no noise: differences by index took them for it."""
+    steps = np.tile([1.0, 0.1, 0.1, 1.0], NEAR.size // 4)
+    f = NEAR[0] + (NEAR[-1] - NEAR[0]) * np.cumsum(steps) / steps.sum()
+    T = np.abs(dof(0.02, f, 150.0))
+    assert noise_level(f, T) < 1e-4
+    rough = T + 0.1 * np.random.default_rng(1).standard_normal(T.size)
+    assert noise_level(f, rough) == pytest.approx(0.1, rel=0.12)
 
 
 @pytest.mark.parametrize(

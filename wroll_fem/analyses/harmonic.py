@@ -155,7 +155,7 @@ def run_harmonic(
     dataset = curve_dataset(system, trained.curve)
     stressed = with_yield(stress_of_curve(system, state, progress, trained.curve), case)
     dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
-    read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping)
+    read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping, error=trained.tip_error)
     resonance = 2.0 * np.pi * read.shape.f_n
     missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
     curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
@@ -235,18 +235,20 @@ def other_mode_remark(condensation: Condensation) -> str:
     )
 
 
-def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDamping:
+def read_response(dataset: xr.Dataset, method: str = "half_power", *, error: float | None = None) -> CurveDamping:
     """Estimate damping from the response curve, or from the upper envelope of a folded curve.
 
-    ``method`` is a key of `ESTIMATORS`. Between the folds of a curve that leans over, several motions have the same
-    frequency. The largest of them is used at every frequency. The resulting envelope has no phase.
+    ``method`` is a key of `ESTIMATORS`. ``error`` is the relative error of the curve, for the error bars. Between the
+    folds of a curve that leans over, several motions have the same frequency. The largest of them is used at every
+    frequency. The resulting envelope has no phase.
     """
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
-    if np.all(np.diff(frequency) > 0.0):
-        return estimate_damping(frequency, T, method)
     size = np.abs(T)
-    grid = np.linspace(frequency[0], frequency[-1], 20 * len(frequency))
+    noise = None if error is None else error * float(size.max())
+    if np.all(np.diff(frequency) > 0.0):
+        return estimate_damping(frequency, T, method, noise=noise)
+    grid = np.unique(np.concatenate([np.linspace(frequency[0], frequency[-1], 20 * len(frequency)), frequency]))
     best = np.zeros_like(grid)
     for i in range(len(frequency) - 1):
         low, high = sorted((frequency[i], frequency[i + 1]))
@@ -254,7 +256,7 @@ def read_response(dataset: xr.Dataset, method: str = "half_power") -> CurveDampi
         if high > low:
             share = (grid[inside] - frequency[i]) / (frequency[i + 1] - frequency[i])
             best[inside] = np.maximum(best[inside], size[i] + share * (size[i + 1] - size[i]))
-    return estimate_damping(grid, best, method)
+    return estimate_damping(grid, best, method, noise=noise)
 
 
 def unbounded_reading(curve: HarmonicCurve) -> CurveDamping | None:

@@ -237,6 +237,19 @@ def solve_at(problem: CurveProblem, z: FloatArray, control: StepControl) -> Floa
     return solution
 
 
+def point_near(
+    problem: CurveProblem, z: FloatArray, row: FloatArray, control: StepControl, *, regular: bool = True
+) -> CurvePoint | None:
+    """Point of a curve in the plane through ``z`` (n + 1,) with the unit normal ``row`` (n + 1,); None if not found.
+
+    ``row`` gives the direction of the curve. ``regular`` is the flag of the neighbouring point.
+    """
+    solution, history, near, _ = correct(problem, z, row, control)
+    if solution is None:
+        return None
+    return CurvePoint(solution, _tangent(problem, near, row)[0], len(history), regular)
+
+
 def follow(
     problem: CurveProblem,
     start: FloatArray,

@@ -3,6 +3,7 @@ r"""Response curves and backbones in bases that are trained on these curves them
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, Sampling
 from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -115,7 +117,8 @@ def trained_response(
         return found
 
     training = Training(tolerance, max_rounds, on_round, file, snapshots)
-    return trained(structure, training, solve, checked_points, check, again, shortened, restored)
+    found = trained(structure, training, solve, checked_points, check, again, shortened, restored)
+    return replace(found, curve=with_reading_points(found.curve, steps))
 
 
 def trained_backbone(

@@ -129,7 +129,7 @@ def choose(
         why = fitted.reason
     else:
         largest = float((fitted.details or {})["largest_misfit"])
-        if largest <= MISFIT + 5.0 * noise_level(magnitude) / float(magnitude.max()):
+        if largest <= MISFIT + 5.0 * noise_level(f, magnitude) / float(magnitude.max()):
             return _because(fitted, shape_text)
         why = f"its largest misfit is {largest:.0%} of the peak"
     return _because(

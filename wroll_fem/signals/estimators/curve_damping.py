@@ -21,7 +21,7 @@ from wroll_fem.signals.estimators.half_power import half_power_estimate
 from wroll_fem.signals.estimators.rational_fraction import rational_fraction
 from wroll_fem.signals.estimators.single_dof import lower_bound
 
-Estimator = Callable[[npt.ArrayLike, npt.ArrayLike], DampingEstimate]
+Estimator = Callable[..., DampingEstimate]
 
 ESTIMATORS: dict[str, Estimator] = {
     "half_power": half_power_estimate,
@@ -103,7 +103,11 @@ class CurveDamping:
 
 
 def estimate_damping(
-    frequency: npt.ArrayLike, transmissibility: npt.ArrayLike, method: str = "half_power"
+    frequency: npt.ArrayLike,
+    transmissibility: npt.ArrayLike,
+    method: str = "half_power",
+    *,
+    noise: float | None = None,
 ) -> CurveDamping:
     """Estimate frequency and damping of the highest peak of a transmissibility curve.
 
@@ -115,6 +119,9 @@ def estimate_damping(
         (n,) complex T, or |T|.
     method
         One of the keys of `ESTIMATORS`.
+    noise
+        Standard deviation of |T| for the error bars of half power and the Gaussian fit, if it is known, as on a
+        computed curve. By default it is estimated from the curve.
 
     Returns
     -------
@@ -132,7 +139,8 @@ def estimate_damping(
     f, values = np.asarray(frequency, dtype=np.float64), np.asarray(transmissibility)
     shape = half_power(f, np.hypot(values.real, values.imag))
     if f.size >= FEWEST_POINTS:
-        found = ESTIMATORS[method](f, values)
+        known = {"noise": noise} if noise is not None and method in ("half_power", "gaussian_fit") else {}
+        found = ESTIMATORS[method](f, values, **known)
     elif method in ("half_power", "choose"):
         found = DampingEstimate(shape.f_n, shape.zeta, nan, nan, HALF_POWER, shape.reason or shape.note)
     else:

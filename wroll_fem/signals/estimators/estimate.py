@@ -13,9 +13,6 @@ import numpy.typing as npt
 from wroll_fem.errors import InputError
 from wroll_fem.typing import ComplexArray, FloatArray
 
-_DIFFERENCE = 4  # order of the differences, which remove a smooth curve and keep its noise
-_DIFFERENCE_GAIN = np.sqrt(70.0)  # norm of (1, -4, 6, -4, 1)
-
 
 @dataclass(frozen=True)
 class DampingEstimate:
@@ -117,37 +114,54 @@ def checked_curve(
     return f, None, magnitude
 
 
-def noise_level(magnitude: FloatArray) -> float:
-    """Standard deviation of the noise on a curve |T| (n,), estimated from the median of its fourth differences.
+def noise_level(frequency: FloatArray, magnitude: FloatArray) -> float:
+    """Standard deviation of the noise on a curve |T| (n,) at ascending frequencies (n,), Hz.
 
-    The estimate is unbiased for white noise on a smooth curve whose grid has a slowly varying step. Noise that is
-    smooth from point to point (on a demodulated or filtered curve) is not detected.
+    Each point is compared with the cubic through its four neighbours; the estimate is the median of the differences.
+    It is unbiased for white noise on a smooth curve, whatever its steps. Noise that is smooth from point to point (on
+    a demodulated or filtered curve) is not detected.
     """
-    middle = np.abs(np.diff(magnitude, _DIFFERENCE))
-    return float(np.median(middle) / (0.6745 * _DIFFERENCE_GAIN))
+    if magnitude.size < 5:
+        return 0.0
+    size = magnitude.size - 4
+    places = [frequency[k : k + size] - frequency[2 : 2 + size] for k in (0, 1, 3, 4)]
+    difference, gain = magnitude[2 : 2 + size].copy(), np.ones(size)
+    for k, offset in enumerate(places):
+        others = [x for j, x in enumerate(places) if j != k]
+        weight = np.prod([x / (x - offset) for x in others], axis=0)
+        difference -= weight * magnitude[(0, 1, 3, 4)[k] :][:size]
+        gain += weight**2
+    return float(np.median(np.abs(difference) / np.sqrt(gain)) / 0.6745)
 
 
 def scatter(
-    magnitude: FloatArray, read: Callable[[FloatArray], tuple[float, float] | None], draws: int, seed: int
+    frequency: FloatArray,
+    magnitude: FloatArray,
+    read: Callable[[FloatArray], tuple[float, float] | None],
+    draws: int,
+    seed: int,
+    noise: float | None = None,
 ) -> tuple[float, float]:
     """Standard deviations of f_n and zeta, from copies of a curve with added white noise of the curve's own level.
 
     Parameters
     ----------
-    magnitude
-        (n,) curve |T|.
+    frequency, magnitude
+        (n,) frequencies, Hz, ascending, and curve |T|.
     read
         Function from a magnitude (n,) to (f_n, zeta), or None if there is no estimate; such draws are ignored.
     draws
         Number of noisy repetitions.
     seed
         Seed of the noise.
+    noise
+        Standard deviation of |T|, if it is known; by default it is estimated from the curve (`noise_level`).
 
     Returns
     -------
     Standard deviations of f_n (Hz) and zeta; 0 without noise, nan with fewer than three estimates
     """
-    noise = noise_level(magnitude)
+    noise = noise_level(frequency, magnitude) if noise is None else noise
     if noise < 1e-6 * float(magnitude.max()):
         return 0.0, 0.0
     random = np.random.default_rng(seed)

@@ -122,6 +122,7 @@ def gaussian_fit(
     reach: float | None = None,
     draws: int = 30,
     seed: int = 0,
+    noise: float | None = None,
 ) -> DampingEstimate:
     """Half-power damping of a Gaussian bell fitted to the highest peak (thesis, algorithm 2).
 
@@ -140,6 +141,8 @@ def gaussian_fit(
         whole band. Allowed only for `centre="peak"` and `window="objective"`.
     draws, seed
         Number of noisy repetitions for the standard errors; seed of the noise.
+    noise
+        Standard deviation of |T|, if it is known; by default it is estimated from the curve.
 
     Returns
     -------
@@ -175,7 +178,7 @@ def gaussian_fit(
         other = _search(f, noisy, centre, window, reach)
         return None if isinstance(other, str) else (other[0].b, other[0].zeta)
 
-    f_error, zeta_error = scatter(magnitude, again, draws, seed)
+    f_error, zeta_error = scatter(f, magnitude, again, draws, seed, noise)
     return DampingEstimate(
         bell.b, bell.zeta, f_error, zeta_error, METHOD, misfit=bell.rmse / sqrt(2.0) / peak,
         window=(f_pk - bell.d, f_pk + bell.d), details={"bell": bell, "at_constraint": at_constraint, "centre": centre},

@@ -12,7 +12,12 @@ METHOD = "half power"
 
 
 def half_power_estimate(
-    frequency: npt.ArrayLike, transmissibility: npt.ArrayLike, *, draws: int = 60, seed: int = 0
+    frequency: npt.ArrayLike,
+    transmissibility: npt.ArrayLike,
+    *,
+    draws: int = 60,
+    seed: int = 0,
+    noise: float | None = None,
 ) -> DampingEstimate:
     """Half-power damping of the highest peak, with standard errors.
 
@@ -26,6 +31,8 @@ def half_power_estimate(
         Number of noisy repetitions for the standard errors.
     seed
         Seed of the noise.
+    noise
+        Standard deviation of |T|, if it is known; by default it is estimated from the curve.
 
     Returns
     -------
@@ -52,7 +59,7 @@ def half_power_estimate(
         other = half_power(f, noisy)
         return (other.f_n, other.zeta) if other.complete else None
 
-    f_error, zeta_error = scatter(magnitude, again, draws, seed)
+    f_error, zeta_error = scatter(f, magnitude, again, draws, seed, noise)
     return DampingEstimate(
         read.f_n, read.zeta, f_error, zeta_error, METHOD, read.note,
         window=(read.f_low, read.f_high), details={"skewness": read.skewness, "peak": read.peak},
