@@ -34,7 +34,7 @@ from wroll_fem.numerics.linear import Factorisation, factorise
 from wroll_fem.numerics.newton import FULL_RENEWAL
 from wroll_fem.typing import FloatArray
 
-MOST_REFINEMENTS, REFINED = 30, 1e-13
+MOST_REFINEMENTS, REFINED = 30, 1e-9
 """Largest number of corrections of a linear step for the dashpots of the modes, and relative change that ends them."""
 
 
@@ -43,6 +43,46 @@ class FullState(NamedTuple):
 
     motion: Motion
     contact: ContactMemory
+
+
+def modal_force(modes: Condensation, mass: sp.csr_matrix, velocity: FloatArray) -> FloatArray:
+    """(n_dofs,) forces of the dashpots of the modes, N, at the velocities (n_dofs,), m/s."""
+    rates = np.concatenate(modes.damping)
+    return np.asarray(mass @ modes.displacement(rates * modes.coordinates(mass @ velocity)))
+
+
+class StepMatrix:
+    """Factorised Newton matrix A of a time step, and dashpots of the modes, C, whose full matrix is never formed.
+
+    While contact sticks, A is diagonal in the modes, and (A + C)^-1 is known. Where it slips, this is the start of an
+    iteration that converges by a factor of the damping ratio or better.
+    """
+
+    def __init__(
+        self,
+        matrix: sp.csr_matrix,
+        mass: sp.csr_matrix,
+        modes: Condensation | None,
+        weights: tuple[float, float, float],
+    ):
+        self.mass, self.modes = mass, modes
+        self.factor: Factorisation = factorise(matrix)
+        inertia, stiffness, self.viscous = weights  # of mass, stiffness and damping in A + C
+        if modes is not None:
+            known = inertia + stiffness * modes.eigenvalues
+            rates = self.viscous * np.concatenate(modes.damping)
+            self._less = rates / (known * (known + rates))
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """(n_dofs,) displacement (A + C)^-1 of a force (n_dofs,)."""
+        if self.modes is None:
+            return self.factor.solve(force)
+        step = self.factor.solve(force) - self.modes.displacement(self._less * self.modes.coordinates(force))
+        for _ in range(MOST_REFINEMENTS):
+            last, step = step, self.factor.solve(force - self.viscous * modal_force(self.modes, self.mass, step))
+            if np.abs(step - last).max() <= REFINED * np.abs(step).max():
+                break
+        return step
 
 
 class FullStepper(Stepper):
@@ -56,7 +96,7 @@ class FullStepper(Stepper):
         self.state = FullState(Motion.zeros(system.n_dofs), ContactMemory.of(preload))
         self.inertia = system.mass @ system.influence
         self.trial = TrialContact(system)
-        self._factor: tuple[float, Factorisation] | None = None
+        self._factor: tuple[float, StepMatrix] | None = None
         self._longest_step = 0.0  # checked so far
         self._modes: Condensation | None = None  # for modal damping
 
@@ -112,10 +152,11 @@ class FullStepper(Stepper):
                 )
                 if damping is not None:
                     matrix += (1.0 + s.alpha) * velocity_factor * damping
-                self._factor = factor = dt, factorise(matrix)
+                weights = inertia_factor, 1.0 + s.alpha, (1.0 + s.alpha) * velocity_factor
+                self._factor = factor = dt, StepMatrix(matrix, system.mass, self._modes, weights)
             else:
                 factor = kept
-            step = self._linear_step(factor[1], force, (1.0 + s.alpha) * velocity_factor)
+            step = factor[1].solve(force)
             jump_step = system.jump @ step if system.n_points else step
             new = float(np.abs(jump_step).max(initial=0.0))
             self.last_history.append(new)
@@ -142,28 +183,7 @@ class FullStepper(Stepper):
         """(n_dofs,) forces of all dashpots, N, at the velocities (n_dofs,), m/s."""
         damping = self.system.damping
         force = np.zeros(len(velocity)) if damping is None else damping @ velocity
-        return force + self._modal_force(velocity) if self._modes is not None else force
-
-    def _modal_force(self, velocity: FloatArray) -> FloatArray:
-        """(n_dofs,) forces of the dashpots of the modes, N."""
-        modes, mass = self._modes, self.system.mass
-        assert modes is not None
-        rates = np.concatenate(modes.damping)
-        return np.asarray(mass @ modes.displacement(rates * modes.coordinates(mass @ velocity)))
-
-    def _linear_step(self, factor: Factorisation, force: FloatArray, viscous: float) -> FloatArray:
-        """(n_dofs,) Newton step; the dashpots of the modes, times ``viscous``, are not in the factorised matrix.
-
-        Their full matrix is never formed. The iteration converges by a factor of the damping ratio or better.
-        """
-        step = factor.solve(force)
-        if self._modes is None:
-            return step
-        for _ in range(MOST_REFINEMENTS):
-            last, step = step, factor.solve(force - viscous * self._modal_force(step))
-            if np.abs(step - last).max() <= REFINED * np.abs(step).max():
-                break
-        return step
+        return force if self._modes is None else force + modal_force(self._modes, self.system.mass, velocity)
 
     def _coasting(self, dt: float) -> FloatArray:
         """(n_dofs,) part of Newmark's velocity at the end of a step that the new displacement does not affect, m/s."""
