@@ -46,6 +46,30 @@ def test_harmonic_peak_is_participation_over_twice_the_ratio() -> None:
     assert attrs["energy_balance_error"] < 1e-8
 
 
+@pytest.mark.parametrize("ratio", [0.2, 0.4])
+def test_a_peak_without_half_power_points_is_read_by_the_rational_fraction(ratio: float) -> None:
+    band = ("excitation.f_start=140.0", "excitation.f_end=185.0")
+    attrs = summarise(
+        run_analysis(case("harmonic", *LINEAR, f"damping.modal={ratio}", *band), progress=SilentProgress())
+    )
+    assert np.isnan(attrs["half_power_low_hz"])
+    assert attrs["zeta"] == pytest.approx(ratio, rel=5e-3)
+    assert attrs["f_n_hz"] == pytest.approx(attrs["stuck_resonance_hz"], rel=2e-3)
+    assert attrs["zeta_quality"] == "ok"
+    assert "read by the rational fraction" in attrs["zeta_reason"]
+
+
+def test_a_flank_alone_has_no_damping() -> None:
+    """The band of a slipping roll ends on its peak: the fit of one linear mode is too poor."""
+    attrs = summarise(
+        run_analysis(
+            case("harmonic", *COARSE, "excitation.f_start=140.0", "excitation.f_end=158.0"), progress=SilentProgress()
+        )
+    )
+    assert np.isnan(attrs["zeta"])
+    assert "no half-power point" in attrs["half_power_reason"]
+
+
 @pytest.mark.parametrize("method", ["reduced", "condensed", pytest.param("full", marks=pytest.mark.slow)])
 def test_sweep_reaches_the_same_peak(method: str) -> None:
     """Full runs a faster sweep, which still is a fifth of the ISO 7626-2 limit."""

@@ -34,7 +34,7 @@ from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.damping import HalfPower
-from wroll_fem.signals.estimators import CurveDamping, estimate_damping
+from wroll_fem.signals.estimators import CurveDamping, estimate_damping, without_half_power_points
 from wroll_fem.signals.estimators.estimate import DampingEstimate
 from wroll_fem.signals.quality import Circumstances, judge
 from wroll_fem.typing import FloatArray
@@ -240,14 +240,16 @@ def read_response(dataset: xr.Dataset, method: str = "half_power", *, error: flo
 
     ``method`` is a key of `ESTIMATORS`. ``error`` is the relative error of the curve, for the error bars. Between the
     folds of a curve that leans over, several motions have the same frequency. The largest of them is used at every
-    frequency. The resulting envelope has no phase.
+    frequency. The resulting envelope has no phase. Where a broad peak has no half-power points, a curve without folds
+    is read by `rational_fraction`.
     """
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
     frequency = dataset["frequency"].values
     size = np.abs(T)
     noise = None if error is None else error * float(size.max())
     if np.all(np.diff(frequency) > 0.0):
-        return estimate_damping(frequency, T, method, noise=noise)
+        read = estimate_damping(frequency, T, method, noise=noise)
+        return read if method != "half_power" else without_half_power_points(read, frequency, T)
     grid = np.unique(np.concatenate([np.linspace(frequency[0], frequency[-1], 20 * len(frequency)), frequency]))
     best = np.zeros_like(grid)
     for i in range(len(frequency) - 1):

@@ -17,6 +17,7 @@ from scipy.signal import find_peaks
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.signals.damping import HEIGHT_FACTOR, SLOW_ENOUGH, HalfPower, half_power, likely_damping, sweep_warning
 from wroll_fem.signals.estimators.curve_damping import CurveDamping
+from wroll_fem.signals.estimators.half_power import METHOD as HALF_POWER
 from wroll_fem.typing import FloatArray
 
 Grade = Literal["ok", "doubtful", "invalid"]
@@ -287,7 +288,7 @@ def _fold(curve: _Curve) -> _Doubts:
 
 
 def _size(curve: _Curve) -> _Doubts:
-    if curve.zeta > LARGEST_ZETA:
+    if curve.zeta > LARGEST_ZETA and curve.read.damping.method == HALF_POWER:
         yield _Doubt(
             "doubtful",
             f"zeta is {100 * curve.zeta:.0f} %: above {100 * LARGEST_ZETA:.0f} % half power is more than 7 % too high, "

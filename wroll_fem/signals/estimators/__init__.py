@@ -4,7 +4,12 @@ All methods return a `DampingEstimate`. `choose` selects the method from the sha
 """
 
 from wroll_fem.signals.estimators.choice import CurveShape, choose, curve_shape
-from wroll_fem.signals.estimators.curve_damping import ESTIMATORS, CurveDamping, estimate_damping
+from wroll_fem.signals.estimators.curve_damping import (
+    ESTIMATORS,
+    CurveDamping,
+    estimate_damping,
+    without_half_power_points,
+)
 from wroll_fem.signals.estimators.estimate import DampingEstimate
 from wroll_fem.signals.estimators.gaussian import gaussian_fit
 from wroll_fem.signals.estimators.half_power import half_power_estimate
@@ -37,4 +42,5 @@ __all__ = [
     "rational_fraction",
     "single_dof_half_power",
     "single_dof_transmissibility",
+    "without_half_power_points",
 ]

@@ -156,6 +156,27 @@ def estimate_damping(
     return CurveDamping(shape, found)
 
 
+def without_half_power_points(read: CurveDamping, frequency: npt.ArrayLike, response: npt.ArrayLike) -> CurveDamping:
+    """Estimate by the rational fraction if a resonance has no half-power points, and this fit is close.
+
+    The foot of a peak with a damping ratio above some 15 % may lie above the half-power level. For steady curves: a
+    sweep that is too fast loses its half-power points too, and its damping with them.
+
+    Parameters
+    ----------
+    read
+        Estimate by half power.
+    frequency, response
+        (n,) frequencies, Hz, ascending, and complex T.
+    """
+    if read.shape.complete or not read.shape.resonant:
+        return read
+    other = estimate_damping(frequency, response, "rational_fraction")
+    if not other.damping.found or other.damping.misfit > LOOSE_FIT:
+        return read
+    return replace(other, damping=replace(other.damping, reason=f"{read.shape.reason}; read by the rational fraction"))
+
+
 def _in_quadrature(shape: HalfPower, f: npt.NDArray[np.float64], values: npt.NDArray[Any]) -> HalfPower:
     """Return `shape`, marked as no resonance if the highest point is about in phase or in antiphase with the base.
 
