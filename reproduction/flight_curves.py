@@ -25,9 +25,15 @@ BASELINE, CHIRPS, INNER_EDGE = "flight_preload", "flight_chirp", "flight_inner_e
 SENSITIVITY = {
     "mu": ("contact.friction.mu", 0.25, ("flight_friction",)),
     "E": ("coil.material.E", 5.0e9, ("flight_modulus",)),
+    "G": (
+        "coil.material.G_r_theta",
+        5.0e9 / 2.6,
+        ("flight_shear_irosa", "flight_shear_sspp", "flight_shear_habex"),
+    ),
     "s": ("coil.total_thickness", 1.0, ("flight_size_irosa", "flight_size_sspp", "flight_size_habex")),
 }
-"""Parameter of section 6.6 -> key of the case file, value of the baseline, and studies of the other values."""
+"""Parameter of section 6.6, or shear modulus between wraps -> key of the case file, value of the baseline, and studies
+of the other values."""
 THICKNESS = {"iROSA": 0.15, "SSPP": 0.6, "HabEx": 1.25}
 """Thickness of the coil of the baseline, m; s is relative to it."""
 OCTAVES_PER_SECOND = math.log2(160.0 / 5.0) / 20.0

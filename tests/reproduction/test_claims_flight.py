@@ -83,6 +83,8 @@ def rolls(
             moved = series(f"{case}_friction", 0.25, factor, f_n=tuple(shift * f for f in line["f_n"]), **shape)
             members += [with_value(m, "coil.total_thickness", s * THICKNESS[name]) for m in moved]
         studies[f"flight_size_{case}"] = members
+        sheared = series(f"{case}_friction", 0.25, 0.5)
+        studies[f"flight_shear_{case}"] = [with_value(m, "coil.material.G_r_theta", 1e7) for m in sheared]
     studies["flight_inner_edge"] = studies["flight_preload"]
     studies["flight_chirp"] = [
         chirp(m, work * float(m.data.attrs["zeta"]) ** slope * float(m.data["tip_amplitude"].max()) ** 2 * 1e7)

@@ -131,12 +131,16 @@ def run_harmonic(
                 share = (hertz - excitation.f_start) / (excitation.f_end - excitation.f_start)
                 passes.at_point(share, count, f"{hertz:.2f} Hz")
 
-            def watch() -> FloatArray:
+            def watch() -> FloatArray | None:
                 progress.info("interfaces open widely: a chirp in time gives shapes for the basis")
-                return snapshots_of_chirp(
-                    system, state, condensation, amplitude=excitation.amplitude,
-                    frequencies=(excitation.f_start, excitation.f_end),
-                )  # fmt: skip
+                try:
+                    return snapshots_of_chirp(
+                        system, state, condensation, amplitude=excitation.amplitude,
+                        frequencies=(excitation.f_start, excitation.f_end), on_part=passes.in_time,
+                    )  # fmt: skip
+                except ConvergenceError:
+                    progress.info("the chirp does not converge; the basis goes without its shapes")
+                    return None
 
             trained = trained_response(
                 condensation, state, system.laws, amplitude=excitation.amplitude,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
 from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -109,6 +110,8 @@ class _Integration:
     system: System
     state: ContactState
     progress: Progress
+    condensations: list[Condensation] = field(default_factory=list)
+    """Condensation of the reduced model, once computed; `condensed` needs the same."""
 
     @property
     def largest_error(self) -> float:
@@ -126,7 +129,10 @@ class _Integration:
                 self.system, self.state, method=method, scheme=scheme, options=options, dt=dt,
                 reduction_tolerance=solver.reduction_tolerance,
                 largest_error=self.largest_error if falls_back else np.inf,
+                condensation=self.condensations[0] if self.condensations else None,
             )  # fmt: skip
+            if isinstance(stepper, ReducedStepper):
+                self.condensations.append(stepper.condensation)
             stage.update(1)
         _remarks(case, stepper, self.progress)
         try:

@@ -42,6 +42,11 @@ class Passes:
         note = f"pass {self._number}: {place}, {count} points (until the error is {100 * self._target:.2g} %)"
         self._stage.update(min(max(share, 0.0), 0.99), note, left=float("nan"))
 
+    def in_time(self, share: float) -> None:
+        """Show the ``share`` of a chirp in time that is computed."""
+        note = f"chirp in time: {100 * share:.0f} %"
+        self._stage.update(min(max(share, 0.0), 0.99), note, left=float("nan"))
+
     def report(self, number: int, model: ReducedModel, error: float) -> None:
         """Print a line after a pass."""
         self._progress.info(pass_line(number, model.size, error, self._target))

@@ -7,6 +7,8 @@ the resonance, integrated with all modes, needs no basis; its snapshots contain 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -39,6 +41,7 @@ def snapshots_of_chirp(
     *,
     amplitude: float,
     frequencies: tuple[float, float],
+    on_part: Callable[[float], None] | None = None,
 ) -> FloatArray:
     """Motions (r, k), in modal coordinates of ``condensation``, during a chirp through its main mode.
 
@@ -48,6 +51,8 @@ def snapshots_of_chirp(
         Base acceleration, 0-peak, m/s^2.
     frequencies
         First and last frequency of the response curve, Hz; the chirp stays between them.
+    on_part
+        Called with the fraction of the chirp that is computed.
 
     Raises
     ------
@@ -64,6 +69,8 @@ def snapshots_of_chirp(
     found = []
     for start in range(0, len(times) - EVERY, EVERY):
         stepper.advance(base[start : start + EVERY + 1], dt, times[start])
+        if on_part is not None:
+            on_part(start / len(times))
         found.append(condensation.coordinates(system.mass @ stepper.displacement()))
     motions = np.column_stack(found)
     size = _energy_norm(condensation, motions)

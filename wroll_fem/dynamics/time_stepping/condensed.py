@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.reduction.condensation import condense
+from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
@@ -47,11 +47,14 @@ class CondensedStepper(Stepper):
     name = "condensed"
     state: CondensedState
 
-    def __init__(self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float):
+    def __init__(
+        self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
+        condensation: Condensation | None = None,
+    ):  # fmt: skip
         super().__init__(system, preload, scheme, options)
         check_step_uniqueness(system, preload, scheme, dt)
-        self.condensation = condense(system, reference_stiffness(system, preload, dt), scheme, dt)
-        c = self.condensation
+        c = condensation or condense(system, reference_stiffness(system, preload, dt), scheme, dt)
+        self.condensation = c
         self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, c.springs)
         self.state = CondensedState(
             Motion.zeros(len(c.eigenvalues)), ContactMemory.of(preload), jump_before=preload.jump.copy()

@@ -14,6 +14,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -81,15 +82,18 @@ class Checkpointing:
 
 def make_stepper(
     system: System, preload: ContactState, *, method: str, scheme: Scheme, options: NewtonOptions, dt: float,
-    reduction_tolerance: float = 2e-3, largest_error: float = np.inf,
+    reduction_tolerance: float = 2e-3, largest_error: float = np.inf, condensation: Condensation | None = None,
 ) -> Stepper:  # fmt: skip
-    """Stepper for a value of `solver.method`: "reduced", "condensed" or "full"."""
+    """Stepper for a value of `solver.method`: "reduced", "condensed" or "full".
+
+    ``condensation`` is that of an earlier stepper with the same scheme and time step, for "condensed".
+    """
     if method == "reduced":
         return ReducedStepper(
             system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error
         )
     if method == "condensed":
-        return CondensedStepper(system, preload, scheme, options, dt=dt)
+        return CondensedStepper(system, preload, scheme, options, dt=dt, condensation=condensation)
     if method == "full":
         return FullStepper(system, preload, scheme, options)
     raise InputError(f"unknown method {method!r}", key="solver.method", remedy="use reduced, condensed or full")

@@ -58,7 +58,7 @@ def trained_response(
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
     file: TrainingFile | None = None,
-    snapshots: Callable[[], FloatArray] | None = None,
+    snapshots: Callable[[], FloatArray | None] | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
 
@@ -74,7 +74,7 @@ def trained_response(
     file
         Checkpoint of the training.
     snapshots
-        Function that returns motions (r, k) in time, in modal coordinates, used if interfaces open widely.
+        Function that returns motions (r, k) in time, in modal coordinates, or None; used if interfaces open widely.
 
     Raises
     ------

@@ -187,7 +187,7 @@ class Training:
     max_rounds: int = 8
     on_round: Callable[[int, ReducedModel, float], None] | None = None
     file: TrainingFile | None = None
-    snapshots: Callable[[], FloatArray] | None = None
+    snapshots: Callable[[], FloatArray | None] | None = None
 
     def start(self, structure: Structure) -> TrainingState:
         """State before the first curve, or that of the checkpoint."""
@@ -263,12 +263,13 @@ def trained(
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
         ends = hopeless or stuck or beyond_training(curve, number, error)
-        snapshots = None if watched else training.snapshots
-        if snapshots is not None and (ends or opens_widely(curve, error)):
-            training, tolerance = _loosened(training)
-            model = _watched(structure, training, snapshots())
-            factor, stuck, error, used, before, moved, watched = COARSE, False, np.inf, set(), None, None, True
-            continue
+        if training.snapshots is not None and not watched and (ends or opens_widely(curve, error)):
+            shapes, training = training.snapshots(), replace(training, snapshots=None)
+            if shapes is not None:
+                training, tolerance = _loosened(training)
+                model = _watched(structure, training, shapes)
+                factor, stuck, error, used, before, moved, watched = COARSE, False, np.inf, set(), None, None, True
+                continue
         if ends:
             break
         if error <= tolerance and not coarse and not unsure:
