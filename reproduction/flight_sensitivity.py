@@ -113,12 +113,13 @@ def c106(evidence: Evidence) -> Verdict:
 
 def _over_frequency(parameter: str, label: Callable[[float], str], title: str, evidence: Evidence) -> Axes:
     """Damping over resonance: one panel per structure, one line per value of a parameter, one point per preload."""
-    axes = panels(2.6)
-    for ax, (name, lines) in zip(axes, over(parameter, evidence).items(), strict=True):
-        for (value, series), colour in zip(lines.items(), style.LINES, strict=False):
-            ax.plot(
-                [p.f_n for p in series], [100 * p.zeta for p in series], "o-", color=colour, ms=4, label=label(value)
-            )
+    axes, found = panels(2.6), over(parameter, evidence)
+    values = sorted({value for lines in found.values() for value in lines})
+    colours = dict(zip(values, style.LINES, strict=False))
+    for ax, (name, lines) in zip(axes, found.items(), strict=True):
+        for value, series in lines.items():
+            x, zeta = [p.f_n for p in series], [100 * p.zeta for p in series]
+            ax.plot(x, zeta, "o-", color=colours[value], ms=4, label=label(value))
         ax.set_ylabel("ζ, half power (%)")
         ax.set_ylim(bottom=0.0)
         ax.legend(fontsize=8, title=name, title_fontsize=8)
