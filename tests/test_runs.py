@@ -168,6 +168,21 @@ def test_a_chirp_that_misses_the_resonance_is_warned_of() -> None:
     assert any("misses the resonance" in text and "f_start" in text for text in missed)
 
 
+@pytest.mark.parametrize(("roll", "lowest", "highest"), [("irosa", 48, 85), ("sspp", 72, 96), ("habex", 48, 83)])
+def test_a_band_that_misses_a_rubbing_coil_is_warned_of(roll: str, lowest: float, highest: float) -> None:
+    """``lowest`` and ``highest`` are resonances of chapter 6 from 10 kPa to 2 MPa."""
+    file = CONFIGS / f"{roll}_friction.yaml"
+
+    def misses(start: float, end: float) -> bool:
+        case = load_case(file, [f"excitation.f_start={start}", f"excitation.f_end={end}"])
+        return any("misses the resonance" in text for text in case_warnings(case))
+
+    assert not misses(0.5 * lowest, lowest)
+    assert not misses(highest, 2.0 * highest)
+    assert misses(5.0, 0.5 * lowest)
+    assert misses(600.0, 900.0)
+
+
 def test_the_shear_lag_warning_goes_when_the_mesh_resolves_it() -> None:
     lab = CONFIGS / "lab_sweep.yaml"
     coarse = case_warnings(load_case(lab, ["mesh.axial=8", "mesh.grading=1"]))
