@@ -235,7 +235,7 @@ def test_a_roll_that_cannot_be_reduced_falls_back_to_condensed(
     monkeypatch.setattr(condensed, "condense", lambda *words: anew.append(1) or condense(*words))
     case = load_case(CONFIGS / "tiny.yaml", coarse("reduced", *overrides))
     history = run_analysis(case, progress=progress)
-    assert len(anew) == ("the error of the reduced model" not in reason)  # a model that ran has computed the modes
+    assert len(anew) <= ("carries no pressure" in reason)  # a reduced model has computed the modes
     [warning] = [text for text in progress.warnings if "falls back to solver.method: condensed" in text]
     assert reason in warning
     right = run_analysis(load_case(CONFIGS / "tiny.yaml", coarse("condensed", *overrides)), progress=SilentProgress())
