@@ -19,11 +19,10 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import parts_of_curve
 from wroll_fem.analyses.training_progress import Passes, training_file
 from wroll_fem.case.structural import OnRoll, OnStructure
-from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.reduction.condensation import Condensation, condense
+from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
 from wroll_fem.dynamics.reduction.snapshots import snapshots_of_chirp
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
@@ -55,10 +54,6 @@ SAME_MODE = 0.01
 DRIFT = 10.0
 """Mean relative displacement of the interfaces, divided by its oscillating part, above which the run warns."""
 
-MOMENTS = 4
-"""Number of terms in the series (in frequency squared) for the compliance of each circumferential block. The relative
-error is below 1e-9 up to about ten times the resonance frequency of the lab roll."""
-
 MEMORY_WARNING = 0.02
 """Change of the elastic slip per period, relative to its largest value gamma*, above which the run warns."""
 
@@ -67,7 +62,7 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
     """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force."""
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
-        moments = MOMENTS if _held(system, springs) else 0
+        moments = MOMENTS if held(system, springs) else 0
         condensation = kept_modes(
             system, springs, moments,
             lambda: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),
@@ -80,12 +75,6 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
             "error of about 1e-4 of the largest displacement"
         )
     return condensation
-
-
-def _held(system: System, springs: FloatArray) -> bool:
-    """Whether every interface has friction at zero slip rate; otherwise a body is free and has no static response."""
-    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
-    return all(np.any(part > 0.0) for part in np.split(tangentials(springs)[:, 0], ends))
 
 
 def _check_orders(system: System, harmonics: int) -> None:

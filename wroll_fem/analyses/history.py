@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, modes_to_reduce
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError
@@ -91,7 +91,9 @@ def time_history(
             fell_back, reason = True, error.problem
             saving = None if saving is None else replace(saving, resume=False)
     if fell_back:
-        progress.warning(f"{reason}: the run falls back to solver.method: condensed, which is exact and slower")
+        progress.warning(
+            f"{reason}: the run falls back to solver.method: condensed, which does not have this error and is slower"
+        )
         history = run.history("condensed", saving)
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
     if estimate > run.largest_error:
@@ -110,8 +112,18 @@ class _Integration:
     system: System
     state: ContactState
     progress: Progress
-    condensations: list[Condensation] = field(default_factory=list)
-    """Condensation of the reduced model, once computed; `condensed` needs the same."""
+
+    @cached_property
+    def modes(self) -> Condensation | None:
+        """Modes for `reduced` and for the run by `condensed` that may replace it; None for another `solver.method`."""
+        if self.case.solver.method != "reduced":
+            return None
+        return modes_to_reduce(self.system, self.state, self.scheme, time_step(self.case))
+
+    @property
+    def scheme(self) -> Scheme:
+        """Time integration scheme."""
+        return Scheme.named(self.case.integrator.scheme, self.case.integrator.alpha)
 
     @property
     def largest_error(self) -> float:
@@ -121,7 +133,7 @@ class _Integration:
     def history(self, method: str, saving: Checkpointing | None) -> xr.Dataset:
         """Compute the time history by ``method``."""
         case, solver, dt = self.case, self.case.solver, time_step(self.case)
-        scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+        scheme = self.scheme
         options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
         falls_back = 3 * self.system.n_points <= FALLBACK_SIZE
         with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
@@ -129,10 +141,8 @@ class _Integration:
                 self.system, self.state, method=method, scheme=scheme, options=options, dt=dt,
                 reduction_tolerance=solver.reduction_tolerance,
                 largest_error=self.largest_error if falls_back else np.inf,
-                condensation=self.condensations[0] if self.condensations else None,
+                condensation=self.modes,
             )  # fmt: skip
-            if isinstance(stepper, ReducedStepper):
-                self.condensations.append(stepper.condensation)
             stage.update(1)
         _remarks(case, stepper, self.progress)
         try:

@@ -63,7 +63,9 @@ def snapshots_of_chirp(
     low, high = max(frequencies[0], BAND[0] * main), min(frequencies[1], BAND[1] * main)
     low, high = (low, high) if low < high else frequencies
     chirp, dt = Chirp(amplitude, low, high, RATE, 2.0), 1.0 / (STEPS_PER_CYCLE * high)
-    stepper = CondensedStepper(system, preload, Scheme.named("transient_fidelity"), NewtonOptions(), dt=dt)
+    stepper = CondensedStepper(
+        system, preload, Scheme.named("transient_fidelity"), NewtonOptions(), dt=dt, condensation=condensation
+    )
     times = dt * np.arange(int(chirp.duration / dt) + 1)
     base = chirp.acceleration(times)
     found = []
@@ -71,7 +73,7 @@ def snapshots_of_chirp(
         stepper.advance(base[start : start + EVERY + 1], dt, times[start])
         if on_part is not None:
             on_part(start / len(times))
-        found.append(condensation.coordinates(system.mass @ stepper.displacement()))
+        found.append(stepper.state.motion.q.copy())
     motions = np.column_stack(found)
     size = _energy_norm(condensation, motions)
     return motions[:, size > QUIET * size.max()]

@@ -86,12 +86,13 @@ def make_stepper(
 ) -> Stepper:  # fmt: skip
     """Stepper for a value of `solver.method`: "reduced", "condensed" or "full".
 
-    ``condensation`` is that of an earlier stepper with the same scheme and time step, for "condensed".
+    ``condensation``, for "reduced" and "condensed", has the modes of the structure; they are computed if it is None.
     """
     if method == "reduced":
         return ReducedStepper(
-            system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error
-        )
+            system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error,
+            condensation=condensation,
+        )  # fmt: skip
     if method == "condensed":
         return CondensedStepper(system, preload, scheme, options, dt=dt, condensation=condensation)
     if method == "full":

@@ -263,7 +263,8 @@ def trained(
                 held = [f for f, kept in zip(held, good, strict=True) if kept]
                 return Trained(part, max(f.energy for f in held), max(f.tip for f in held), number)
         ends = hopeless or stuck or beyond_training(curve, number, error)
-        if training.snapshots is not None and not watched and (ends or opens_widely(curve, error)):
+        lost = (ends and error > DOUBTFUL) or opens_widely(curve, error)
+        if training.snapshots is not None and not watched and lost:
             shapes, training = training.snapshots(), replace(training, snapshots=None)
             if shapes is not None:
                 training, tolerance = _loosened(training)
