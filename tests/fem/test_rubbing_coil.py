@@ -10,9 +10,11 @@ import pytest
 import scipy.sparse.linalg as spla
 
 from wroll_fem.analyses import harmonic, run_analysis, summarise
+from wroll_fem.analyses import history as history_module
 from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.preflight import contact_warnings
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
@@ -21,8 +23,12 @@ from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping import reduced
+from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.dynamics.training import training
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
@@ -287,6 +293,48 @@ def test_all_points_slip_alike_whatever_the_numbering() -> None:
     ]
     tip = [r["tip_displacement"].values for r in run]
     np.testing.assert_allclose(tip[1], tip[0], atol=1e-8 * np.abs(tip[0]).max(), rtol=0)
+
+
+def test_modes_that_the_loads_excite_are_enough_for_a_history(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The coil slides and opens; far fewer modes than all of them give the same motion."""
+    case = roll(preload={"pressure": 5e3}, mesh={"circumferential": 8, "axial": 4, "radial": 2})
+    each, preload = prepare(case, SilentProgress())
+    scheme, motion, dt = Scheme.hht(-0.05), Dwell(20.0, 130.0, 8, 2), 1 / 5200
+    tips, counts = [], []
+    for many in (each.n_dofs, each.n_dofs - 1):
+        monkeypatch.setattr(reduced, "MANY_DOFS", many)
+        modes = reduced.modes_to_reduce(each, preload, scheme, dt)
+        run = CondensedStepper(each, preload, scheme, NewtonOptions(), dt=dt, condensation=modes)
+        history = simulate(each, preload, motion, dt=dt, scheme=scheme, stepper=run)
+        tips.append(history["tip_displacement"].values)
+        counts.append(len(modes.eigenvalues))
+    assert counts[1] < 0.6 * counts[0]
+    assert float(history["open_fraction"].max()) > 0.1
+    np.testing.assert_allclose(tips[1], tips[0], atol=1e-5 * np.abs(tips[0]).max(), rtol=0)
+
+
+def test_a_reduced_run_and_the_one_that_replaces_it_have_the_same_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also if the run is resumed: the checkpoint holds as many modal coordinates as the modes that are computed anew."""
+    monkeypatch.setattr(reduced, "MANY_DOFS", 0)
+    monkeypatch.setattr(history_module, "LARGE_REDUCTION_ERROR", 0.0)
+    case = roll("sweep", excitation={"amplitude": 20.0, "rate_oct_per_min": 400}, preload={"pressure": 1e4},
+                mesh={"circumferential": 8, "axial": 4, "radial": 2})  # fmt: skip
+    progress = SilentProgress()
+    found = run_analysis(case, progress=progress)
+    assert found.attrs["method"] == "condensed"
+    assert any("falls back" in text for text in progress.warnings)
+    monkeypatch.setattr(history_module, "saved_method", lambda saving: "condensed")
+    again = run_analysis(case, progress=SilentProgress())
+    np.testing.assert_array_equal(again["tip_displacement"].values, found["tip_displacement"].values)
+
+
+@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A basis that may not grow ends the training; a chirp for shapes would start it anew, and might find nothing."""
+    monkeypatch.setattr(training, "LARGEST_BASIS", 45)
+    monkeypatch.setattr(harmonic, "snapshots_of_chirp", lambda *words, **options: pytest.fail("a new training"))
+    found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}), progress=SilentProgress())
+    assert 1e-9 < found.attrs["reduction_error_estimate"] < training.DOUBTFUL
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
