@@ -17,6 +17,7 @@ from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic import aft
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.enrichment import trained_response
 
 LAWS = {
@@ -100,3 +101,31 @@ def test_single_precision_of_the_newton_matrix_does_not_change_the_curve(monkeyp
         sizes.append(np.interp(places, found.curve.frequencies / TURN, np.abs(found.curve.transmissibility)))
     assert max(sizes[0]) > 10.0
     np.testing.assert_allclose(sizes[0], sizes[1], rtol=1e-5)
+
+
+def test_samples_follow_the_motion_of_a_roll() -> None:
+    """Forces of a motion that is later by a share of a sample are later by as much, where all of its points slide."""
+    system, preload, condensation = small_roll(12, 4)
+    model = ReducedModel.of_vectors(condensation, np.eye(len(condensation.eigenvalues))[:, :3])
+    contact = HarmonicContact(model, preload, system.laws, Sampling(3, 64))
+    q = np.zeros((7, 3))
+    q[1] = condensation.base[:3]
+    q *= 300e-6 / np.abs(contact.motion(q)[: 2 * contact.n]).max()
+    q[2] = 0.4 * q[1]
+
+    def later(coefficients: np.ndarray, samples: float) -> np.ndarray:
+        turned, angle = coefficients.copy(), 2.0 * np.pi / 64 * samples * np.arange(1, 4)[:, None]
+        turned[1::2] = np.cos(angle) * coefficients[1::2] - np.sin(angle) * coefficients[2::2]
+        turned[2::2] = np.sin(angle) * coefficients[1::2] + np.cos(angle) * coefficients[2::2]
+        return turned
+
+    def force(motion: np.ndarray) -> np.ndarray:
+        evaluated = contact.evaluate(contact.motion(motion), 900.0)
+        slides = evaluated.hysteresis.sliding.any(axis=1)
+        own = np.where(slides[:, None], evaluated.coefficients[contact.dofs[:, 0]], 0.0)
+        assert slides.mean() > 0.5
+        return own.T
+
+    here = force(q)
+    for samples in (0.1, 0.5, 0.9):
+        np.testing.assert_allclose(force(later(q, samples)), later(here, samples), atol=1e-9 * np.abs(here).max())

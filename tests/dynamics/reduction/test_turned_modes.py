@@ -88,26 +88,21 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
 
 
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No harmonic meets a mode at these pressures. At 100 kPa two ripples of the flat top are equally high to 1e-6,
-    so that f_n may be that of either; the half-power points and the peak are well-defined at all of them.
-    """
-    fine = "harmonic={harmonics: 5, samples: 512, reduction_tolerance: 1e-5}"
-    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}", fine])
-    keys = {"preload.pressure": [6e4, 1e5, 1.2e5]}
+    """No harmonic meets a mode at these pressures."""
+    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
+    keys = {"preload.pressure": [6e4, 8e4, 1e5, 1.2e5]}
     alone = [wf.run(case.changed({"preload.pressure": p}), progress=False) for p in keys["preload.pressure"]]
     turns = []
     monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
     series = wf.run_series(case, keys, progress=False)
-    assert len(turns) == 2
+    assert len(turns) == 3
     allowed = {
-        "stuck_resonance_hz": 1e-8, "half_power_low_hz": 1e-5, "half_power_high_hz": 1e-5,
-        "peak_transmissibility": 1e-4, "zeta": 1e-3,
+        "stuck_resonance_hz": 1e-8, "f_n_hz": 1e-5, "half_power_low_hz": 1e-5, "half_power_high_hz": 1e-5,
+        "peak_transmissibility": 1e-5, "zeta": 1e-4,
     }  # fmt: skip
-    for pressure, one, member in zip(keys["preload.pressure"], alone, series, strict=True):
+    for one, member in zip(alone, series, strict=True):
         for name, relative in allowed.items():
             assert member.data.attrs[name] == pytest.approx(one.attrs[name], rel=relative)
-        if pressure != 1e5:
-            assert member.data.attrs["f_n_hz"] == pytest.approx(one.attrs["f_n_hz"], rel=1e-5)
 
 
 def test_other_matrices_and_a_poor_span_are_computed_anew(monkeypatch: pytest.MonkeyPatch) -> None:

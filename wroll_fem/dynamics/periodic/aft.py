@@ -94,17 +94,31 @@ class Sampling:
             cos, sin = np.cos(k * phase), np.sin(k * phase)
             values[:, column], values[:, column + 1] = cos, sin
             slopes[:, column], slopes[:, column + 1] = -k * sin, k * cos
-        project = 2.0 / count * values.T
-        project[0] *= 0.5
-        grow = np.arange(count + 1) / count
+        ramp, ramp_rate = _ramp(count, 0.0)
         for name, array in (
             ("values", values),
             ("velocities", 2.0 * np.pi / count * slopes),
-            ("project", np.ascontiguousarray(project)),
-            ("ramp", 0.5 * (1.0 - np.cos(np.pi * grow))),
-            ("ramp_rate", 0.5 * np.pi / count * np.sin(np.pi * grow)),
+            ("project", _projection(values)),
+            ("ramp", ramp),
+            ("ramp_rate", ramp_rate),
         ):
             object.__setattr__(self, name, array)
+
+    def shifted(self, shift: float) -> tuple[kernel.Series, FloatArray, FloatArray]:
+        """Fourier series, ramp and its change per sample, at samples that are later by ``shift`` (in samples).
+
+        The ramp remains the same function of the phase.
+        """
+        if shift == 0.0:
+            return kernel.Series(self.values, self.velocities, self.project), self.ramp, self.ramp_rate
+        angle = 2.0 * np.pi / self.samples * shift * self.orders[1::2]
+        turned = []
+        for here in (self.values, self.velocities):
+            there = here.copy()
+            there[:, 1::2] = np.cos(angle) * here[:, 1::2] - np.sin(angle) * here[:, 2::2]
+            there[:, 2::2] = np.cos(angle) * here[:, 2::2] + np.sin(angle) * here[:, 1::2]
+            turned.append(there)
+        return kernel.Series(*turned, _projection(turned[0])), *_ramp(self.samples, shift)
 
     @property
     def size(self) -> int:
@@ -120,6 +134,22 @@ class Sampling:
         return np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1, 2 if self.odd else 1), 2)])
 
 
+def _projection(values: FloatArray) -> FloatArray:
+    """(R, N) matrix that gives Fourier coefficients from samples, for the series ``values`` (N, R) at the samples."""
+    project = 2.0 / len(values) * values.T
+    project[0] *= 0.5
+    return np.ascontiguousarray(project)
+
+
+def _ramp(count: int, shift: float) -> tuple[FloatArray, FloatArray]:
+    """Factor (N + 1,) on the motion in the first period, half a cosine of the phase, and its change per sample.
+
+    The N = ``count`` samples are later by ``shift`` (in samples).
+    """
+    grow = np.clip((np.arange(count + 1) + shift) / count, 0.0, 1.0)
+    return 0.5 * (1.0 - np.cos(np.pi * grow)), 0.5 * np.pi / count * np.sin(np.pi * grow)
+
+
 @dataclass(frozen=True)
 class PeriodicContact:
     """Motion, elastic slip and traction during one period, at the n contact points where the laws are evaluated.
@@ -129,6 +159,8 @@ class PeriodicContact:
 
     Attributes
     ----------
+    shift : shift of the samples (in samples), see `HarmonicContact.shift`
+    series : Fourier series at the samples
     sampled : motion at the samples
     hysteresis : elastic slip, and which points slide
     correction : (3 n, N) s = t - t_0 - D_0 (g - g_0), Pa
@@ -137,6 +169,8 @@ class PeriodicContact:
     pressure_change : (n,) largest change of the pressure, relative to the preload pressure
     """
 
+    shift: float
+    series: kernel.Series
     sampled: kernel.SampledMotion
     hysteresis: kernel.Hysteresis
     correction: FloatArray
@@ -278,9 +312,11 @@ class HarmonicContact:
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
         """Contact during a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
         n, s = self.n, self.sampling
-        motion = np.ascontiguousarray(jump_coefficients @ s.values.T)
-        rate = np.ascontiguousarray(jump_coefficients @ s.velocities.T)
-        path = kernel.SampledMotion(motion, rate, s.ramp, s.ramp_rate, 2.0 * np.pi / (frequency * s.samples))
+        shift = self.shift(jump_coefficients)
+        series, ramp, ramp_rate = s.shifted(shift)
+        motion = np.ascontiguousarray(jump_coefficients @ series.values.T)
+        rate = np.ascontiguousarray(jump_coefficients @ series.velocities.T)
+        path = kernel.SampledMotion(motion, rate, ramp, ramp_rate, 2.0 * np.pi / (frequency * s.samples))
         hysteresis = kernel.Hysteresis(
             slip=np.empty((2 * n, s.samples)), sliding=np.empty((n, s.samples), np.bool_),
             moved=np.zeros(n, np.bool_), periods=np.zeros(n, np.int64), change=np.zeros(n),
@@ -289,7 +325,33 @@ class HarmonicContact:
         correction, is_open = np.empty((3 * n, s.samples)), np.empty((n, s.samples), np.bool_)
         pressure_change = np.zeros(n)
         kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open, pressure_change)
-        return PeriodicContact(path, hysteresis, correction, correction @ s.project.T, is_open, pressure_change)
+        harmonics = correction @ series.project.T
+        return PeriodicContact(shift, series, path, hysteresis, correction, harmonics, is_open, pressure_change)
+
+    def shift(self, jump_coefficients: FloatArray) -> float:
+        """Shift of the samples, -1/2 to 1/2 sample, that places one of them where the slip of a roll turns back.
+
+        Without it, all points turn sometimes at a sample and sometimes between two, as the phase of the motion changes
+        along a curve: a ripple of up to (pi / N)^2 / 2 of the largest slip. The phase is that of the fundamental, as a
+        mean over all points (`_phase`). The points of a roll move nearly in phase; those of other structures need not,
+        and their samples are not shifted. ``jump_coefficients`` (3 n, R), m.
+        """
+        if self.model.condensation.n_theta < 2:
+            return 0.0
+        samples = self._phase(jump_coefficients)[0] * self.sampling.samples / (2.0 * np.pi)
+        return samples - round(samples)
+
+    def _phase(self, jump_coefficients: FloatArray) -> tuple[float, FloatArray]:
+        """Phase at which the fundamental is largest, rad, and its derivatives (2, 3 n) by cosine and sine, rad/m."""
+        fundamental = np.zeros(3 * self.n, complex)
+        along = slice(0, 2 * self.n)
+        fundamental[along] = jump_coefficients[along, 1] - 1j * jump_coefficients[along, 2]
+        weighted = self.weights * fundamental
+        total = weighted @ fundamental
+        if total == 0.0:
+            return 0.0, np.zeros((2, 3 * self.n))
+        slope = weighted / total
+        return -0.5 * float(np.angle(total)), np.array([-slope.imag, slope.real])
 
     def force(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) Fourier coefficients of the contact forces on the reduced coordinates.
@@ -320,11 +382,10 @@ class HarmonicContact:
         """
         moved = contact.hysteresis.moved
         wanted = moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
-        points, size, s = np.flatnonzero(wanted), self.sampling.size, self.sampling
+        points, size = np.flatnonzero(wanted), self.sampling.size
         blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
-        series = kernel.Series(s.values, s.velocities, s.project)
         kernel.derivatives(
-            points, contact.sampled, contact.hysteresis, self.reference, self.laws, series, blocks, by_frequency
+            points, contact.sampled, contact.hysteresis, self.reference, self.laws, contact.series, blocks, by_frequency
         )
         return points, blocks, by_frequency
 
@@ -359,3 +420,23 @@ class HarmonicContact:
             tangential = left.reshape(len(columns), a, 3)[:, :, :2].reshape(len(columns), 2 * a)
             by_log[np.ix_(rows, columns)] = (tangential @ by_frequency.reshape(2 * a, size)[:, rows]).T
         return matrix, by_log
+
+    def add_shift(self, matrix: np.ndarray, coefficients: FloatArray, contact: PeriodicContact) -> None:
+        """Add to the Jacobian ``matrix`` (k, k) what is due to the change of the `shift` with the motion.
+
+        A shift of the samples by an angle a is a turn S(a) of the coefficients: the force is S(-a) F(S(a) c). Its
+        derivative with respect to a is J c' - f', with the Jacobian J at constant shift, and the derivatives c' and f'
+        of S(a) c and S(a) f. ``coefficients`` (R, m) are those of the motion of ``contact``.
+        """
+        if contact.shift == 0.0:
+            return
+        by_angle = matrix @ self._turn(coefficients).astype(matrix.dtype) - self._turn(self.force(contact))
+        by_motion = np.zeros((self.sampling.size, self.model.size))
+        by_motion[1:3] = self._phase(self.motion(coefficients))[1] @ self.jump
+        matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.ravel()[self.active].astype(matrix.dtype))
+
+    def _turn(self, coefficients: FloatArray) -> FloatArray:
+        """(k,) derivative of coefficients (R, m) with respect to the angle by which the samples are shifted."""
+        out, orders = np.zeros_like(coefficients), self.sampling.orders[1::2, None]
+        out[1::2], out[2::2] = orders * coefficients[2::2], -orders * coefficients[1::2]
+        return np.asarray(out.ravel()[self.active])

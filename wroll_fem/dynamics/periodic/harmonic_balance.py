@@ -116,6 +116,7 @@ class HarmonicBalance:
         """
         active = self.contact.active
         matrix, by_log = self.contact.jacobian(contact, threshold=threshold)
+        self.contact.add_shift(matrix, coefficients, contact)
         w = self.orders[:, None] * frequency
         matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
         by_frequency = by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
