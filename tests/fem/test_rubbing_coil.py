@@ -314,7 +314,7 @@ def test_modes_that_the_loads_excite_are_enough_for_a_history(monkeypatch: pytes
 
 
 def test_a_reduced_run_and_the_one_that_replaces_it_have_the_same_modes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also if the run is resumed: the checkpoint holds as many modal coordinates as the modes that are computed anew."""
+    """Also if the run is resumed: the checkpoint holds as many modal coordinates as there are modes."""
     monkeypatch.setattr(reduced, "MANY_DOFS", 0)
     monkeypatch.setattr(history_module, "LARGE_REDUCTION_ERROR", 0.0)
     case = roll("sweep", excitation={"amplitude": 20.0, "rate_oct_per_min": 400}, preload={"pressure": 1e4},

@@ -15,8 +15,9 @@ from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
 from wroll_fem.dynamics.periodic import aft
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
+from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.enrichment import trained_response
 

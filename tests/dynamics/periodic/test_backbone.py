@@ -10,9 +10,10 @@ import scipy.sparse as sp
 from support.exact_systems import coulomb_oscillator, slipping_pair
 from support.periodic import TURN, balance, complete, small_roll
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import ModalMotion, main_mode, solve_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
+from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 
 

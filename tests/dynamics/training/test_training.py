@@ -11,10 +11,11 @@ from support.periodic import small_roll
 
 from wroll_fem.analyses.harmonic import unbounded_reading
 from wroll_fem.dynamics.periodic import causes
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
+from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training import enrichment
 from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction

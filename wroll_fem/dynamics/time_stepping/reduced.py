@@ -363,10 +363,7 @@ class ReducedStepper(Stepper):
 
 
 def modes_to_reduce(system: System, preload: ContactState, scheme: Scheme, dt: float) -> Condensation:
-    """Modes of the structure with stuck interfaces, in which a reduced model has its basis; see `MANY_DOFS`.
-
-    ``scheme`` and ``dt`` (s) are those of the time integration.
-    """
+    """Modes of the structure with stuck interfaces, in which a reduced model has its basis; see `MANY_DOFS`."""
     springs = reference_stiffness(system, preload, dt)
     moments = MOMENTS if system.n_dofs > MANY_DOFS and held(system, springs) else 0
     return condense(system, springs, scheme, dt, moments=moments)

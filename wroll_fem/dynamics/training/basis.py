@@ -12,10 +12,11 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import main_mode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState

@@ -17,11 +17,12 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, Sampling
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
