@@ -5,8 +5,7 @@ r"""Bouc-Wen hysteresis with a limit: the elastic slip approaches gamma* smoothl
 
 In one direction this is :math:`\dot z = \dot x - \beta |\dot x| |z|^{n-1} z - \gamma \dot x |z|^n` with
 :math:`\beta = b / \gamma^{*n}` and :math:`\gamma = (1 - b) / \gamma^{*n}`. The law does not depend on the slip rate.
-An increment is integrated by the classical Runge-Kutta method in substeps; its derivatives are central differences
-(`laws`).
+An increment is integrated by the classical Runge-Kutta method in substeps; its derivatives are central differences.
 
 References
 ----------
@@ -19,7 +18,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from wroll_fem.contact.law import FrictionLaw, Parameter
+from wroll_fem.contact.law import DIFFERENCE, FrictionLaw, Parameter
 from wroll_fem.contact.penalty_coulomb import check_stick
 from wroll_fem.errors import InputError
 
@@ -139,15 +138,53 @@ def substeps(dg_h: float, dg_z: float, gamma: float, n: float) -> int:
     return 1 + int(min(size * max(1.0, 0.5 * n) / (SUBSTEP * gamma), MOST_SUBSTEPS))
 
 
+def integrated(
+    trial_h: float, trial_z: float, dg_h: float, dg_z: float, gamma: float, n: float, b: float
+) -> tuple[float, float]:
+    """Elastic slip (m) after an increment, from the trial slip."""
+    return advance(trial_h - dg_h, trial_z - dg_z, dg_h, dg_z, gamma, n, b, substeps(dg_h, dg_z, gamma, n))
+
+
 def slip_update(
     k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
 ) -> tuple[float, float, bool]:
     """Elastic slip (m) after the increment, and whether it exceeds `SLIDES` gamma*."""
-    gamma, n, b = laws.gamma[k], laws.own[k, EXPONENT], laws.own[k, UNLOADING]
-    count = substeps(dg_h, dg_z, gamma, n)
-    e_h, e_z = advance(trial_h - dg_h, trial_z - dg_z, dg_h, dg_z, gamma, n, b, count)
+    gamma = laws.gamma[k]
+    e_h, e_z = integrated(trial_h, trial_z, dg_h, dg_z, gamma, laws.own[k, EXPONENT], laws.own[k, UNLOADING])
     return e_h, e_z, e_h * e_h + e_z * e_z > (SLIDES * gamma) ** 2
 
 
-CALLED = ("advance", "runge_kutta", "substeps")
+def differences(
+    t_h: float, t_z: float, g_h: float, g_z: float, gamma: float, n: float, b: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Central differences for the arguments of `integrated`: by trial slip ``t``, then by increment ``g``."""
+    d = DIFFERENCE * gamma
+    half = 0.5 / d
+    r_h, r_z = integrated(t_h + d, t_z, g_h, g_z, gamma, n, b)
+    l_h, l_z = integrated(t_h - d, t_z, g_h, g_z, gamma, n, b)
+    a00, a10 = half * (r_h - l_h), half * (r_z - l_z)
+    r_h, r_z = integrated(t_h, t_z + d, g_h, g_z, gamma, n, b)
+    l_h, l_z = integrated(t_h, t_z - d, g_h, g_z, gamma, n, b)
+    a01, a11 = half * (r_h - l_h), half * (r_z - l_z)
+    r_h, r_z = integrated(t_h, t_z, g_h + d, g_z, gamma, n, b)
+    l_h, l_z = integrated(t_h, t_z, g_h - d, g_z, gamma, n, b)
+    b00, b10 = half * (r_h - l_h), half * (r_z - l_z)
+    r_h, r_z = integrated(t_h, t_z, g_h, g_z + d, gamma, n, b)
+    l_h, l_z = integrated(t_h, t_z, g_h, g_z - d, gamma, n, b)
+    return a00, a01, a10, a11, b00, half * (r_h - l_h), b10, half * (r_z - l_z)
+
+
+def slip_derivatives(
+    k: int, trial_h: float, trial_z: float, dg_h: float, dg_z: float, p: float, laws: Any, dt: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Derivatives of the elastic slip: with respect to the trial slip, then with respect to the increment.
+
+    Each derivative is a 2 x 2 matrix, given by its entries 00, 01, 10, 11 (0: hoop, 1: axial). Eight integrations in a
+    function of numbers alone: with the arrays of ``laws`` in them, all other laws would take four times as long.
+    """
+    gamma = laws.gamma[k]
+    return differences(trial_h, trial_z, dg_h, dg_z, gamma, laws.own[k, EXPONENT], laws.own[k, UNLOADING])
+
+
+CALLED = ("advance", "differences", "runge_kutta", "substeps")
 """Functions that numba compiles once and calls; it would inline them otherwise. Their arguments are numbers."""

@@ -11,6 +11,10 @@ from dataclasses import fields
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 
+DIFFERENCE = 1e-5
+"""Increment of central differences of a law, relative to gamma*."""
+
+
 class Parameter(NamedTuple):
     """Meaning (with unit) and bound of a parameter: greater than ``above``, or at least ``least``."""
 

@@ -22,7 +22,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from wroll_fem.contact.law import FrictionLaw, own_parameters, sequence_parameters
+from wroll_fem.contact.law import DIFFERENCE, FrictionLaw, own_parameters, sequence_parameters
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.contact.pointwise import PointwiseFriction, different_laws
 from wroll_fem.contact.rate_coulomb import RateCoulomb
@@ -38,10 +38,6 @@ __all__ = [
 ]  # fmt: skip
 
 drop_stale_cache(__file__)
-
-DIFFERENCE = 1e-5
-"""Increment of the central differences for a law without derivatives, relative to gamma*."""
-
 
 class PointLaws(NamedTuple):
     """Parameters of the friction and normal laws at the points of all interfaces, innermost interface first.

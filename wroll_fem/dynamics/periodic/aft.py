@@ -9,7 +9,7 @@ traction: that traction makes the trapezoidal work of a time step exact, and sam
 the derivatives of the Fourier series at the samples, not differences between samples.
 
 The elastic slip starts from the preload state; periods are computed until it repeats (periodic hysteresis). The
-derivatives of all these periods are computed too (`aft_kernel`), so that Newton's method has the exact Jacobian.
+derivatives of all these periods are computed too (`aft_derivatives`), so that Newton's method has the exact Jacobian.
 
 References
 ----------
@@ -26,6 +26,7 @@ import numpy as np
 from wroll_fem.contact.kernels import PointLaws, Reference
 from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
+from wroll_fem.dynamics.periodic.aft_derivatives import derivatives
 from wroll_fem.dynamics.periodic.every_mode import EveryMode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling
@@ -286,9 +287,10 @@ class HarmonicContact:
         wanted = moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
         points, size = np.flatnonzero(wanted), self.sampling.size
         blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
-        kernel.derivatives(
-            points, contact.sampled, contact.hysteresis, self.reference, self.laws, contact.series, blocks, by_frequency
-        )
+        derivatives(
+            points, contact.sampled, contact.hysteresis, self.reference, self.laws, contact.series,
+            self.sampling.products(contact.shift), blocks, by_frequency,
+        )  # fmt: skip
         return points, blocks, by_frequency
 
     def jacobian(

@@ -1,4 +1,4 @@
-"""Compiled part of the harmonic balance: contact laws during one period, and their exact derivatives (see `aft`).
+"""Compiled part of the harmonic balance: contact laws during one period (see `aft`).
 
 The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The elastic
 slip starts from the preload state. In a first period the motion grows from zero (the ramp); whole periods follow until
@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from wroll_fem.contact import point
-from wroll_fem.contact.laws import slip_derivatives, slip_update
+from wroll_fem.contact.laws import slip_update
 from wroll_fem.contact.point import (
     axial,
     contact_dof,
@@ -82,6 +82,20 @@ class Series(NamedTuple):
     values: FloatArray
     velocities: FloatArray
     project: FloatArray
+
+
+class Products(NamedTuple):
+    """What gives the matrix that multiplies a motion by a periodic function.
+
+    Attributes
+    ----------
+    project : (2 (2 H + 1), N) matrix that gives the Fourier coefficients of the function from its samples: those of
+        cos 0, ..., cos 2 H, then of sin 0, ..., sin 2 H. The first one is twice the mean.
+    orders : (R,) harmonic number of each coefficient of the motion
+    """
+
+    project: FloatArray
+    orders: IntArray
 
 
 @numba.njit(cache=True)
@@ -180,122 +194,6 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
             s[r, j] = point.correction(tn, t_0[r], springs[r], motion[r, j])
             largest = max(largest, abs(p - p_0))
         pressure_change[k] = largest / p_0 if p_0 > 0.0 else np.inf
-
-
-@numba.njit(cache=True)
-def derivatives(points, path, hysteresis, reference, laws, series, blocks, by_frequency):
-    """Derivatives of Fourier coefficients, ds/dg. s: traction minus the traction of the stuck interface; g: motion.
-
-    They are exact and include the dependence of s on the slip history (s: see `correction`).
-
-    Parameters
-    ----------
-    points : (a,) indices of the points
-    hysteresis : `Hysteresis` of the same motion; the elastic slip of a point that never slid changes as its motion does
-    series : `Series`
-    blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
-    by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
-        fixed coefficients, Pa; it is nonzero for laws that depend on the slip rate
-    """
-    motion, rate, ramp, ramp_rate, dt = path
-    moved, periods = hysteresis.moved, hysteresis.periods
-    e_0, g_0, springs = reference.elastic_slip, reference.jump, reference.springs
-    values, velocities, project = series
-    count, size = values.shape
-    n = laws.mu.shape[0]
-    # derivative of the elastic slip with respect to the hoop, then the axial motion, minus the derivative in stick
-    dh, dz = np.zeros(2 * size), np.zeros(2 * size)
-    dn = np.zeros(2 * size)  # of the elastic slip (hoop, axial) with respect to the normal motion
-    rows = np.zeros((count, 7 * size + 2))
-    for index in range(points.shape[0]):
-        k = points[index]
-        h, z, normal_dof = hoop(k), axial(k), normal(k, n)
-        stick, held = stick_change(k, 1.0, laws), laws.stick[k]  # per pressure, and constant; for all samples
-        kn, separates = laws.kn[k], laws.separation[k]
-        eh, ez = e_0[h], e_0[z]
-        before_h = before_z = 0.0
-        dh[:] = 0.0
-        dz[:] = 0.0
-        dn[:] = 0.0
-        wh = wz = last = p = 0.0
-        exact, elastic, last_j = laws.exact_increment[k], laws.elastic[k], 0
-        end = (periods[k] + 1) * count
-        for step in range(1 if moved[k] else end - count + 1, end + 1):
-            j = step % count
-            now_h, now_z = motion[h, j], motion[z, j]
-            if moved[k]:
-                grown, growth = 1.0, 0.0
-                if step <= count:
-                    grown, growth = ramp[step], ramp_rate[step]
-                    now_h, now_z = grown * now_h, grown * now_z
-                th, tz = eh + now_h - before_h, ez + now_z - before_z
-                vh = grown * rate[h, j] + growth * motion[h, j]
-                vz = grown * rate[z, j] + growth * motion[z, j]
-                if exact:
-                    vh, vz = now_h - before_h, now_z - before_z
-                if held > 0.0:
-                    p = pressure(penalty_traction(g_0[normal_dof] + grown * motion[normal_dof, j], kn, separates))
-                eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
-                if slides or not laws.sticks[k]:
-                    a00, a01, a10, a11, b00, b01, b10, b11 = slip_derivatives(k, th, tz, vh, vz, p, laws, dt)
-                    if held > 0.0:  # the limit follows the pressure
-                        sink = -kn * grown / p if p > 0.0 else 0.0
-                        for r in range(size):
-                            nh, nz, here = dn[r], dn[size + r], values[j, r]
-                            dn[r] = a00 * nh + a01 * nz + sink * eh * here
-                            dn[size + r] = a10 * nh + a11 * nz + sink * ez * here
-                    for r in range(size):
-                        here = grown * values[j, r]
-                        fast = grown * velocities[j, r] + growth * values[j, r]
-                        if exact:
-                            fast = here - last * values[last_j, r]
-                        if elastic:
-                            dh[r] = dh[size + r] = dz[r] = dz[size + r] = 0.0
-                        hh, hz, zh, zz = dh[r] + here, dh[size + r], dz[r], dz[size + r] + here
-                        dh[r] = a00 * hh + a01 * zh + b00 * fast - here
-                        dh[size + r] = a00 * hz + a01 * zz + b01 * fast
-                        dz[r] = a10 * hh + a11 * zh + b10 * fast
-                        dz[size + r] = a10 * hz + a11 * zz + b11 * fast - here
-                    # at fixed coefficients the velocity is (change per sample)/dt, so d/d ln(w) = B (change per sample)
-                    if not exact and not elastic:
-                        wh, wz = a00 * wh + a01 * wz + b00 * vh + b01 * vz, a10 * wh + a11 * wz + b10 * vh + b11 * vz
-                last, last_j = grown, j
-            else:
-                eh, ez = e_0[h] + now_h, e_0[z] + now_z
-            before_h, before_z = now_h, now_z
-            if step > end - count:
-                gn = g_0[normal_dof] + motion[normal_dof, j]
-                stiffness = kn if is_closed(gn, separates) else 0.0
-                pressed = pressure(penalty_traction(gn, kn, separates)) > 0.0
-                slope = stick * -stiffness if pressed else 0.0  # of the stick stiffness with the gap
-                kt = slope * gn + (held if pressed else 0.0)
-                row = rows[j]
-                for r in range(size):
-                    here = values[j, r]
-                    row[r] = kt * (dh[r] + here)
-                    row[size + r] = kt * dh[size + r]
-                    row[2 * size + r] = kt * dz[r]
-                    row[3 * size + r] = kt * (dz[size + r] + here)
-                    row[4 * size + r] = slope * eh * here + held * dn[r]
-                    row[5 * size + r] = slope * ez * here + held * dn[size + r]
-                    row[6 * size + r] = stiffness * here
-                row[7 * size] = kt * wh
-                row[7 * size + 1] = kt * wz
-            if elastic:
-                eh, ez = e_0[h] + now_h, e_0[z] + now_z
-        found = np.dot(project, rows)
-        for r in range(size):
-            for q in range(size):
-                for c in range(2):
-                    blocks[index, c, r, 0, q] = found[r, 2 * c * size + q]
-                    blocks[index, c, r, 1, q] = found[r, (2 * c + 1) * size + q]
-                    blocks[index, c, r, 2, q] = found[r, (4 + c) * size + q]
-                    blocks[index, 2, r, c, q] = 0.0
-                blocks[index, 2, r, 2, q] = found[r, 6 * size + q]
-            for c in range(3):
-                blocks[index, c, r, c, r] -= springs[contact_dof(k, c, n)]
-            by_frequency[index, 0, r] = found[r, 7 * size]
-            by_frequency[index, 1, r] = found[r, 7 * size + 1]
 
 
 @numba.njit(cache=True)

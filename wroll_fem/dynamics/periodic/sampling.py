@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.dynamics.periodic.aft_kernel import Series
+from wroll_fem.dynamics.periodic.aft_kernel import Products, Series
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
@@ -73,6 +73,12 @@ class Sampling:
         angle = 2.0 * np.pi / self.samples * shift * self.orders[1::2]
         values, velocities = _turned(self.values, angle), _turned(self.velocities, angle)
         return Series(values, velocities, _projection(values)), *_ramp(self.samples, shift)
+
+    def products(self, shift: float) -> Products:
+        """Matrices for the product of a motion and a periodic function, at samples later by ``shift`` (in samples)."""
+        phase = 2.0 * np.pi / self.samples * (np.arange(self.samples) + shift)
+        angles = np.arange(2 * self.harmonics + 1)[:, None] * phase
+        return Products(2.0 / self.samples * np.concatenate([np.cos(angles), np.sin(angles)]), self.orders.astype(int))
 
     @property
     def size(self) -> int:
