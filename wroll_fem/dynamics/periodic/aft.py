@@ -48,7 +48,7 @@ PRESSURE_CHANGE = 0.02
 """Change of the pressure, relative to the preload pressure, below which a sticking point is omitted from the Jacobian
 of Newton's method. The residual always includes every point."""
 
-SINGLE = 300
+SINGLE = 100
 """Number of unknowns from which Newton's matrix is formed and factored in single precision. The residual is always in
 double precision, so only the number of iterations could change."""
 

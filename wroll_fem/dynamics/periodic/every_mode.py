@@ -9,7 +9,9 @@ group holds all modes and all harmonics.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -94,6 +96,15 @@ class EveryMode:
         around = np.ascontiguousarray(profiles[:, :, theta].transpose(1, 0, 2))
         return Group(columns, modes, filled, around, jump)
 
+    @cached_property
+    def single(self) -> EveryMode:
+        """The same maps in single precision, for arrays of single precision: twice as fast."""
+        out = copy(self)
+        out.groups = [
+            replace(g, around=g.around.astype(np.float32), jump=g.jump.astype(np.float32)) for g in self.groups
+        ]
+        return out
+
     def split(self, values: FloatArray) -> list[FloatArray]:
         """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""
         return [group.of_modes(values[:, group.columns]) for group in self.groups]
@@ -121,7 +132,7 @@ class EveryMode:
 
     def motion(self, parts: Sequence[FloatArray]) -> FloatArray:
         """(n, 3, R) relative displacement of the contact points from modal coefficients (b, d, c) per group."""
-        out = np.zeros((len(self.points), 3, self.coefficients))
+        out = np.zeros((len(self.points), 3, self.coefficients), self.groups[0].jump.dtype)
         for group, part in zip(self.groups, parts, strict=True):
             waves, count = group.around.shape[1], len(group.columns)
             amplitudes = group.jump.transpose(0, 2, 1) @ part

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
+from wroll_fem.dynamics.periodic.every_mode import EveryMode
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
@@ -99,16 +100,23 @@ def correction(
     count, size = len(points), 3 * len(orders)
     own = slice(None) if count == contact.n else rank[points][order]
     square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
+    short_square, short_inverse = square.astype(np.float32), [part.astype(np.float32) for part in inverse]
 
-    def answer(z: FloatArray) -> list[FloatArray]:
-        """Modal displacements L^{-1} G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
+    def forces(maps: EveryMode, square: FloatArray, z: FloatArray) -> list[FloatArray]:
+        """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
         traction = np.zeros_like(z)
         traction[own] = (square @ z[own].reshape(count, size, 1)).reshape(count, 3, len(orders))
-        return [part * force for part, force in zip(inverse, every.force(traction), strict=True)]
+        return maps.force(traction)
+
+    def product(z: FloatArray) -> FloatArray:
+        """(I + F D) z, with F D z in single precision."""
+        acting = forces(every.single, short_square, z.astype(np.float32))
+        return z + every.single.motion([part * force for part, force in zip(short_inverse, acting, strict=True)])
 
     direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
-    z = gmres(lambda v: v + every.motion(answer(v)), every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
-    delta = [part - change for part, change in zip(direct, answer(z), strict=True)]
+    z = gmres(product, every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
+    after = forces(every, square, z)
+    delta = [part - share * force for part, share, force in zip(direct, inverse, after, strict=True)]
     scaled = _stacked([r * part for r, part in zip(root, delta, strict=True)])
     if along is not None:
         shapes = [every.split(model.vectors @ one.T) for one in along]
