@@ -194,7 +194,9 @@ def _drawn_over_preload(members: list[StudyCase], title: str) -> Axes:
 
 def plot_curves(evidence: Evidence) -> Axes:
     """Draw Fig. 6.2: one panel per structure, one curve per preload."""
-    title = "Steady response at 0.5 g, base of the coil free: the peak is lowest at a middle preload"
+    lowest = {name: min(line, key=lambda p: p.peak) for name, line in baseline(evidence).items()}
+    said = ", ".join(f"{name} {1e-3 * point.pressure:g} kPa" for name, point in lowest.items())
+    title = f"Steady response at 0.5 g, base of the coil free. Preload with the lowest peak: {said}"
     return _drawn_over_preload(evidence.finished(BASELINE)[0], title)
 
 

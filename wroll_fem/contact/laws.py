@@ -39,6 +39,7 @@ __all__ = [
 
 drop_stale_cache(__file__)
 
+
 class PointLaws(NamedTuple):
     """Parameters of the friction and normal laws at the points of all interfaces, innermost interface first.
 
