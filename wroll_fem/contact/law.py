@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
 
-
 DIFFERENCE = 1e-5
 """Increment of central differences of a law, relative to gamma*."""
 
