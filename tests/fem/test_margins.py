@@ -40,6 +40,7 @@ def test_borders_lie_at_given_heights() -> None:
     np.testing.assert_allclose(with_borders(even, [0.21, 0.5, 0.6]), [0.0, 0.21, 0.4, 0.5, 0.6, 0.8, 1.0])
     np.testing.assert_allclose(with_borders(even, [0.21], keep=[even[1]]), [0.0, 0.2, 0.21, 0.4, 0.6, 0.8, 1.0])
     np.testing.assert_array_equal(with_borders(even, [0.0, 1.0]), even)
+    np.testing.assert_allclose(with_borders(even, [0.05, 0.95]), [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0])
 
 
 @pytest.mark.parametrize(("axial", "grading"), [(12, 8.0), (7, 3.0), (5, 1.0)])

@@ -30,6 +30,9 @@ from wroll_fem.dynamics.time_stepping.simulate import simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.dynamics.training import training
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.fem.coil import coil_heights, mesh_coil
+from wroll_fem.fem.rubbing_coil import clamped_nodes
+from wroll_fem.mesh.generate import build_mesh, roll_stations
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
 
@@ -244,6 +247,25 @@ def test_a_clamped_annulus_converges_and_holds_more_the_wider_it_is() -> None:
     narrow, wide = compliance(1.5e-3, 2), compliance(5e-3, 2)
     assert wide < narrow < compliance(0.0, 2)
     assert compliance(5e-3, 3) == pytest.approx(wide, rel=0.02)
+
+
+@pytest.mark.parametrize("width", [3e-4, 1e-3, 2e-3])
+def test_elements_near_a_clamped_annulus_grow_from_half_its_width(width: float) -> None:
+    """Along the axis and across the coil, whose extent stays; a width far below the elements was a bare line once."""
+    mesh = {"circumferential": 8, "radial": 3, "axial": 6, "grading": 20}
+    case = roll(coil={"base": "inner_edge", "base_width": width}, mesh=mesh)
+    wall, coil = 0.5 * case.geometry.mandrel_thickness, case.coil.total_thickness
+    across, along = coil_heights(case)[::2] - wall, roll_stations(case)
+    assert across[[0, -1]] == pytest.approx([0.0, coil], abs=1e-15)
+    assert along[[0, -1]] == pytest.approx([0.0, case.geometry.length], abs=1e-15)
+    for borders in (across, along):
+        sizes = np.diff(borders[borders < 4.0 * width])
+        assert borders[1] == pytest.approx(0.5 * width, rel=0.5)
+        assert np.all(sizes[1:] < 4.0 * sizes[:-1])
+    assert np.abs(across - width).min() < 1e-12
+    held = across[across <= 1.000001 * width]
+    part = build_mesh(case).part("mandrel")
+    assert len(clamped_nodes(case, part, mesh_coil(case, part)[0])) == 16 * (2 * len(held) - 1)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints, base_influence, mirrored_values
 from wroll_fem.fem.shell import drop_small, radial_director
 from wroll_fem.fem.solid import SolidModel, thicken
-from wroll_fem.mesh.generate import axial_stations, with_borders
+from wroll_fem.mesh.generate import annulus_borders, axial_stations, with_borders
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
@@ -64,11 +64,12 @@ class CoilMatrices:
 def coil_heights(roll: RollSections) -> FloatArray:
     """Distances of the node layers of the coil from the mid-surface of the mandrel, m, ascending.
 
-    There are 2 `mesh.radial` + 1 of them, and two more if the border of a clamped annulus divides an element.
+    There are 2 `mesh.radial` + 1 of them, and two more for each element that is divided near a clamped annulus.
     """
     wall = 0.5 * roll.geometry.mandrel_thickness
     borders = axial_stations(roll.coil.total_thickness, roll.mesh.radial, roll.mesh.radial_grading)
-    borders = with_borders(borders, [roll.clamped_width] if roll.clamped_width else [])
+    near = annulus_borders(roll.clamped_width, borders[1] - borders[0])
+    borders = with_borders(borders, [roll.clamped_width, *near] if roll.clamped_width else [])
     levels = np.zeros(2 * len(borders) - 1)
     levels[::2], levels[1::2] = borders, 0.5 * (borders[1:] + borders[:-1])
     return wall + levels

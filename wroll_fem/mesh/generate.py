@@ -63,7 +63,8 @@ def axial_stations(length: float, divisions: int, grading: float = 1.0) -> Float
 def roll_stations(roll: RollSections) -> FloatArray:
     """Heights of the element borders of the mandrel, m, with a border at each end of the coil and at each wall row.
 
-    The coil has `mesh.axial` elements, those of a margin are at most twice as high as the next one of the coil.
+    The coil has `mesh.axial` elements, those of a margin are at most twice as high as the next one of the coil. Near a
+    clamped annulus there are more (`annulus_borders`).
     """
     low, high = roll.coil_span
     stations = low + axial_stations(high - low, roll.mesh.axial, roll.mesh.grading)
@@ -74,8 +75,20 @@ def roll_stations(roll: RollSections) -> FloatArray:
         above = roll.geometry.length - high
         count = int(np.ceil(0.5 * above / (stations[-1] - stations[-2])))
         stations = np.concatenate([stations, np.linspace(high, roll.geometry.length, count + 1)[1:]])
-    rows = roll.mandrel.wall or []
-    return with_borders(stations, [row.z for row in rows], keep=(0.0, low, high, roll.geometry.length))
+    near = [low + z for z in annulus_borders(roll.clamped_width, stations[1] - stations[0])]
+    heights = [*near, *(row.z for row in roll.mandrel.wall or [])]
+    return with_borders(stations, heights, keep=(0.0, low, high, roll.geometry.length))
+
+
+def annulus_borders(width: float, size: float) -> list[float]:
+    """Distances of element borders from the inner edge of a coil that is clamped on an annulus of ``width``, m.
+
+    The stress is singular at both edges of the annulus, and decays within a few widths. The elements are half as long
+    as the annulus is wide, and double in length up to the length ``size`` of the regular elements. Without an annulus
+    (width 0) there are none.
+    """
+    count = int(np.ceil(np.log2(2.0 * size / width))) if width > 0.0 else 0
+    return [0.5 * width * 2.0**k for k in range(count)]
 
 
 SNAP = 0.3
@@ -83,7 +96,7 @@ SNAP = 0.3
 
 
 def with_borders(stations: FloatArray, heights: Sequence[float], keep: Sequence[float] = ()) -> FloatArray:
-    """Element borders (m, ascending) with a border at each of ``heights``; those at ``keep`` do not move."""
+    """Element borders (m, ascending) with a border at each of ``heights``; both ends and those at ``keep`` stay."""
     borders = stations.copy()
     for z in heights:
         nearest = int(np.abs(borders - z).argmin())
@@ -91,7 +104,10 @@ def with_borders(stations: FloatArray, heights: Sequence[float], keep: Sequence[
             continue
         after = int(np.searchsorted(borders, z))
         size = borders[after] - borders[after - 1]
-        held = np.isclose(borders[nearest], [*keep, *heights], rtol=1e-9, atol=0.0).any()
+        held = (
+            nearest in (0, len(borders) - 1)
+            or np.isclose(borders[nearest], [*keep, *heights], rtol=1e-9, atol=0.0).any()
+        )
         if abs(borders[nearest] - z) < SNAP * size and not held:
             borders[nearest] = z
         else:
