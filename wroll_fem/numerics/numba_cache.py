@@ -31,7 +31,15 @@ def drop_stale_cache(module: str | Path, *inlined: str | Path, laws: Path = CONT
     module = Path(module)
     changed = max(path.stat().st_mtime for path in (*map(Path, inlined), *laws.glob("*.py")))
     indices = (module.parent / "__pycache__").glob(f"{module.stem}.*.nbi")
-    stale = [index for index in indices if index.stat().st_mtime < changed]
+    stale = [index for index in indices if _older(index, changed)]
     for index in stale:
         index.unlink(missing_ok=True)
     return stale
+
+
+def _older(path: Path, time: float) -> bool:
+    """Whether a file is older than ``time``; False if another process has removed it meanwhile."""
+    try:
+        return path.stat().st_mtime < time
+    except FileNotFoundError:
+        return False

@@ -104,9 +104,11 @@ def test_compiled_loops_older_than_a_law_or_a_loop_they_inline_are_compiled_agai
     for path, stamp in (files | {new: 300.0, other: 100.0}).items():
         path.touch()
         os.utime(path, (stamp, stamp))
+    gone = cache / "loop.gone.nbi"  # like a file that another process removes after it was listed
+    gone.symlink_to(cache / "nothing")
     assert drop_stale_cache(tmp_path / "loop.py", laws=laws) == [old]
     assert drop_stale_cache(tmp_path / "loop.py", tmp_path / "base.py", laws=laws) == [young]
-    assert sorted(cache.iterdir()) == sorted([new, other])
+    assert sorted(cache.iterdir()) == sorted([new, other, gone])
 
 
 def test_preload_on_the_interfaces_is_that_of_the_whole_structure() -> None:
