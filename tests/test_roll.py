@@ -29,7 +29,7 @@ LAB = wf.Roll(
 )  # fmt: skip
 """The roll of configs/lab_sweep.yaml."""
 
-GRADED = LAB.replace(mesh=wf.Mesh(circumferential=32, axial=8, grading=8))
+GRADED = LAB.replace(mesh=wf.Mesh(circumferential=24, axial=16, grading=40))
 COARSE = LAB.replace(mesh=wf.Mesh(circumferential=12, axial=4))
 
 

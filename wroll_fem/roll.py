@@ -140,6 +140,31 @@ class Roll(Runs):
             progress=progress,
         )  # fmt: skip
 
+    def run_slip_damping(
+        self,
+        excitation: SineExcitation,
+        *,
+        damping_ratio: float,
+        output: Output | None = None,
+        out: str | Path | None = None,
+        progress: ShowProgress = None,
+    ) -> Result:
+        """Compute frequency and damping of a solid coil whose wraps slide versus amplitude; needs `inside: slipping`.
+
+        Parameters
+        ----------
+        excitation, output
+            Case sections; None gives the default.
+        damping_ratio
+            Damping ratio without slip.
+        out, progress
+            As of `wroll_fem.run`.
+        """
+        return self.run(
+            "slip_damping", excitation=excitation, damping_ratio=damping_ratio, output=output, out=out,
+            progress=progress,
+        )  # fmt: skip
+
     def run_design_map(
         self, design_map: DesignMap, *, out: str | Path | None = None, progress: ShowProgress = None
     ) -> Result:

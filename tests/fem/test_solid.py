@@ -11,7 +11,8 @@ from support.shell_patches import patch
 
 from wroll_fem.bodies.body import SolidPart
 from wroll_fem.bodies.materials import CylindricalOrthotropic
-from wroll_fem.coiled_stiff.solid_stress import coil_shear_strain, quadratic_basis
+from wroll_fem.coiled_stiff.shear_points import quadratic_basis
+from wroll_fem.coiled_stiff.solid_stress import coil_shear_strain
 from wroll_fem.fem.coil import in_vtk_order
 from wroll_fem.fem.eigen import solve_pairs
 from wroll_fem.fem.shell import radial_director

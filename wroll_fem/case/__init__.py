@@ -21,6 +21,7 @@ from wroll_fem.case.kinds import (
     ModalTransientCase,
     PreloadCase,
     SizingCase,
+    SlipDampingCase,
     SweepCase,
     TwoDofCase,
     WindingCase,
@@ -42,7 +43,7 @@ __all__ = [
     "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase",
     "DwellCase", "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "Integrator",
     "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
-    "OnStructure", "Output", "Preload", "PreloadCase", "RollSections", "Section", "SizingCase", "Solver",
-    "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case", "example_case", "load_case",
-    "schema_text",
+    "OnStructure", "Output", "Preload", "PreloadCase", "RollSections", "Section", "SizingCase", "SlipDampingCase",
+    "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case", "example_case",
+    "load_case", "schema_text",
 ]  # fmt: skip

@@ -13,6 +13,7 @@ MODULES: dict[str, str] = {
     "backbone": "wroll_fem.analyses.backbone",
     "modal": "wroll_fem.analyses.modal",
     "modal_transient": "wroll_fem.analyses.modal_transient",
+    "slip_damping": "wroll_fem.analyses.slip_damping",
     "preload": "wroll_fem.analyses.preload",
     "buckling": "wroll_fem.analyses.buckling",
     "winding": "wroll_fem.analyses.winding",

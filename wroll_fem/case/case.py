@@ -50,7 +50,7 @@ _OFF_BY_DEFAULT = (("preload", "geometric_stiffness"),)
 
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
-    "damping_ratio": ("modal damping", "modal_transient"), "sizing": ("mandrel to be sized", "sizing"),
+    "damping_ratio": ("modal damping", "modal_transient or slip_damping"), "sizing": ("mandrel to be sized", "sizing"),
 }  # fmt: skip
 """Key that only one analysis uses -> (description of the key, name of the analysis)."""
 

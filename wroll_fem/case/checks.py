@@ -248,26 +248,6 @@ def check_damping_method(output: Output, analysis: str, two_dof: TwoDof | None =
         )  # fmt: skip
 
 
-def check_solid_coil(coil: Coil) -> None:
-    """Require a solid coil for modal_transient, which computes shear stresses in the coil.
-
-    Raises
-    ------
-    PydanticCustomError
-        If the check fails.
-    """
-    if coil.model != "solid":
-        raise validation_error(
-            "analysis modal_transient recovers the stress of a solid coil", key="coil.model", value=coil.model,
-            remedy="use coil.model: solid; for layers use analysis: dwell",
-        )  # fmt: skip
-    if coil.rubs:
-        raise validation_error(
-            "analysis modal_transient has no friction", key="coil.interface", value=coil.interface,
-            remedy="use bonded, or analysis: dwell",
-        )  # fmt: skip
-
-
 def check_fourier(coil: Coil, mesh: Mesh, analysis: str) -> None:
     """Refuse `mesh.discretisation: fourier` for an analysis, coil or mesh that Fourier elements cannot handle.
 

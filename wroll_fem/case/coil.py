@@ -102,6 +102,11 @@ class Coil(Section):
         description="between a solid coil and the mandrel: bonded (no slip), or friction (sections contact and "
         "preload); model: layers always has friction",
     )
+    inside: Literal["stiff", "slipping"] = Field(
+        default="stiff",
+        description="wraps of a solid coil: stiff (they do not slip), or slipping (they slide where the shear stress "
+        "reaches the friction capacity of section winding; slip_damping)",
+    )
     base_width: Real | None = Field(
         default=None, ge=0,
         description="width of the clamped annulus at the base of a solid coil, from the mandrel outwards, m; with "
@@ -212,6 +217,8 @@ class Coil(Section):
                 f"is for a solid coil; model: {self.model} {reason}", key="interface", value=self.interface,
                 remedy="leave it out, or use model: solid",
             )  # fmt: skip
+        if self.inside == "slipping":
+            self._check_inside()
         if self.base_width is None:
             return
         if self.base != "inner_edge" or not self.rubs:
@@ -225,6 +232,20 @@ class Coil(Section):
                 remedy="give a smaller width, or use base: clamped",
             )  # fmt: skip
 
+    def _check_inside(self) -> None:
+        if self.model != "solid" or self.rubs:
+            raise validation_error(
+                "is for a solid coil bonded to the mandrel", key="inside", value=self.inside,
+                remedy="leave it out, or use model: solid and interface: bonded",
+            )  # fmt: skip
+        moduli = self.solid()
+        if moduli.G_r_z != moduli.G_r_theta:
+            raise validation_error(
+                f"needs one shear modulus between the wraps, but G_r_z is {moduli.G_r_z:g} Pa and G_r_theta is "
+                f"{moduli.G_r_theta:g} Pa: the limit would be an ellipse", key="inside", value=self.inside,
+                remedy="give the same G_r_z and G_r_theta, or leave G_r_z out",
+            )  # fmt: skip
+
     @model_serializer(mode="wrap")
     def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Serialise without the alias of the thickness and without keys that the model does not use."""
@@ -234,6 +255,7 @@ class Coil(Section):
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
         unused |= set() if self.rubs else {"interface"}
+        unused |= set() if self.inside == "slipping" else {"inside"}
         unused |= set() if self.base_width is not None else {"base_width"}
         unused |= {"areal_mass"} | (set() if self.margins is not None else {"margins"})
         return {key: value for key, value in data.items() if key not in unused}

@@ -113,10 +113,10 @@ class DwellExcitation(_BaseMotion):
 
 
 class SineExcitation(TaggedSection):
-    """Steady sine motion of the base at several acceleration levels, for the analysis modal_transient."""
+    """Steady sine motion of the base at several acceleration levels, for modal_transient and slip_damping."""
 
     kind: Literal["sine"] = Field(
-        default="sine", description="sine: steady, at one frequency and several levels (modal_transient)"
+        default="sine", description="sine: steady, at one frequency and several levels (modal_transient, slip_damping)"
     )
     frequency: Literal["resonance"] | float = Field(
         description="frequency, Hz, or resonance: the natural frequency of the mode with the largest effective mass "

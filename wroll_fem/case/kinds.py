@@ -18,9 +18,9 @@ from wroll_fem.case.checks import (
     check_design_map,
     check_layers,
     check_motion,
-    check_solid_coil,
     check_steps,
 )
+from wroll_fem.case.checks_coil import check_resonance, check_solid_coil
 from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact
@@ -172,23 +172,21 @@ class StructureModalCase(ModalCase, OnStructure):
     modal: Annotated[Modal, BeforeValidator(_stuck)] = Field(default_factory=_stuck_modes, description=MODAL)
 
 
-@case_kind
-class ModalTransientCase(OnRoll):
-    """Solid coil under steady sine motion of the base: points at which shear exceeds the friction capacity."""
+class ShakenCoilCase(OnRoll):
+    """Solid coil with the pressure of its wound roll, under steady sine motion of the base at several levels."""
 
-    analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
     winding: Winding = Field(description=WINDING)
-    excitation: Annotated[SineExcitation, _motion("modal_transient", "sine")] = Field(description=EXCITATION)
     damping_ratio: Real = Field(
         ge=1e-3,
         lt=1,
-        description="damping ratio of every mode, dimensionless (modal_transient; 0.02 in the thesis)",
+        description="damping ratio of every mode without slip, dimensionless (modal_transient, slip_damping; 0.02 in "
+        "the thesis)",
     )
 
     def _checks(self) -> Iterator[Check]:
         yield from super()._checks()
         yield lambda: check_winding_friction(self.winding, positive=True)
-        yield lambda: check_solid_coil(self.coil)
+        yield lambda: check_solid_coil(self.coil, self.analysis)
 
     @classmethod
     def _refusal(cls, key: str) -> tuple[str, str] | None:
@@ -203,6 +201,26 @@ class ModalTransientCase(OnRoll):
     def wound(self) -> Winding:
         """Case section `winding`; a missing key `winding.mandrel` is filled in from `geometry` and `mandrel`."""
         return self.winding.on_mandrel(self.geometry, self.mandrel)
+
+
+@case_kind
+class ModalTransientCase(ShakenCoilCase):
+    """Solid coil under steady sine motion of the base: points at which shear exceeds the friction capacity."""
+
+    analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
+    excitation: Annotated[SineExcitation, _motion("modal_transient", "sine")] = Field(description=EXCITATION)
+
+
+@case_kind
+class SlipDampingCase(ShakenCoilCase):
+    """Solid coil whose wraps slide: frequency and damping of its resonance versus amplitude."""
+
+    analysis: Literal["slip_damping"] = Field(description=ANALYSIS)
+    excitation: Annotated[SineExcitation, _motion("slip_damping", "sine")] = Field(description=EXCITATION)
+
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_resonance(self.excitation)
 
 
 class PreloadCase(StructuralCase):

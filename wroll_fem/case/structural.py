@@ -21,6 +21,7 @@ from wroll_fem.case.checks import (
     check_probes,
     check_winding_stress,
 )
+from wroll_fem.case.checks_coil import check_inside
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
@@ -118,6 +119,7 @@ class OnRoll(StructuralCase, RollSections):
         yield lambda: check_probes(self.probes or {}, self.coil, self.coil_span, self.geometry.length)
         yield lambda: check_winding_given(self.winding, self.preload)
         yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
+        yield lambda: check_inside(self.coil, self.analysis)
         yield lambda: check_fourier(self.coil, self.mesh, self.analysis)
         yield self._check_geometric_stiffness
         yield from super()._checks()

@@ -1,12 +1,10 @@
 r"""Interlayer shear stress of a solid coil in the modes of the three-dimensional model.
 
-srz = G_rz gamma_rz and srt = G_rt gamma_rt are evaluated at the 2 x 2 x 2 Gauss points of each 27-node hexahedron. At
-these points (Barlow points) the strain of a quadratic element is one order more accurate than elsewhere.
+srz = G_rz gamma_rz and srt = G_rt gamma_rt are evaluated at the points of `shear_points`.
 
 References
 ----------
-J. Barlow (1976), doi:10.1002/nme.1620100202 (optimal stress locations);
-thesis, section 2.4, equation 2.17 (the two components that cause slip between wraps).
+Thesis, section 2.4, equation 2.17 (the two components that cause slip between wraps).
 """
 
 from __future__ import annotations
@@ -19,15 +17,10 @@ from wroll_fem.bodies.body import Body, SolidPart
 from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.bodies.mode_shapes import align_pairs, are_degenerate, classify_mode
 from wroll_fem.bodies.probe import Probe, probe_row
+from wroll_fem.coiled_stiff.shear_points import GAUSS_POINTS, ShearPoints
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
-from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.typing import FloatArray
-
-GAUSS_POINTS = 2
-"""Number of Gauss points per direction in each hexahedron."""
-
-_CELLS_AT_ONCE = 512  # limits the memory for the gradients
 
 
 def shear_modes(
@@ -104,49 +97,6 @@ def coil_shear_strain(
     volumes : (n,) volume of each point, m^3.
     rz, rt : (n_fields, n) shear strains.
     """
-    local, weights = _gauss_points(gauss_points)
-    N, dN = quadratic_basis(local)
-    fields = displacements.reshape(len(part.nodes), 3, -1)
-    parts = []
-    for start in range(0, len(part.cells), _CELLS_AT_ONCE):
-        cells = part.cells[start : start + _CELLS_AT_ONCE]
-        x = np.einsum("qk,ckd->cqd", N, part.nodes[cells])
-        jacobian = np.einsum("qka,ckd->cqda", dN, part.nodes[cells])
-        dN_dx = np.einsum("qka,cqad->cqkd", dN, np.linalg.inv(jacobian))
-        gradient = np.einsum("ckif,cqkd->cqidf", fields[cells], dN_dx)  # d u_i / d x_d
-        radius = np.hypot(x[..., 0], x[..., 1])
-        radial = np.stack([x[..., 0] / radius, x[..., 1] / radius, np.zeros_like(radius)], axis=-1)
-        hoop = np.stack([-radial[..., 1], radial[..., 0], np.zeros_like(radius)], axis=-1)
-        towards_z = gradient[..., 2, :, :] + gradient[..., :, 2, :]
-        rz = np.einsum("cqd,cqdf->fcq", radial, towards_z)
-        rt = np.einsum("cqi,cqd,cqidf->fcq", radial, hoop, gradient + np.swapaxes(gradient, 2, 3))
-        volume = weights * np.abs(np.linalg.det(jacobian))
-        theta = np.arctan2(x[..., 1], x[..., 0])
-        theta[theta <= -np.pi] = np.pi
-        at = np.stack([theta, x[..., 2], radius], axis=-1).reshape(-1, 3)
-        parts.append((at, volume.ravel(), rz.reshape(len(rz), -1), rt.reshape(len(rt), -1)))
-    points, volumes, all_rz, all_rt = zip(*parts, strict=True)
-    return np.concatenate(points), np.concatenate(volumes), np.hstack(all_rz), np.hstack(all_rt)
-
-
-def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions (n, 27) and derivatives (n, 27, 3) of a quadratic unit cube at points (n, 3), in VTK order."""
-    s = np.asarray(points, float)[:, None, :]
-    line = np.concatenate([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)  # (n, 3 nodes, 3 axes)
-    slope = np.concatenate([4 * s - 3, 4 - 8 * s, 4 * s - 1], axis=1)
-    grid = np.array(VTK_GRID)
-    value = np.stack([line[:, grid[:, axis], axis] for axis in range(3)])
-    derivative = np.stack([slope[:, grid[:, axis], axis] for axis in range(3)])
-    gradient = [
-        derivative[0] * value[1] * value[2],
-        value[0] * derivative[1] * value[2],
-        value[0] * value[1] * derivative[2],
-    ]
-    return value.prod(axis=0), np.stack(gradient, axis=-1)
-
-
-def _gauss_points(count: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss points (count^3, 3) and weights (count^3,) on the unit cube."""
-    x, w = np.polynomial.legendre.leggauss(count)
-    grid = np.stack(np.meshgrid(*[0.5 * (x + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    return grid, np.einsum("i,j,k->ijk", *[0.5 * w] * 3).ravel()
+    at = ShearPoints.of(part, gauss_points)
+    strain = (at.strain @ displacements).T.reshape(displacements.shape[1], -1, 2)
+    return at.points, at.volumes, strain[..., 1], strain[..., 0]

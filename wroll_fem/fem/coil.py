@@ -94,6 +94,8 @@ def coil_hexes(roll: RollSections, mesh: CylinderMesh) -> tuple[FloatArray, IntA
 def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *, symmetric: bool) -> CoilMatrices:
     """Assemble stiffness and mass of the coil bonded to the mandrel.
 
+    With `coil.inside: slipping` the stiffness has no shear between the wraps (see `coiled_stiff.slipping_coil`).
+
     Parameters
     ----------
     roll
@@ -123,7 +125,8 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
     material = roll.coil.solid()
     ordered = in_vtk_order(nodes, cells)
-    stiffness, mass = model.orthotropic_stiffness(material), model.mass(material.rho)
+    stiffness = model.orthotropic_stiffness(material, between_wraps=roll.coil.inside == "stiff")
+    mass = model.mass(material.rho)
     return CoilMatrices(
         stiffness=(expand.T @ stiffness @ expand).tocsr(),
         mass=(expand.T @ mass @ expand).tocsr(),

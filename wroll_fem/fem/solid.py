@@ -143,9 +143,14 @@ class SolidModel:
         work = sum(s * e for s, e in zip(sigma, eps_v, strict=True))
         return compat.compile_form(self._alpha * work * self._dx(_FULL) + (1 - self._alpha) * work * self._dx(_REDUCED))
 
-    def orthotropic_stiffness(self, material: CylindricalOrthotropic) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) stiffness, N/m; the material axes are the directions r, theta, z of the roll."""
+    def orthotropic_stiffness(self, material: CylindricalOrthotropic, *, between_wraps: bool = True) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) stiffness, N/m; the material axes are the directions r, theta, z of the roll.
+
+        Without ``between_wraps`` the shear stiffnesses G_rz and G_rt are zero.
+        """
         C = material.stiffness()
+        if not between_wraps:
+            C[[4, 5], [4, 5]] = 0.0
         for (i, j), constant in self._constants.items():
             constant.value = C[i, j]
         return self._ordered(self._orthotropic_form)

@@ -37,6 +37,7 @@ _DRIFT = 0.01
 _CAPTIONS = {
     "transmissibility": "Transmissibility versus frequency",
     "two_dof": "Transmissibility of the two masses versus frequency",
+    "slip_damping": "Tip motion, damping and frequency at resonance versus base acceleration",
     "backbone": "Frequency and damping of the resonance versus amplitude", "response": "Motion of the tip versus time",
     "energy_ledger": "Energies versus time", "slip_on_cylinder": "Slip on the roll",
     "two_dof_readings": "Damping, peak, its frequency and skewness versus friction capacity",

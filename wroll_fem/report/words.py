@@ -22,7 +22,7 @@ Plain = Mapping[str, Any]
 _SETTINGS = {"modal": ("modal",), "harmonic": ("harmonic", "backbone"), "backbone": ("backbone",)}
 """Case section with defaults -> analyses that use it; reports of other analyses omit the section."""
 
-_WITHOUT_STEPS = ("modal", "modal_transient", "winding", "design_map", "sizing", "two_dof")
+_WITHOUT_STEPS = ("modal", "modal_transient", "slip_damping", "winding", "design_map", "sizing", "two_dof")
 """Analyses without time integration and without load increments."""
 
 NUMERICS = ("integrator", "solver", "mesh", "modal", "harmonic", "backbone")

@@ -166,6 +166,13 @@ FIELDS: dict[str, Field] = {
     "slipping_volume_fraction": Field("1", "fraction of the coil's volume that slips"),
     "slip_zone_height": Field("m", "height above the base of the highest slipping point"),
     "slip_zone_depth": Field("m", "distance from the mandrel of the outermost slipping point"),
+    # solid coil whose wraps slide
+    "tip_at_level": Field("m", "tip displacement at resonance (0-peak)"),
+    "tip_at_level_without_slip": Field("m", "tip displacement at resonance without slip (0-peak)"),
+    "frequency_at_level": Field("Hz", "resonance frequency at this base acceleration"),
+    "damping_at_level": Field("1", "damping ratio at this base acceleration, that without slip included"),
+    "tip_amplitude_at_slip": Field("m", "tip displacement at which a point starts to slip"),
+    "slip_work_density": Field("J m-3", "energy dissipated per cycle and volume at the largest amplitude"),
     # the wound roll
     "r": Field("m", "radius"),
     "pressure_pa": Field("Pa", "pressure between the wraps"),

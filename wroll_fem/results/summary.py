@@ -255,6 +255,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "slip_onset_theta_rad": _number("rad", "slip onset angle"),
         "slip_statement": Entry("", "coil", "sentence on onset and extent of slip", console="{}"),
     },
+    "Coil whose wraps slide (slip_damping)": {
+        "tip_at_level_m": Entry("m", "tip displacement at resonance (0-peak)", "per level"),
+        "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
+        "frequency_at_level_hz": _number("Hz", "resonance frequency", "per level"),
+        "damping_at_level": _share("damping ratio", "per level, that without slip included"),
+        "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
+    },
     "Map of mandrels": {
         "disparity_hz": _number("Hz", "frequency disparity of this mandrel", "stiffest minus softest coil"),
         "f_tightest_hz": _number("Hz", "bending frequency of this mandrel, stiffest coil"),

@@ -180,6 +180,7 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),
     "modal_transient": (),
+    "slip_damping": (),
     "preload": (contact_warnings, structure_warnings),
     "buckling": (),
     "winding": (),

@@ -1,0 +1,197 @@
+"""Coil whose wraps slide: friction at a point, limits, similarity, energy, and the analysis."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import trapezoid
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.analyses.shared.assembly import build_bodies
+from wroll_fem.case import load_case
+from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.coiled_stiff.slipping_coil import slipping_system
+from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
+from wroll_fem.dynamics.statics.load_path import LoadPath
+from wroll_fem.dynamics.statics.modal_path import ModalPath, first_slip, modal_path
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import InputError
+from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
+
+CASE = CONFIGS / "slipping_coil.yaml"
+SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+MODULUS, MU = 1e9, 0.48
+
+
+@cache
+def coil(factor: float = 1.0) -> tuple[System, ContactState, ShearPoints]:
+    """The roll of the case with a pressure that falls outwards, times ``factor``."""
+    (body,) = build_bodies(load_case(CASE, [SMALL]), symmetric=True)
+    assert body.solid is not None
+    points = ShearPoints.of(body.solid).half()
+    r = points.points[:, 2]
+    pressure = factor * (5e6 - 4e6 * (r - r.min()) / np.ptp(r))
+    return *slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU), points
+
+
+def mode_of(path: LoadPath) -> np.ndarray:
+    mode = path.stuck(path.system.mass @ path.system.influence)
+    for _ in range(20):
+        mode = path.stuck(path.system.mass @ mode)
+        mode /= np.sqrt(mode @ (path.system.mass @ mode))
+    return mode
+
+
+@cache
+def followed(factor: float = 1.0, tolerance: float = 1e-3) -> tuple[LoadPath, ModalPath]:
+    system, state, _ = coil(factor)
+    path = LoadPath(system, state, tolerance=tolerance)
+    return path, modal_path(path, mode_of(path), np.geomspace(1.0, 10.0, 12), keep=True)
+
+
+def test_shear_at_a_point_has_stiffness_limit_and_loop_of_the_law() -> None:
+    """Displacements to and fro: every point has its own shear along a fixed direction, below or above its limit."""
+    system, state, points = coil()
+    limit = MU * state.pressure
+    u = np.random.default_rng(5).standard_normal(system.n_dofs)
+    (body,) = build_bodies(load_case(CASE, [SMALL]), symmetric=True)
+    assert body.solid is not None
+    strain = (points.strain @ body.solid.expand @ u).reshape(-1, 2)
+    share = 2.0 * np.median(limit / (MODULUS * np.linalg.norm(strain, axis=1)))
+    u, strain = share * u, share * strain
+    size = np.linalg.norm(strain, axis=1)
+    trial, at, plastic = TrialContact(system), state, []
+    for factor in (1.0, -1.0, 1.0):
+        jump = state.jump + factor * (system.jump @ u)
+        tau = tangentials(trial(jump, at)).copy()
+        at = trial.committed(factor * u, jump)
+        np.testing.assert_allclose(
+            tau, factor * strain / size[:, None] * np.minimum(MODULUS * size, limit)[:, None], rtol=1e-9
+        )
+        plastic.append(factor * strain - tau / MODULUS)
+    slides = size > limit / MODULUS
+    assert 0.2 < slides.mean() < 0.9
+    loop = sum(limit * np.linalg.norm(b - a, axis=1) for a, b in pairwise(plastic))
+    exact = np.where(slides, 4.0 * limit * (size - limit / MODULUS), 0.0)
+    np.testing.assert_allclose(loop, exact, atol=1e-10 * exact.max())
+
+
+def test_without_slip_it_is_the_stiff_coil() -> None:
+    """The shear stiffness at 2 x 2 x 2 points in place of the rule of the elements changes the frequency by 0.1 %."""
+    path, found = followed()
+    case = load_case(CASE, [SMALL])
+    solid = case.coil.model_copy(update={"inside": "stiff"})
+    (stiff,) = build_bodies(case.model_copy(update={"coil": solid}), symmetric=True)
+    mode = mode_of(path)
+    hertz = np.sqrt(mode @ (path.stiffness @ mode)) / (2.0 * np.pi)
+    exact = np.sqrt(solve_pairs(stiff.stiffness, stiff.mass, 1, sigma=DEFAULT_SHIFT).values[0]) / (2.0 * np.pi)
+    assert hertz == pytest.approx(exact, rel=1e-3)
+    assert found.slip_work[0] == pytest.approx(0.0, abs=1e-12 * found.slip_work[-1])
+    assert found.frequency[0] == pytest.approx(2.0 * np.pi * hertz, rel=2e-3)
+
+
+def test_twice_the_pressure_is_the_same_path_at_twice_the_amplitude() -> None:
+    one, two = followed(1.0)[1], followed(2.0)[1]
+    np.testing.assert_allclose(two.amplitude, 2.0 * one.amplitude, rtol=1e-6)
+    np.testing.assert_allclose(two.dissipation, 4.0 * one.dissipation, rtol=1e-6, atol=1e-9 * one.dissipation[-1])
+    np.testing.assert_allclose(two.frequency, one.frequency, rtol=1e-6)
+
+
+def test_loop_area_slip_work_and_a_direct_cycle_agree() -> None:
+    path, found = followed(tolerance=3e-4)
+    twice = found.force >= 2.0 * found.force[0]
+    np.testing.assert_allclose(found.loop_area[twice], found.dissipation[twice], rtol=0.01)
+    system, mode = path.system, mode_of(path)
+    inertia, before = system.mass @ mode, path.state
+    steps = found.force[-1] * np.cos(np.linspace(0.0, 2.0 * np.pi, 81))[1:]
+    work, q = 0.0, [found.amplitude[-1]]
+    for alpha in steps:
+        state = path.to(alpha * inertia)
+        slip = tangentials(state.jump - before.jump) - (state.elastic_slip - before.elastic_slip).reshape(-1, 2)
+        work += float(system.laws.area @ (tangentials(state.traction) * slip).sum(axis=1))
+        q.append(float(inertia @ (state.displacement - path.start.displacement)))
+        before = state
+    assert work == pytest.approx(found.dissipation[-1], rel=0.01)
+    area = trapezoid(np.append(found.force[-1], steps), q)
+    assert abs(area) == pytest.approx(found.dissipation[-1], rel=0.01)
+    assert q[-1] == pytest.approx(q[0], rel=1e-3)
+
+
+def test_error_estimate_bounds_the_change_in_a_richer_basis() -> None:
+    rough, fine = followed()[1], followed(tolerance=1e-5)[1]
+    assert 0.0 < rough.error.max() <= 1e-3
+    np.testing.assert_allclose(rough.amplitude, fine.amplitude, rtol=2e-4)
+    np.testing.assert_allclose(rough.dissipation, fine.dissipation, rtol=0.01, atol=1e-3 * fine.dissipation[-1])
+
+
+def test_first_slip_is_where_the_first_point_reaches_its_limit() -> None:
+    system, state, _ = coil()
+    path = LoadPath(system, state)
+    load = system.mass @ mode_of(path)
+    factor = first_slip(path, load)
+    for share, slides in ((0.999, False), (1.01, True)):
+        reached = LoadPath(system, state).to(share * factor * load)
+        at_limit = np.linalg.norm(tangentials(reached.traction), axis=1) >= MU * state.pressure * (1.0 - 1e-9)
+        assert at_limit.any() == slides
+
+
+@cache
+def result() -> xr.Dataset:
+    return wf.run(load_case(CASE, [SMALL]), progress=False)
+
+
+def test_analysis_gives_response_per_level_with_the_prediction_without_slip() -> None:
+    found = result()
+    tip, linear = found["tip_at_level"].values, found["tip_at_level_without_slip"].values
+    assert np.all(tip <= linear * (1.0 + 1e-9))
+    assert np.all(np.diff(tip) > 0.0)
+    assert tip[-1] < 0.5 * linear[-1]
+    # the base works as much as damping dissipates
+    base, q_tip = found["resonant_base_acceleration"].values, found["tip_amplitude"].values
+    dissipated = found["friction_work_per_cycle"] + found["material_damping_work_per_cycle"]
+    per_tip = dissipated.values[0] / (base[0] * q_tip[0])
+    np.testing.assert_allclose(dissipated, per_tip * base * q_tip, rtol=1e-9)
+    np.testing.assert_allclose(found["modal_damping"] - found["friction_modal_damping"], 0.02, rtol=1e-9)
+    worked = float((found["slip_work_density"] * found["volume"]).sum())
+    assert worked == pytest.approx(float(found["friction_work_per_cycle"][-1]), rel=0.05)
+    assert found["volume"].sum() == pytest.approx(np.pi * (0.025**2 - 0.01**2) * 0.3, rel=1e-3)
+    slipping = found["slipping_volume_fraction"].values
+    assert slipping[0] == 0.0
+    assert np.all(np.diff(slipping) >= 0.0)
+
+
+def test_low_levels_have_the_response_without_slip() -> None:
+    found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.01]"]), progress=False)
+    assert found["tip_at_level"].values == pytest.approx(found["tip_at_level_without_slip"].values, rel=1e-12)
+    assert found["damping_at_level"].values == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (["coil.inside=stiff"], "coil.inside"),
+        (["analysis=modal_transient"], "coil.inside"),
+        (["coil.material.G_r_z=2e9"], "the limit would be an ellipse"),
+        (["coil.model=layers"], "coil"),
+        (["excitation.frequency=90"], "excitation.frequency"),
+        (["mesh.discretisation=fourier"], "mesh.discretisation"),
+        (["winding.mu=0"], "winding.mu"),
+        (["coil.interface=friction"], "coil.inside"),
+    ],
+)
+def test_wrong_cases_are_refused_in_one_line(changed: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        load_case(CASE, [SMALL, *changed])
+
+
+def test_a_coil_without_pressure_is_refused() -> None:
+    _, state, points = coil()
+    (body,) = build_bodies(load_case(CASE, [SMALL]), symmetric=True)
+    with pytest.raises(InputError, match="friction capacity between the wraps is 0 Pa"):
+        slipping_system(body, points, shear_modulus=MODULUS, pressure=0.0 * state.pressure, mu=MU)

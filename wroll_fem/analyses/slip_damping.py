@@ -1,0 +1,214 @@
+"""Solid coil whose wraps slide: frequency and damping of its resonance versus amplitude, and the response at levels."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from scipy.constants import g as GRAVITY
+from threadpoolctl import threadpool_limits
+
+from wroll_fem.analyses.forecasts.computing_time import estimate_modes
+from wroll_fem.analyses.registry import Analysis
+from wroll_fem.analyses.shared import figures
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
+from wroll_fem.analyses.slip_dataset import CoilShape
+from wroll_fem.analyses.slip_model import _in_wound_roll
+from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.coiled_stiff.slipping_coil import slipping_system
+from wroll_fem.contact.kernels import SLIP
+from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.statics.load_path import LoadPath
+from wroll_fem.dynamics.statics.modal_path import ModalPath, modal_path
+from wroll_fem.results.dataset import annotate
+from wroll_fem.typing import FloatArray
+from wroll_fem.winding import wound_roll
+
+if TYPE_CHECKING:
+    from wroll_fem.case import SlipDampingCase
+    from wroll_fem.dynamics.system.system import System
+    from wroll_fem.progress import Progress
+
+JUST_BELOW = 1.0 - 1e-6
+"""First load, relative to that of the first slip: nothing slides yet."""
+
+GROWTH, BEYOND, MOST_LEVELS = 1.26, 1.1, 60
+"""Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
+of them."""
+
+
+def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset:
+    """Follow the main bending mode from the first slip to the amplitude at the highest base acceleration.
+
+    Raises
+    ------
+    ConvergenceError
+        If a load has no equilibrium.
+    InputError
+        If a point of the coil has no friction capacity.
+    """
+    started = time.process_time()
+    with progress.stage("mesh and matrices", 1) as stage:
+        (body,) = build_bodies(case)
+        assert body.solid is not None
+        points = ShearPoints.of(body.solid)
+        points = points.half() if body.symmetric else points
+        roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
+        shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
+        pressure = roll.pressure_at(_in_wound_roll(points.points[:, 2], shape, roll.radius))
+        assert case.wound.mu is not None
+        system, start = slipping_system(
+            body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,
+            direction=DIRECTIONS[case.direction],
+        )  # fmt: skip
+        stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} points")
+    with threadpool_limits(1, "blas"), progress.stage("slip path", MOST_LEVELS) as stage:
+        path = LoadPath(system, start)
+        mode = main_mode(system, path)
+        levels = [JUST_BELOW]
+        found = modal_path(path, mode, levels, keep=True)
+        participation = abs(float(mode @ (system.mass @ system.influence)))
+        highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
+        while len(levels) < MOST_LEVELS:
+            if base_acceleration(found, case.damping_ratio, participation)[-1] > highest:
+                break
+            levels.append(GROWTH * levels[-1])
+            found = found.joined(modal_path(path, mode, levels[-1:], keep=True, after=found))
+            stage.update(len(levels), f"{len(path.vectors)} basis vectors")
+        stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
+    dataset = slip_dataset(system, points, path, found, mode, case)
+    dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
+    return annotate(dataset)
+
+
+def main_mode(system: System, path: LoadPath) -> FloatArray:
+    """(n,) lowest mode that the base excites, with sticking wraps; unit modal mass. By inverse iteration."""
+    mode, before = path.stuck(system.mass @ system.influence), np.inf
+    while True:
+        mode = path.stuck(system.mass @ mode)
+        mode /= np.sqrt(mode @ (system.mass @ mode))
+        square = float(mode @ (path.stiffness @ mode))
+        if before - square <= 1e-13 * square:
+            return mode
+        before = square
+
+
+def base_acceleration(found: ModalPath, damping_ratio: float, participation: float) -> FloatArray:
+    """(k,) base acceleration, m/s^2, whose work at resonance is the energy dissipated in a cycle of each amplitude."""
+    viscous = 2.0 * np.pi * damping_ratio * (found.frequency * found.amplitude) ** 2
+    return np.asarray((found.dissipation + viscous) / (np.pi * participation * found.amplitude))
+
+
+def slip_dataset(
+    system: System, points: ShearPoints, path: LoadPath, found: ModalPath, mode: FloatArray, case: SlipDampingCase
+) -> xr.Dataset:
+    """Dataset of frequency and damping versus `tip_amplitude`, response versus `amplitude_g`, and slip in the coil."""
+    participation = abs(float(mode @ (system.mass @ system.influence)))
+    per_amplitude = abs(float(system.probes["tip"] @ mode))
+    tip, zeta = per_amplitude * found.amplitude, case.damping_ratio
+    base = base_acceleration(found, zeta, participation)
+    total = found.damping + zeta
+    laws, start = system.laws, path.start
+    limit = laws.mu * start.pressure
+    slides = np.array([state.status == SLIP for state in found.states])
+    slip = tangentials(found.states[-1].jump) - found.states[-1].elastic_slip.reshape(-1, 2)
+    levels = np.array(case.excitation.amplitude_g)
+    natural = float(np.sqrt(mode @ (path.stiffness @ mode)))
+    linear = participation * GRAVITY * levels / (2.0 * zeta * natural**2) * per_amplitude
+    known = base > base[0]
+    at = np.interp(GRAVITY * levels, base[known], tip[known]) if known.any() else linear
+    at = np.where(GRAVITY * levels <= base[0], linear, at)
+    stuck = np.where(at <= tip[0])
+    frequency = np.interp(at, tip, found.frequency / (2.0 * np.pi))
+    damping = np.interp(at, tip, total)
+    damping[stuck] = zeta
+    onset = np.where(slides.any(axis=0), tip[slides.argmax(axis=0)], np.nan)
+    cycle = 2.0 * np.pi * (found.frequency * found.amplitude) ** 2
+    most = int(np.argmax(total))
+    area = laws.area / points.volumes
+    dataset = xr.Dataset(
+        {
+            "resonance_frequency": ("tip_amplitude", found.frequency / (2.0 * np.pi)),
+            "modal_damping": ("tip_amplitude", total),
+            "friction_modal_damping": ("tip_amplitude", found.damping),
+            "material_modal_damping": ("tip_amplitude", np.full(len(tip), zeta)),
+            "resonant_base_acceleration": ("tip_amplitude", base),
+            "friction_work_per_cycle": ("tip_amplitude", found.dissipation),
+            "material_damping_work_per_cycle": ("tip_amplitude", zeta * cycle),
+            "slipping_volume_fraction": ("tip_amplitude", slides @ points.volumes / points.volumes.sum()),
+            "tip_at_level": ("amplitude_g", at),
+            "tip_at_level_without_slip": ("amplitude_g", linear),
+            "frequency_at_level": ("amplitude_g", frequency),
+            "damping_at_level": ("amplitude_g", damping),
+            "theta_rad": ("point", points.points[:, 0]),
+            "z_m": ("point", points.points[:, 1]),
+            "r_m": ("point", points.points[:, 2]),
+            "volume": ("point", points.volumes),
+            "friction_capacity": ("point", limit),
+            "tip_amplitude_at_slip": ("point", onset),
+            "slip_work_density": ("point", 4.0 * limit * np.linalg.norm(slip, axis=1) * area),
+        },
+        coords={"tip_amplitude": tip, "amplitude_g": levels},
+    )
+    dataset.attrs |= {
+        "f_stuck_hz": natural / (2.0 * np.pi),
+        "f_largest_amplitude_hz": float(found.frequency[-1] / (2.0 * np.pi)),
+        "zeta_max": float(total[most]),
+        "tip_amplitude_at_zeta_max_m": float(tip[most]),
+        "base_acceleration_at_zeta_max_m_s2": float(base[most]),
+        "dofs": system.n_dofs,
+        "interface_points": system.n_points,
+        "reduced_coordinates": len(path.vectors),
+        "reduction_error_estimate": float(found.error.max()),
+        "branch_points": len(tip),
+        "method": "quasi-static modal path, Masing's rule",
+    }
+    return dataset
+
+
+def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Response per level for summary.json, and a sentence on what slip changes."""
+    levels = dataset["amplitude_g"].values
+    tip, linear = dataset["tip_at_level"].values, dataset["tip_at_level_without_slip"].values
+    return {
+        "amplitude_g": levels.tolist(),
+        "tip_at_level_m": tip.tolist(),
+        "tip_at_level_without_slip_m": linear.tolist(),
+        "frequency_at_level_hz": dataset["frequency_at_level"].values.tolist(),
+        "damping_at_level": dataset["damping_at_level"].values.tolist(),
+        "slip_damping_statement": statement(dataset),
+    }
+
+
+def statement(dataset: xr.Dataset) -> str:
+    """Sentence: tip at the highest level with and without slip, frequency and damping there."""
+    top = dataset.isel(amplitude_g=-1)
+    g, tip, linear = (float(top[n]) for n in ("amplitude_g", "tip_at_level", "tip_at_level_without_slip"))
+    if tip > 0.999 * linear:
+        return f"no slip that matters up to {g:g} g: the tip moves by {1e3 * tip:.3g} mm"
+    zeta, hertz = 100.0 * float(top["damping_at_level"]), float(top["frequency_at_level"])
+    return (
+        f"at {g:g} g the tip moves by {1e3 * tip:.3g} mm ({1e3 * linear:.3g} mm without slip), at {hertz:.4g} Hz "
+        f"({dataset.attrs['f_stuck_hz']:.4g} Hz without slip), with a damping ratio of {zeta:.3g} %"
+    )
+
+
+ANALYSIS = Analysis(
+    name="slip_damping",
+    sentence="Solid coil whose wraps slide: frequency and damping of its resonance versus amplitude.",
+    sections=("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
+    run=run_slip_damping,
+    summary=(slip_damping_summary,),
+    figures=(figures.figure("slip_damping", "slip_damping"),),
+    variables={
+        "tip_amplitude": (
+            "resonance_frequency", "modal_damping", "resonant_base_acceleration", "friction_work_per_cycle",
+        ),
+        "amplitude_g": ("tip_at_level", "tip_at_level_without_slip", "damping_at_level"),
+        "point": ("tip_amplitude_at_slip", "slip_work_density", "friction_capacity"),
+    },
+    plots=("slip_damping", "backbone"),
+    estimate=estimate_modes,
+)  # fmt: skip

@@ -1,0 +1,100 @@
+r"""Shear strain between the wraps at the Gauss points of a solid coil, as a linear map of its nodal displacements.
+
+The two strains rt and rz act on cylindrical surfaces. They are taken at the 2 x 2 x 2 Gauss points of each 27-node
+hexahedron. At these points (Barlow points) the strain of a quadratic element is one order more accurate than elsewhere.
+
+References
+----------
+J. Barlow (1976), doi:10.1002/nme.1620100202 (optimal stress locations).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from wroll_fem.bodies.body import SolidPart
+from wroll_fem.mesh.shells import VTK_GRID
+from wroll_fem.typing import FloatArray
+
+GAUSS_POINTS = 2
+"""Number of Gauss points per direction in each hexahedron."""
+
+
+@dataclass(frozen=True)
+class ShearPoints:
+    """Quadrature points of a solid coil, and the shear strains there.
+
+    Attributes
+    ----------
+    points
+        (n, 3) coordinates theta in (-pi, pi] (rad), z (m), r (m).
+    volumes
+        (n,) volume of each point, m^3; their sum is the volume of the coil.
+    strain
+        (2 n, 3 n_nodes) map from the nodal displacements (node-major [ux, uy, uz], m) to the engineering shear strains:
+        rt and rz of the first point, then those of the next.
+    """
+
+    points: FloatArray
+    volumes: FloatArray
+    strain: sp.csr_matrix
+
+    @classmethod
+    def of(cls, part: SolidPart, gauss_points: int = GAUSS_POINTS) -> ShearPoints:
+        """Points of the mesh of a coil, ``gauss_points`` per direction in each hexahedron."""
+        local, weights = _gauss_points(gauss_points)
+        N, dN = quadratic_basis(local)
+        corners = part.nodes[part.cells]
+        x = np.einsum("qk,ckd->cqd", N, corners)
+        jacobian = np.einsum("qka,ckd->cqda", dN, corners)
+        slope = np.einsum("qka,cqad->cqkd", dN, np.linalg.inv(jacobian))  # of each shape function
+        radius = np.hypot(x[..., 0], x[..., 1])
+        radial = np.stack([x[..., 0] / radius, x[..., 1] / radius, np.zeros_like(radius)], axis=-1)
+        hoop = np.stack([-radial[..., 1], radial[..., 0], np.zeros_like(radius)], axis=-1)
+        along_r = np.einsum("cqkd,cqd->cqk", slope, radial)[..., None]
+        along_t = np.einsum("cqkd,cqd->cqk", slope, hoop)[..., None]
+        axial = np.array([0.0, 0.0, 1.0])
+        rt = along_r * hoop[:, :, None] + along_t * radial[:, :, None]
+        rz = along_r * axial + slope[..., 2, None] * radial[:, :, None]
+        count = len(part.cells) * len(weights)
+        columns = (3 * part.cells[:, :, None] + np.arange(3)).reshape(len(part.cells), 1, 1, -1)
+        columns = np.broadcast_to(columns, (len(part.cells), len(weights), 2, columns.shape[-1]))
+        values = np.stack([rt, rz], axis=2).reshape(2 * count, -1)
+        ends = values.shape[1] * np.arange(2 * count + 1)
+        strain = sp.csr_matrix((values.ravel(), columns.ravel(), ends), shape=(2 * count, 3 * len(part.nodes)))
+        theta = np.arctan2(x[..., 1], x[..., 0])
+        theta[theta <= -np.pi] = np.pi
+        volumes = (weights * np.abs(np.linalg.det(jacobian))).ravel()
+        return cls(np.stack([theta, x[..., 2], radius], axis=-1).reshape(-1, 3), volumes, strain)
+
+    def half(self) -> ShearPoints:
+        """Points with theta > 0, each with the volume of its mirror image: enough for motions symmetric about x-z."""
+        kept = np.flatnonzero(self.points[:, 0] > 0.0)
+        rows = (2 * kept[:, None] + np.arange(2)).ravel()
+        return ShearPoints(self.points[kept], 2.0 * self.volumes[kept], self.strain[rows])
+
+
+def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shape functions (n, 27) and derivatives (n, 27, 3) of a quadratic unit cube at points (n, 3), in VTK order."""
+    s = np.asarray(points, float)[:, None, :]
+    line = np.concatenate([(1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)], axis=1)  # (n, 3 nodes, 3 axes)
+    slope = np.concatenate([4 * s - 3, 4 - 8 * s, 4 * s - 1], axis=1)
+    grid = np.array(VTK_GRID)
+    value = np.stack([line[:, grid[:, axis], axis] for axis in range(3)])
+    derivative = np.stack([slope[:, grid[:, axis], axis] for axis in range(3)])
+    gradient = [
+        derivative[0] * value[1] * value[2],
+        value[0] * derivative[1] * value[2],
+        value[0] * value[1] * derivative[2],
+    ]
+    return value.prod(axis=0), np.stack(gradient, axis=-1)
+
+
+def _gauss_points(count: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss points (count^3, 3) and weights (count^3,) on the unit cube."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    grid = np.stack(np.meshgrid(*[0.5 * (x + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    return grid, np.einsum("i,j,k->ijk", *[0.5 * w] * 3).ravel()

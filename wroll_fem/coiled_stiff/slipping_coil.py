@@ -1,0 +1,86 @@
+r"""Solid coil whose wraps slide: friction at every quadrature point, with the shear strain as relative displacement.
+
+The stiffness :math:`K_0` of the coil has no shear between the wraps. The shear stress :math:`\tau = (\tau_{rt},
+\tau_{rz})` acts at the points k of `ShearPoints`, of volume :math:`V_k` and strain rows :math:`B_k`:
+
+.. math:: K_0 u + \sum_k V_k B_k^T \tau_k = f, \qquad
+          \tau = \tau^* \min\left(1, \frac{\mu P}{|\tau^*|}\right), \quad \tau^* = \tau_c + G\, \Delta\gamma
+
+P(r) is the pressure of the wound roll, which stays constant. This is elastic-slip Coulomb friction at contact points of
+area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G/h_k`, the limit
+:math:`\mu P`. The lengths :math:`h_k = \gamma^* G/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same at all
+points; its value does not matter. The interface has no normal displacement.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from wroll_fem.bodies.body import Body
+from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
+from wroll_fem.contact.point import contact_dofs
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
+
+NAME = "coil"
+"""Name of the interface."""
+
+ELASTIC_SLIP = 1e-6
+"""Elastic slip gamma* that all points share, m; any value gives the same stresses."""
+
+
+def slipping_system(
+    body: Body, points: ShearPoints, *, shear_modulus: float, pressure: FloatArray, mu: float, direction: int = 0
+) -> tuple[System, ContactState]:
+    """System of a mandrel with a slipping coil, and its state at rest, without shear stress.
+
+    Parameters
+    ----------
+    body
+        Mandrel with the coil bonded to it; its stiffness has no shear between the wraps.
+    points
+        Points of the coil.
+    shear_modulus
+        G, Pa, the same for rt and rz.
+    pressure
+        (n,) pressure P of the wound roll at the points, Pa.
+    mu
+        Coefficient of friction between the wraps.
+    direction
+        Direction of the base motion: 0 for x, 1 for y.
+
+    Raises
+    ------
+    InputError
+        If a point has no friction capacity.
+    """
+    capacity = mu * np.asarray(pressure, float)
+    if not np.all(capacity > 0.0):
+        where = points.points[int(np.argmin(capacity)), 2]
+        raise InputError(
+            f"the friction capacity between the wraps is {capacity.min():g} Pa at a radius of {1e3 * where:.4g} mm",
+            key="winding", remedy="wind all of the coil with tension, and give winding.mu above 0",
+        )  # fmt: skip
+    assert body.solid is not None
+    n, stiffness = len(points.volumes), capacity / ELASTIC_SLIP  # stick stiffness G / h
+    length = shear_modulus / stiffness
+    strain = points.strain @ body.solid.expand
+    tangential = sp.diags(np.repeat(length, 2)) @ strain
+    rows = (3 * np.arange(n)[:, None] + [1, 2]).ravel()
+    place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))
+    interface = Interface(
+        name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / length, points=points.points,
+        friction=PenaltyCoulomb(mu, ELASTIC_SLIP), normal=NormalPenalty(stiffness, False),
+    )  # fmt: skip
+    system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
+    state = ContactState.unloaded(system)
+    normal = contact_dofs(n)[:, 2]
+    state.jump[normal] = -pressure / stiffness
+    state.traction[normal] = -pressure
+    return system, state
