@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 JUST_BELOW = 1.0 - 1e-6
 """First load, relative to that of the first slip: nothing slides yet."""
 
-GROWTH, BEYOND, MOST_LEVELS = 1.26, 1.1, 60
+GROWTH, BEYOND, MOST_LEVELS = 1.18, 1.05, 80
 """Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
 of them."""
 
