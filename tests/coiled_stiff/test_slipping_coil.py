@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 from itertools import pairwise
 
@@ -12,6 +13,7 @@ from scipy.integrate import trapezoid
 from support.paths import CONFIGS
 
 import wroll_fem as wf
+from wroll_fem.analyses import slip_damping
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
@@ -170,6 +172,29 @@ def test_low_levels_have_the_response_without_slip() -> None:
     found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.01]"]), progress=False)
     assert found["tip_at_level"].values == pytest.approx(found["tip_at_level_without_slip"].values, rel=1e-12)
     assert found["damping_at_level"].values == pytest.approx(0.02)
+    assert "no slip" in slip_damping.statement(found)
+    wf.plot.slip_damping(found)
+
+
+def test_levels_beyond_the_path_have_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slip_damping, "MOST_LEVELS", 3)
+    with pytest.warns(UserWarning, match="higher levels have no result"):
+        found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.5, 15]"]), progress=False)
+    assert np.isfinite(found["tip_at_level"].values).tolist() == [True, False]
+
+
+def test_a_mode_without_most_of_the_mass_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slip_damping, "LEAST_SHARE", 0.9)
+    with pytest.warns(UserWarning, match=r"carries 6\d % of the mass, so that bending is not its main motion"):
+        wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.01]"]), progress=False)
+
+
+def test_the_tip_motion_of_the_levels_alone_is_judged_by_small_displacement_theory() -> None:
+    soft = ["coil.material.G_r_theta=1e5", "coil.thickness=0.03", "winding.wraps=600", "excitation.amplitude_g=[0.001]"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = wf.run(load_case(CASE, [SMALL, *soft]), progress=False)
+    assert found["tip_at_level"].values[0] < 1e-4 < 0.1 < found["tip_amplitude"].values[0]
 
 
 @pytest.mark.parametrize(

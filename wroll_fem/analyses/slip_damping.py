@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 JUST_BELOW = 1.0 - 1e-6
 """First load, relative to that of the first slip: nothing slides yet."""
 
+LEAST_SHARE = 0.4
+"""Effective mass of the followed mode, relative to the total mass, below which the run warns; 0.6 for a cantilever."""
+
 GROWTH, BEYOND, MOST_LEVELS = 1.18, 1.05, 80
 """Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
 of them."""
@@ -79,6 +82,18 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
             stage.update(len(levels), f"{len(path.vectors)} basis vectors")
         stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
     dataset = slip_dataset(system, points, path, found, mode, case)
+    if bool(dataset["tip_at_level"].isnull().any()):
+        progress.warning(
+            f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after {len(levels)} "
+            "loads: higher levels have no result; lower excitation.amplitude_g"
+        )
+    share = participation**2 / body.mass_total
+    if share < LEAST_SHARE:
+        progress.warning(
+            f"the lowest mode that the base excites, {dataset.attrs['f_stuck_hz']:.4g} Hz, carries {100 * share:.2g} % "
+            "of the mass, so that bending is not its main motion: other modes matter as much; use a stiffer shear "
+            "modulus between the wraps, or modal_transient"
+        )
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
 
@@ -118,7 +133,7 @@ def slip_dataset(
     natural = float(np.sqrt(mode @ (path.stiffness @ mode)))
     linear = participation * GRAVITY * levels / (2.0 * zeta * natural**2) * per_amplitude
     known = base > base[0]
-    at = np.interp(GRAVITY * levels, base[known], tip[known]) if known.any() else linear
+    at = np.interp(GRAVITY * levels, base[known], tip[known], right=np.nan) if known.any() else linear
     at = np.where(GRAVITY * levels <= base[0], linear, at)
     stuck = np.where(at <= tip[0])
     frequency = np.interp(at, tip, found.frequency / (2.0 * np.pi))

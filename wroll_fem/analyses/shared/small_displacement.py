@@ -64,7 +64,7 @@ def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: C
     Parameters
     ----------
     dataset
-        Results, with `tip_displacement` or `tip_amplitude`.
+        Results, with `tip_displacement`, `tip_amplitude`, or (the levels asked for) `tip_at_level`.
     summary
         Entries of summary.json.
     case
@@ -76,8 +76,9 @@ def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: C
 
 
 def _of_tip(dataset: xr.Dataset, case: OnRoll) -> list[str]:
-    names = [name for name in ("tip_displacement", "tip_amplitude") if name in dataset.variables]
-    tip = max((float(np.abs(dataset[name].values).max(initial=0.0)) for name in names), default=0.0)
+    wanted = ("tip_at_level",) if "tip_at_level" in dataset.variables else ("tip_displacement", "tip_amplitude")
+    names = [name for name in wanted if name in dataset.variables]
+    tip = max((float(np.abs(dataset[name].fillna(0.0).values).max(initial=0.0)) for name in names), default=0.0)
     loss, rotation = flattening(case, tip), 0.5 * (1.5 * tip / case.geometry.length) ** 2
     if max(loss, rotation) <= STIFFNESS_ERROR:
         return []
