@@ -19,10 +19,13 @@ from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
 from wroll_fem.coiled_stiff.slipping_coil import slipping_system
 from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.statics.modal_path import ModalPath, first_slip, modal_path
 from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.training.enrichment import trained_backbone
 from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 
@@ -141,6 +144,29 @@ def test_first_slip_is_where_the_first_point_reaches_its_limit() -> None:
         reached = LoadPath(system, state).to(share * factor * load)
         at_limit = np.linalg.norm(tangentials(reached.traction), axis=1) >= MU * state.pressure * (1.0 - 1e-9)
         assert at_limit.any() == slides
+
+
+@pytest.mark.slow  # 60 s: harmonic balance with friction at every point of the coil
+def test_the_path_is_the_nonlinear_mode_of_harmonic_balance() -> None:
+    """The same system by the machinery of the layered rolls, seven harmonics, on a coarse mesh."""
+    coarse = load_case(CASE, ["mesh={circumferential: 8, axial: 5, grading: 12, radial: 2}"])
+    (body,) = build_bodies(coarse, symmetric=True)
+    assert body.solid is not None
+    points = ShearPoints.of(body.solid).half()
+    r = points.points[:, 2]
+    pressure = 5e6 - 4e6 * (r - r.min()) / np.ptp(r)
+    system, state = slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU)
+    path = LoadPath(system, state)
+    mode = mode_of(path)
+    found = modal_path(path, mode, np.geomspace(1.0, 10.0, 12))
+    tip = abs(float(system.probes["tip"] @ mode)) * found.amplitude
+    modes = condense(system, path.springs, Scheme.hht(0.0), 1e-4)
+    reach = (0.9 * tip[0], 1.05 * tip[-1])
+    exact = trained_backbone(modes, state, system.laws, tip_amplitudes=reach, harmonics=7).curve
+    np.testing.assert_allclose(found.frequency, np.interp(tip, exact.tip, exact.frequencies), rtol=2.5e-3)
+    slips = found.damping > 0.01
+    assert slips.sum() >= 9
+    np.testing.assert_allclose(found.damping[slips], np.interp(tip, exact.tip, exact.damping)[slips], rtol=0.025)
 
 
 @cache
