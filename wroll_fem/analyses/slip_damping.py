@@ -15,7 +15,7 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.analyses.slip_dataset import CoilShape
-from wroll_fem.analyses.slip_model import _in_wound_roll
+from wroll_fem.analyses.slip_model import in_wound_roll
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
 from wroll_fem.coiled_stiff.slipping_coil import slipping_system
 from wroll_fem.contact.kernels import SLIP
@@ -60,7 +60,7 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
         points = points.half() if body.symmetric else points
         roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
         shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
-        pressure = roll.pressure_at(_in_wound_roll(points.points[:, 2], shape, roll.radius))
+        pressure = roll.pressure_at(in_wound_roll(points.points[:, 2], shape, roll.radius))
         assert case.wound.mu is not None
         system, start = slipping_system(
             body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,

@@ -132,7 +132,7 @@ class SlipModel:
         with progress.stage("response and slip", 1) as stage:
             frequency = None if excitation.frequency == "resonance" else float(excitation.frequency)
             dataset = transient_dataset(
-                self.modes, lambda r: roll.capacity_at(_in_wound_roll(r, shape, roll.radius)), shape,
+                self.modes, lambda r: roll.capacity_at(in_wound_roll(r, shape, roll.radius)), shape,
                 damping_ratio=case.damping_ratio, frequency_hz=frequency, levels_g=excitation.amplitude_g,
             )  # fmt: skip
             stage.update(1)
@@ -154,7 +154,7 @@ class SlipModel:
         raise InputError("changes the modes of the slip model", key=", ".join(changed), remedy=remedy)
 
 
-def _in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
+def in_wound_roll(radius: FloatArray, shape: CoilShape, wound: FloatArray) -> FloatArray:
     """Map radii of the coil to radii of the wound roll, whose size may differ slightly.
 
     Without the map, the outer surface of a slightly thicker coil would have no capacity.
