@@ -13,7 +13,7 @@ from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.analyses.slip_model import shear_modes
 from wroll_fem.bodies.mode_shapes import circumferential_content, classify_mode, main_bending
 from wroll_fem.case import load_case
-from wroll_fem.coiled_stiff.solid_stress import quadratic_basis
+from wroll_fem.coiled_stiff.shear_points import quadratic_basis
 from wroll_fem.coiled_stiff.solid_stress import shear_modes as shear_modes_of_bodies
 from wroll_fem.errors import InputError
 from wroll_fem.fem.body import assemble_bodies

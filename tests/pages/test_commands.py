@@ -102,6 +102,7 @@ SMALLER: dict[str, list[str]] = {
     "winding_case_study": ["winding.cells=600"],
     "winding_lab": [],
     "winding_sweep": [*COARSE, *SHORT_CHIRP, "winding.cells=100"],
+    "slipping_coil": ["mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[5]"],
 }  # fmt: skip
 """Case file -> what is changed in the scratch copy so that a run takes seconds: coarse mesh, short motion, few values.
 
