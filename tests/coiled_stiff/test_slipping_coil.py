@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.constants import g as GRAVITY
 from scipy.integrate import trapezoid
 from support.paths import CONFIGS
 
@@ -31,6 +32,7 @@ from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 
 CASE = CONFIGS / "slipping_coil.yaml"
 SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+LAMINA = "coil.material={kind: lamina, E_1: 1e9, E_2: 1e9, nu_12: 0.3, G_12: 1e8, G_23: 1e8, rho: 1e3}"
 MODULUS, MU = 1e9, 0.48
 
 
@@ -194,6 +196,15 @@ def test_analysis_gives_response_per_level_with_the_prediction_without_slip() ->
     assert np.all(np.diff(slipping) >= 0.0)
 
 
+def test_levels_between_the_loads_are_interpolated() -> None:
+    """Also between the first load, at which nothing slides yet, and the second."""
+    base, tip = (result()[name].values for name in ("resonant_base_acceleration", "tip_amplitude"))
+    levels = (np.array([base[0] + 0.3 * (base[1] - base[0]), base[1], base[5]]) / GRAVITY).tolist()
+    at = wf.run(load_case(CASE, [SMALL, f"excitation.amplitude_g={levels}"]), progress=False)["tip_at_level"].values
+    assert tip[0] < at[0] < tip[0] + 0.5 * (tip[1] - tip[0])
+    np.testing.assert_allclose(at[1:], tip[[1, 5]], rtol=1e-9)
+
+
 def test_low_levels_have_the_response_without_slip() -> None:
     found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.01]"]), progress=False)
     assert found["tip_at_level"].values == pytest.approx(found["tip_at_level_without_slip"].values, rel=1e-12)
@@ -207,6 +218,7 @@ def test_levels_beyond_the_path_have_no_result(monkeypatch: pytest.MonkeyPatch) 
     with pytest.warns(UserWarning, match="higher levels have no result"):
         found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.5, 15]"]), progress=False)
     assert np.isfinite(found["tip_at_level"].values).tolist() == [True, False]
+    assert "0.5 g" in slip_damping.statement(found)
 
 
 def test_a_mode_without_most_of_the_mass_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,6 +246,10 @@ def test_the_tip_motion_of_the_levels_alone_is_judged_by_small_displacement_theo
         (["mesh.discretisation=fourier"], "mesh.discretisation"),
         (["winding.mu=0"], "winding.mu"),
         (["coil.interface=friction"], "coil.inside"),
+        (
+            ["coil.material={kind: lamina, E_1: 1e9, E_2: 1e9, nu_12: 0.3, G_12: 1e8, G_23: 1e8, rho: 1e3}"],
+            "material.kind",
+        ),
     ],
 )
 def test_wrong_cases_are_refused_in_one_line(changed: list[str], said: str) -> None:

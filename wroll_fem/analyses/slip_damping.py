@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 from scipy.constants import g as GRAVITY
+from scipy.interpolate import PchipInterpolator
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
@@ -132,13 +133,10 @@ def slip_dataset(
     levels = np.array(case.excitation.amplitude_g)
     natural = float(np.sqrt(mode @ (path.stiffness @ mode)))
     linear = participation * GRAVITY * levels / (2.0 * zeta * natural**2) * per_amplitude
-    known = base > base[0]
-    at = np.interp(GRAVITY * levels, base[known], tip[known], right=np.nan) if known.any() else linear
-    at = np.where(GRAVITY * levels <= base[0], linear, at)
-    stuck = np.where(at <= tip[0])
-    frequency = np.interp(at, tip, found.frequency / (2.0 * np.pi))
-    damping = np.interp(at, tip, total)
-    damping[stuck] = zeta
+    stuck = GRAVITY * levels <= base[0]
+    at = np.where(stuck, linear, _between(0.0, base, 0.0, tip)(GRAVITY * levels))
+    frequency = _between(0.0, tip, natural, found.frequency)(at) / (2.0 * np.pi)
+    damping = np.where(stuck, zeta, _between(0.0, tip, zeta, total)(at))
     onset = np.where(slides.any(axis=0), tip[slides.argmax(axis=0)], np.nan)
     cycle = 2.0 * np.pi * (found.frequency * found.amplitude) ** 2
     most = int(np.argmax(total))
@@ -183,6 +181,11 @@ def slip_dataset(
     return dataset
 
 
+def _between(x_0: float, x: FloatArray, y_0: float, y: FloatArray) -> PchipInterpolator:
+    """Function through (x_0, y_0) and the points ``x``, ``y`` (k,); NaN beyond the last one."""
+    return PchipInterpolator(np.append(x_0, x), np.append(y_0, y), extrapolate=False)
+
+
 def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
     """Response per level for summary.json, and a sentence on what slip changes."""
     levels = dataset["amplitude_g"].values
@@ -198,8 +201,11 @@ def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def statement(dataset: xr.Dataset) -> str:
-    """Sentence: tip at the highest level with and without slip, frequency and damping there."""
-    top = dataset.isel(amplitude_g=-1)
+    """Sentence: tip at the highest level with a result, with and without slip; frequency and damping there."""
+    known = np.flatnonzero(dataset["tip_at_level"].notnull().values)
+    if not known.size:
+        return "no level has a result"
+    top = dataset.isel(amplitude_g=int(known[-1]))
     g, tip, linear = (float(top[n]) for n in ("amplitude_g", "tip_at_level", "tip_at_level_without_slip"))
     if tip > 0.999 * linear:
         return f"no slip that matters up to {g:g} g: the tip moves by {1e3 * tip:.3g} mm"

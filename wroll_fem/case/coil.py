@@ -238,6 +238,8 @@ class Coil(Section):
                 "is for a solid coil bonded to the mandrel", key="inside", value=self.inside,
                 remedy="leave it out, or use model: solid and interface: bonded",
             )  # fmt: skip
+        if isinstance(self.material, LaminaMaterial | LaminateMaterial):
+            return  # the material is refused
         moduli = self.solid()
         if moduli.G_r_z != moduli.G_r_theta:
             raise validation_error(

@@ -126,7 +126,7 @@ def modal_path(
     system, laws = path.system, path.system.laws
     inertia = system.mass @ shape
     square = float(shape @ (path.stiffness @ shape))
-    first = first_slip(path, square * inertia)
+    first = first_slip(path, square * inertia) if after is None else after.first_slip
     amplitude, force, work, error, states = [], [], [], [], []
     done, before = (0.0, path.start) if after is None else (float(after.slip_work[-1]), path.state)
     for level in levels:
