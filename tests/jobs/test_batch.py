@@ -226,7 +226,7 @@ def test_a_finished_case_is_not_run_again(finished: tuple[Path, Path, Result], m
     path, out, _ = finished
     started: list[str] = []
 
-    def record(self: object, words: list[str], folder: Path) -> Ended:
+    def record(self: object, words: list[str], folder: Path, structure: str) -> Ended:
         started.append(Path(words[2]).name)
         return Ended(3, "stand-in")
 

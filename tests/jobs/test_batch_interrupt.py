@@ -166,7 +166,7 @@ def pool(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the cases that a stand-in for processes was asked to run; each ends as its folder says."""
     asked: list[str] = []
 
-    def run(self: LocalPool, words: list[str], folder: Path) -> Ended:
+    def run(self: LocalPool, words: list[str], folder: Path, structure: str) -> Ended:
         asked.append(folder.name)
         return Ended(3, "stand-in")
 

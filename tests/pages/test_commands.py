@@ -318,7 +318,7 @@ class HerePool:
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def submit(self, words: Sequence[str], folder: Path) -> Future[pools.Ended]:
+    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[pools.Ended]:
         overrides = [words[at + 1] for at, word in enumerate(words) if word == "--set"]
         future: Future[pools.Ended] = Future()
         run_case(load_case(words[0], overrides), folder, progress=SilentProgress(), resume=True, command="")

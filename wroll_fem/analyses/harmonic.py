@@ -65,7 +65,7 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
         moments = MOMENTS if held(system, springs) else 0
         condensation = kept_modes(
             system, springs, moments,
-            lambda: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),
+            lambda springs: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),
         )  # fmt: skip
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     if not condensation.exact:

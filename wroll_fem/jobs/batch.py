@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from wroll_fem.case.roll import RollSections
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.batch_progress import BatchProgress
 from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
@@ -152,7 +153,7 @@ def _run_some(
 ) -> None:
     """Run cases in parallel, show the running cases, and report each finished case."""
     seen: dict[str, float] = {}  # name -> start of every case that was seen at work
-    pending = {pool.submit(_words(member, out), out / member.name): member for member in todo}
+    pending = {pool.submit(_words(member, out), out / member.name, _structure(member)): member for member in todo}
     with progress.stage("batch", counts.total, "cases") as stage:
         try:
             while pending:
@@ -173,6 +174,13 @@ def _words(member: Member, out: Path) -> list[str]:
     """Arguments of `wroll run` for one case."""
     words = [str(member.file), "--out", str(out / member.name), "--resume"]
     return words + [word for text in member.overrides for word in ("--set", text)]
+
+
+def _structure(member: Member) -> str:
+    """Text that is the same for cases whose bodies and modes can be shared; empty if there is nothing to share."""
+    from wroll_fem.dynamics.reduction.kept_structure import structure_text
+
+    return structure_text(member.case) if isinstance(member.case, RollSections) else ""
 
 
 def _outcome(member: Member, future: Future[Ended]) -> Outcome:

@@ -7,15 +7,18 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import json
 import logging
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -33,6 +36,9 @@ RETRIES = 5
 FREE_SECONDS = 60.0
 """Longest wait for a run to save its checkpoint after its worker has died, s."""
 
+INTERRUPTED = 130
+"""Exit code of an interrupted run."""
+
 _PR_SET_PDEATHSIG = 1  # prctl(2): signal to a child whose parent dies
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None  # loaded here: not between fork and exec
 
@@ -47,8 +53,11 @@ class Ended(NamedTuple):
 class Pool(Protocol):
     """Pool that executes `wroll run` commands in parallel."""
 
-    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Start `wroll run` with these arguments; it writes to ``folder``."""
+    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
+        """Start `wroll run` with these arguments; it writes to ``folder``.
+
+        Runs with the same ``structure``, a text of its sections, may share bodies and modes.
+        """
 
     def at_work(self) -> dict[str, float]:
         """Folder name -> start time (time.time) of every running case."""
@@ -60,16 +69,16 @@ class Pool(Protocol):
         """Release the workers."""
 
 
-def _started(words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
-    """Start `wroll run` in its own session, so that Ctrl-C reaches it only through `Pool.stop`.
+def _started(module: str, words: Sequence[str], **options: Any) -> subprocess.Popen[str]:
+    """Start a module in its own session, so that Ctrl-C reaches it only through `Pool.stop`.
 
     On Linux the process receives SIGTERM if its parent is killed. It then saves a checkpoint and releases its folder.
     On other systems it runs to its end.
     """
     return subprocess.Popen(
-        [sys.executable, "-m", "wroll_fem.cli", "run", *words],
+        [sys.executable, "-m", module, *words],
         env=os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"},
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        text=True, start_new_session=True,
         preexec_fn=_follow_parent if sys.platform == "linux" else None, **options,
     )  # fmt: skip
 
@@ -80,14 +89,64 @@ def _follow_parent() -> None:
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def _ended(process: subprocess.Popen[str]) -> Ended:
-    lines = process.communicate()[1].strip().splitlines()
-    message = lines[-1] if lines else f"the process ended with code {process.returncode}"
-    return Ended(process.returncode if process.returncode >= 0 else 1, message)
+def _ended(code: int, errors: str) -> Ended:
+    """End of a process from its exit code and its text on standard error."""
+    lines = errors.strip().splitlines()
+    message = lines[-1] if lines else f"the process ended with code {code}"
+    return Ended(code if code >= 0 else 1, message)
+
+
+class _Worker:
+    """Process that executes the runs of one structure one after another (`worker`)."""
+
+    def __init__(self, structure: str):
+        self.structure = structure
+        self._errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
+        self.process = _started(
+            "wroll_fem.jobs.worker", [], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors
+        )
+
+    def run(self, words: Sequence[str]) -> Ended:
+        """End of one run; that of the process itself if it dies."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        answer = ""
+        with contextlib.suppress(BrokenPipeError):
+            print(json.dumps(list(words)), file=self.process.stdin, flush=True)
+            answer = self.process.stdout.readline()
+        if answer:
+            return Ended(*json.loads(answer))
+        code = self.process.wait()
+        self._errors.seek(0)
+        return _ended(code, self._errors.read())
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process can execute a further run."""
+        return self.process.poll() is None
+
+    def close(self) -> None:
+        """End the process after its present run."""
+        with contextlib.suppress(BrokenPipeError):
+            self.process.communicate()  # closes its standard input
+        self._errors.close()
+
+
+@dataclass(eq=False)
+class _Job:
+    """Run that waits for a worker."""
+
+    words: list[str]
+    folder: Path
+    structure: str
+    future: Future[Ended]
 
 
 class LocalPool:
     """Pool of processes on this machine.
+
+    A process executes runs of one structure, whose bodies and modes it keeps. A run without structure has a process of
+    its own.
 
     Parameters
     ----------
@@ -100,42 +159,88 @@ class LocalPool:
             remedy = "give the number of parallel cases"
             raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy=remedy)
         self._threads = ThreadPoolExecutor(workers)
-        self._running: dict[subprocess.Popen[str], tuple[str, float]] = {}
+        self._waiting: list[_Job] = []
+        self._running: dict[_Worker, tuple[str, float]] = {}
+        self._own: dict[int, _Worker] = {}  # by thread
         self._lock = threading.Lock()
         self._stopped = False
 
-    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Run a case in its own process."""
-        return self._threads.submit(self._run, list(words), folder)
+    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
+        """Run a case as soon as a thread is free."""
+        future: Future[Ended] = Future()
+        with self._lock:
+            self._waiting.append(_Job(list(words), folder, structure, future))
+        self._threads.submit(self._run_next)
+        return future
 
-    def _run(self, words: list[str], folder: Path) -> Ended:
+    def _run_next(self) -> None:
+        job = self._next()
+        try:
+            job.future.set_result(self._run(job.words, job.folder, job.structure))
+        except BaseException as error:
+            job.future.set_exception(error)
+
+    def _next(self) -> _Job:
+        """Take a waiting run: of the structure of this thread, else of one that no thread has, else of any."""
+        with self._lock:
+            me = threading.get_ident()
+            own = self._own.get(me)
+            others = {worker.structure for thread, worker in self._own.items() if thread != me}
+
+            def rank(job: _Job) -> int:
+                if own is not None and job.structure and job.structure == own.structure:
+                    return 0
+                return 2 if job.structure and job.structure in others else 1
+
+            job = min(self._waiting, key=rank)
+            self._waiting.remove(job)
+            return job
+
+    def _run(self, words: list[str], folder: Path, structure: str = "") -> Ended:
         _wait_until_free(folder, lambda: self._stopped)
+        me = threading.get_ident()
+        worker = self._own.get(me)
+        if worker is not None and not (structure and structure == worker.structure and worker.alive):
+            self._end(me, worker)
+            worker = None
         with self._lock:
             if self._stopped:
-                return Ended(130, "not started")
-            process = _started(words)
-            self._running[process] = folder.name, time.time()
+                return Ended(INTERRUPTED, "not started")
+            if worker is None:
+                worker = self._own[me] = _Worker(structure)
+            self._running[worker] = folder.name, time.time()
         try:
-            return _ended(process)
+            ended = worker.run(words)
         finally:
             with self._lock:
-                del self._running[process]
+                del self._running[worker]
+        if ended.code == INTERRUPTED:
+            self._end(me, worker)
+        return ended
+
+    def _end(self, thread: int, worker: _Worker) -> None:
+        """End the process of a thread."""
+        worker.close()
+        with self._lock:
+            del self._own[thread]
 
     def at_work(self) -> dict[str, float]:
-        """Folder name -> start time (time.time) of every process."""
+        """Folder name -> start time (time.time) of every running case."""
         with self._lock:
             return dict(self._running.values())
 
     def stop(self) -> None:
-        """Terminate all processes; each saves a checkpoint."""
+        """Terminate all running processes; each saves a checkpoint."""
         with self._lock:
             self._stopped = True
-            for process in self._running:
-                process.terminate()
+            for worker in self._running:
+                worker.process.terminate()
 
     def close(self) -> None:
-        """Wait for all threads to finish."""
+        """Wait for all runs to finish, and end the processes."""
         self._threads.shutdown()
+        for thread, worker in list(self._own.items()):
+            self._end(thread, worker)
 
 
 class ClusterPool:
@@ -175,8 +280,8 @@ class ClusterPool:
         self._begun = time.time()
         self._folders: dict[Future[Ended], Path] = {}
 
-    def submit(self, words: Sequence[str], folder: Path) -> Future[Ended]:
-        """Run a case on one of the workers."""
+    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
+        """Run a case on one of the workers, in a process of its own."""
         future: Future[Ended] = self._executor.submit(run_on_worker, list(words), str(folder.resolve()), os.getcwd())
         self._folders[future] = folder
         return future
@@ -221,10 +326,13 @@ def run_on_worker(words: list[str], folder: str, working_directory: str) -> Ende
         Directory of the process.
     """
     _wait_until_free(Path(folder))
-    process = _started(words, cwd=working_directory)
+    process = _started(
+        "wroll_fem.cli", ["run", *words], cwd=working_directory, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    )
     _on_this_worker.add(process)
     try:
-        return _ended(process)
+        errors = process.communicate()[1]
+        return _ended(process.returncode, errors)
     finally:
         _on_this_worker.discard(process)
 

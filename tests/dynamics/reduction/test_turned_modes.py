@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from support.paths import CONFIGS
 from support.twisted_wall import TWISTED
 
 import wroll_fem as wf
+from wroll_fem.analyses import harmonic
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.contact.point import per_dof
@@ -88,37 +90,65 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
 
 
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No harmonic meets a mode at these pressures."""
+    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}"])
+    keys = {"preload.pressure": [6e4, 1e5], "excitation.acceleration_g": [0.5, 1.0]}
+    combinations = itertools.product(*keys.values())
+    alone = [wf.run(case.changed(dict(zip(keys, one, strict=True))), progress=False) for one in combinations]
+    spans = []
+    condense = harmonic.condense
+    monkeypatch.setattr(harmonic, "condense", lambda *words, **more: spans.append(1) or condense(*words, **more))
+    series = wf.run_series(case, keys, progress=False)
+    assert len(spans) == 1
+    for one, member in zip(alone, series, strict=True):
+        for name in ("f_n_hz", "zeta", "peak_transmissibility", "friction_work_per_cycle_j"):
+            assert member.data.attrs[name] == one.attrs[name]
+
+
+def test_turned_modes_give_the_curve_of_fresh_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No harmonic meets a mode at this pressure."""
     accurate = "harmonic.reduction_tolerance=1e-5"  # two bases differ by more than the modes do
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 12, axial: 6, grading: 8}", accurate])
-    keys = {"preload.pressure": [6e4, 8e4, 1e5, 1.2e5]}
-    alone = [wf.run(case.changed({"preload.pressure": p}), progress=False) for p in keys["preload.pressure"]]
-    turns = []
-    monkeypatch.setattr(kept_structure, "turned", lambda *words: turns.append(1) or turned(*words))
-    series = wf.run_series(case, keys, progress=False)
-    assert len(turns) == 3
+    found = wf.run(case, progress=False)
+    monkeypatch.setattr(harmonic, "kept_modes", lambda system, springs, moments, compute: compute(springs))
+    fresh = wf.run(case, progress=False)
     allowed = {
         "stuck_resonance_hz": 1e-8, "f_n_hz": 1e-5, "half_power_low_hz": 1e-5, "half_power_high_hz": 1e-5,
         "peak_transmissibility": 1e-5, "zeta": 1e-4,
     }  # fmt: skip
-    for one, member in zip(alone, series, strict=True):
-        for name, relative in allowed.items():
-            assert member.data.attrs[name] == pytest.approx(one.attrs[name], rel=relative)
+    assert found.attrs["f_n_hz"] != fresh.attrs["f_n_hz"]
+    for name, relative in allowed.items():
+        assert found.attrs[name] == pytest.approx(fresh.attrs[name], rel=relative)
 
 
-def test_other_matrices_and_a_poor_span_are_computed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_modes_are_computed_once_per_structure_and_anew_where_turned_ones_fail(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     system, other = roll("isotropic"), roll("two layers")
-    calls: list[int] = []
+    calls: list[float] = []
 
-    def found(one: System, tangential: float) -> None:
-        kept_modes(one, springs(one, tangential), 4, lambda: calls.append(1) or modes(one, tangential, 4))
+    def found(one: System, tangential: float, moments: int = 4) -> Condensation:
+        def compute(values: np.ndarray) -> Condensation:
+            calls.append(float(values.min()))
+            modes = condense_cyclic(one, values, moments)
+            assert modes is not None
+            return modes
 
+        calls.clear()
+        return kept_modes(one, springs(one, tangential), moments, compute)
+
+    penalty = float(system.laws.kn.min())
     with keeping_structure():
-        for one, tangential, count in ((system, 3e9, 1), (system, 4e11, 1), (other, 4e11, 2), (system, 4e11, 3)):
-            found(one, tangential)
-            assert len(calls) == count
+        first = found(system, 3e9)
+        assert calls == [penalty]
+        found(system, 4e11)
+        assert calls == []
+        found(other, 4e11)
+        assert calls == [float(other.laws.kn.min())]
+        np.testing.assert_array_equal(found(system, 3e9).eigenvalues, first.eigenvalues)
+        found(system, 3e9, 0)  # all modes
+        assert calls == [3e9]
         monkeypatch.setattr(kept_structure, "MISSED", 0.0)
         found(system, 3e9)
-    assert len(calls) == 4
+        assert calls == [3e9]
     found(system, 3e9)
-    assert len(calls) == 5
+    assert calls == [penalty, 3e9]

@@ -1,6 +1,7 @@
 """Structure of a series: bodies and modes are computed once and used again for other preloads, laws and excitations.
 
-Outside `keeping_structure` nothing is kept, and every run is independent of the runs before it.
+Outside `keeping_structure` nothing is kept. The modes are computed with the same springs either way, so that a run has
+the same results in a series and on its own.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import scipy.sparse as sp
 from wroll_fem.bodies.body import Body
 from wroll_fem.case.roll import RollSections
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.turned_modes import missed, turned
+from wroll_fem.dynamics.reduction.turned_modes import COMPONENTS, missed, turned
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray
 
@@ -48,37 +49,42 @@ def keeping_structure() -> Iterator[None]:
         _kept.reset(token)
 
 
+def structure_text(roll: RollSections) -> str:
+    """Text that is the same for cases with the same bodies."""
+    return " ".join(part.model_dump_json() for part in (roll.geometry, roll.mandrel, roll.coil, roll.mesh))
+
+
 def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]]) -> list[Body]:
     """Bodies of a roll from ``build``, or those that are kept for the same sections; `half`: of half the roll."""
     kept = _kept.get()
     if kept is None:
         return build()
-    parts = (roll.geometry, roll.mandrel, roll.coil, roll.mesh)
-    sections = f"{half} " + " ".join(part.model_dump_json() for part in parts)
+    sections = f"{half} {structure_text(roll)}"
     if kept.bodies is None or kept.sections != sections:
         kept.bodies, kept.sections = build(), sections
     return kept.bodies
 
 
-def kept_modes(system: System, springs: FloatArray, moments: int, compute: Callable[[], Condensation]) -> Condensation:
-    """Modes from ``compute``, or those that are kept for the same matrices, turned to other springs (`turned_modes`).
+def kept_modes(
+    system: System, springs: FloatArray, moments: int, compute: Callable[[FloatArray], Condensation]
+) -> Condensation:
+    """Modes with ``springs`` (3 n_points,), Pa/m, turned from modes that depend on the structure alone.
 
-    ``springs`` (3 n_points,) are those of the interfaces, Pa/m; for ``moments`` see `condense`. Modes of whole
-    structures, in place of circumferential blocks, are always computed.
+    These have the normal penalty as spring in all directions (`turned_modes`); in a series they are computed once.
+    ``compute`` returns the modes for given springs. It is called with ``springs`` themselves where modes cannot be
+    turned: if all modes are wanted (``moments`` 0, see `condense`), without circumferential blocks, and if turned modes
+    lack accuracy.
     """
-    kept = _kept.get()
-    if kept is None:
-        return compute()
+    if not moments or not system.subspaces or not system.n_points:
+        return compute(springs)
+    kept = _kept.get() or _Kept()
     fingerprint = _fingerprint(system)
-    known = kept.modes if kept.system == fingerprint else None
-    if known is not None and known.moments == moments:
-        modes = turned(system, known, springs)
-        if missed(system, modes) <= MISSED:
-            return modes
-    modes = compute()
-    if modes.n_theta > 1:
-        kept.modes, kept.system = modes, fingerprint
-    return modes
+    if kept.modes is None or (kept.system, kept.modes.moments) != (fingerprint, moments):
+        kept.modes, kept.system = compute(np.repeat(system.laws.kn, COMPONENTS)), fingerprint
+    if kept.modes.n_theta == 1:
+        return compute(springs)
+    modes = turned(system, kept.modes, springs)
+    return modes if missed(system, modes) <= MISSED else compute(springs)
 
 
 def _fingerprint(system: System) -> bytes:
