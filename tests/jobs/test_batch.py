@@ -21,7 +21,7 @@ from wroll_fem import cli
 from wroll_fem.errors import InputError
 from wroll_fem.jobs import batch
 from wroll_fem.jobs.batch import draw_figures, load_series, run_grid, table_dataset, write_tables
-from wroll_fem.jobs.executors import Ended, LocalPool
+from wroll_fem.jobs.executors import Ended, Job, LocalPool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.progress import SilentProgress
@@ -226,8 +226,8 @@ def test_a_finished_case_is_not_run_again(finished: tuple[Path, Path, Result], m
     path, out, _ = finished
     started: list[str] = []
 
-    def record(self: object, words: list[str], folder: Path, structure: str) -> Ended:
-        started.append(Path(words[2]).name)
+    def record(self: object, job: Job) -> Ended:
+        started.append(job.folder.name)
         return Ended(3, "stand-in")
 
     monkeypatch.setattr(LocalPool, "_run", record)

@@ -18,7 +18,7 @@ from support.paths import ROOT
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.jobs import batch
 from wroll_fem.jobs.batch import run_grid
-from wroll_fem.jobs.executors import Ended, LocalPool
+from wroll_fem.jobs.executors import Ended, Job, LocalPool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.jobs.run import run_case
@@ -166,8 +166,8 @@ def pool(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the cases that a stand-in for processes was asked to run; each ends as its folder says."""
     asked: list[str] = []
 
-    def run(self: LocalPool, words: list[str], folder: Path, structure: str) -> Ended:
-        asked.append(folder.name)
+    def run(self: LocalPool, job: Job) -> Ended:
+        asked.append(job.folder.name)
         return Ended(3, "stand-in")
 
     monkeypatch.setattr(LocalPool, "_run", run)

@@ -318,12 +318,14 @@ class HerePool:
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[pools.Ended]:
-        overrides = [words[at + 1] for at, word in enumerate(words) if word == "--set"]
-        future: Future[pools.Ended] = Future()
-        run_case(load_case(words[0], overrides), folder, progress=SilentProgress(), resume=True, command="")
-        future.set_result(pools.Ended(0, ""))
-        return future
+    def submit(self, jobs: Sequence[pools.Job]) -> list[Future[pools.Ended]]:
+        futures: list[Future[pools.Ended]] = [Future() for _ in jobs]
+        for job, future in zip(jobs, futures, strict=True):
+            overrides = [job.words[at + 1] for at, word in enumerate(job.words) if word == "--set"]
+            case = load_case(job.words[0], overrides)
+            run_case(case, job.folder, progress=SilentProgress(), resume=True, command="")
+            future.set_result(pools.Ended(0, ""))
+        return futures
 
     def at_work(self) -> dict[str, float]:
         return {}

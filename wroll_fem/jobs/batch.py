@@ -15,7 +15,7 @@ import numpy as np
 from wroll_fem.case.roll import RollSections
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.batch_progress import BatchProgress
-from wroll_fem.jobs.executors import ClusterPool, Ended, LocalPool, Pool
+from wroll_fem.jobs.executors import ClusterPool, Ended, Job, LocalPool, Pool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
@@ -153,7 +153,7 @@ def _run_some(
 ) -> None:
     """Run cases in parallel, show the running cases, and report each finished case."""
     seen: dict[str, float] = {}  # name -> start of every case that was seen at work
-    pending = {pool.submit(_words(member, out), out / member.name, _structure(member)): member for member in todo}
+    pending = dict(zip(pool.submit([_job(member, out) for member in todo]), todo, strict=True))
     with progress.stage("batch", counts.total, "cases") as stage:
         try:
             while pending:
@@ -170,17 +170,14 @@ def _run_some(
             raise
 
 
-def _words(member: Member, out: Path) -> list[str]:
-    """Arguments of `wroll run` for one case."""
-    words = [str(member.file), "--out", str(out / member.name), "--resume"]
-    return words + [word for text in member.overrides for word in ("--set", text)]
-
-
-def _structure(member: Member) -> str:
-    """Text that is the same for cases whose bodies and modes can be shared; empty if there is nothing to share."""
+def _job(member: Member, out: Path) -> Job:
+    """`wroll run` of one case, with its structure if it is that of a roll."""
     from wroll_fem.dynamics.reduction.kept_structure import structure_text
 
-    return structure_text(member.case) if isinstance(member.case, RollSections) else ""
+    words = [str(member.file), "--out", str(out / member.name), "--resume"]
+    words += [word for text in member.overrides for word in ("--set", text)]
+    structure = structure_text(member.case) if isinstance(member.case, RollSections) else ""
+    return Job(words, out / member.name, structure)
 
 
 def _outcome(member: Member, future: Future[Ended]) -> Outcome:

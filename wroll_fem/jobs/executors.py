@@ -50,14 +50,27 @@ class Ended(NamedTuple):
     message: str
 
 
+@dataclass(frozen=True)
+class Job:
+    """A `wroll run` of a batch.
+
+    Attributes
+    ----------
+    words : arguments of the command
+    folder : run folder
+    structure : text that is the same for runs that may share bodies and modes; empty if there is nothing to share
+    """
+
+    words: Sequence[str]
+    folder: Path
+    structure: str = ""
+
+
 class Pool(Protocol):
     """Pool that executes `wroll run` commands in parallel."""
 
-    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
-        """Start `wroll run` with these arguments; it writes to ``folder``.
-
-        Runs with the same ``structure``, a text of its sections, may share bodies and modes.
-        """
+    def submit(self, jobs: Sequence[Job]) -> list[Future[Ended]]:
+        """Start the jobs as workers become free."""
 
     def at_work(self) -> dict[str, float]:
         """Folder name -> start time (time.time) of every running case."""
@@ -132,16 +145,6 @@ class _Worker:
         self._errors.close()
 
 
-@dataclass(eq=False)
-class _Job:
-    """Run that waits for a worker."""
-
-    words: list[str]
-    folder: Path
-    structure: str
-    future: Future[Ended]
-
-
 class LocalPool:
     """Pool of processes on this machine.
 
@@ -159,58 +162,60 @@ class LocalPool:
             remedy = "give the number of parallel cases"
             raise InputError(f"must be 1 or more, got {workers}", key="--workers", remedy=remedy)
         self._threads = ThreadPoolExecutor(workers)
-        self._waiting: list[_Job] = []
+        self._waiting: list[tuple[Job, Future[Ended]]] = []
         self._running: dict[_Worker, tuple[str, float]] = {}
-        self._own: dict[int, _Worker] = {}  # by thread
+        self._structures: dict[int, str] = {}  # of the last job of each thread
+        self._own: dict[int, _Worker] = {}  # of each thread
         self._lock = threading.Lock()
         self._stopped = False
 
-    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
-        """Run a case as soon as a thread is free."""
-        future: Future[Ended] = Future()
+    def submit(self, jobs: Sequence[Job]) -> list[Future[Ended]]:
+        """Run every job as soon as a thread is free for it."""
+        futures: list[Future[Ended]] = [Future() for _ in jobs]
         with self._lock:
-            self._waiting.append(_Job(list(words), folder, structure, future))
-        self._threads.submit(self._run_next)
-        return future
+            self._waiting += zip(jobs, futures, strict=True)
+        for _ in jobs:
+            self._threads.submit(self._run_next)
+        return futures
 
     def _run_next(self) -> None:
-        job = self._next()
+        job, future = self._next()
         try:
-            job.future.set_result(self._run(job.words, job.folder, job.structure))
+            future.set_result(self._run(job))
         except BaseException as error:
-            job.future.set_exception(error)
+            future.set_exception(error)
 
-    def _next(self) -> _Job:
-        """Take a waiting run: of the structure of this thread, else of one that no thread has, else of any."""
+    def _next(self) -> tuple[Job, Future[Ended]]:
+        """Take a waiting job: of the structure of this thread, else of one that no thread has, else of any."""
         with self._lock:
             me = threading.get_ident()
-            own = self._own.get(me)
-            others = {worker.structure for thread, worker in self._own.items() if thread != me}
+            own = self._structures.get(me, "")
+            others = {structure for thread, structure in self._structures.items() if thread != me}
 
-            def rank(job: _Job) -> int:
-                if own is not None and job.structure and job.structure == own.structure:
-                    return 0
-                return 2 if job.structure and job.structure in others else 1
+            def rank(entry: tuple[Job, Future[Ended]]) -> int:
+                structure = entry[0].structure
+                return 1 if not structure else 0 if structure == own else 2 if structure in others else 1
 
-            job = min(self._waiting, key=rank)
-            self._waiting.remove(job)
-            return job
+            found = min(self._waiting, key=rank)
+            self._waiting.remove(found)
+            self._structures[me] = found[0].structure
+            return found
 
-    def _run(self, words: list[str], folder: Path, structure: str = "") -> Ended:
-        _wait_until_free(folder, lambda: self._stopped)
+    def _run(self, job: Job) -> Ended:
+        _wait_until_free(job.folder, lambda: self._stopped)
         me = threading.get_ident()
         worker = self._own.get(me)
-        if worker is not None and not (structure and structure == worker.structure and worker.alive):
+        if worker is not None and not (job.structure and job.structure == worker.structure and worker.alive):
             self._end(me, worker)
             worker = None
         with self._lock:
             if self._stopped:
                 return Ended(INTERRUPTED, "not started")
             if worker is None:
-                worker = self._own[me] = _Worker(structure)
-            self._running[worker] = folder.name, time.time()
+                worker = self._own[me] = _Worker(job.structure)
+            self._running[worker] = job.folder.name, time.time()
         try:
-            ended = worker.run(words)
+            ended = worker.run(job.words)
         finally:
             with self._lock:
                 del self._running[worker]
@@ -280,11 +285,15 @@ class ClusterPool:
         self._begun = time.time()
         self._folders: dict[Future[Ended], Path] = {}
 
-    def submit(self, words: Sequence[str], folder: Path, structure: str = "") -> Future[Ended]:
-        """Run a case on one of the workers, in a process of its own."""
-        future: Future[Ended] = self._executor.submit(run_on_worker, list(words), str(folder.resolve()), os.getcwd())
-        self._folders[future] = folder
-        return future
+    def submit(self, jobs: Sequence[Job]) -> list[Future[Ended]]:
+        """Run every job on one of the workers, in a process of its own."""
+        started = []
+        for job in jobs:
+            words = list(job.words), str(job.folder.resolve()), os.getcwd()
+            future: Future[Ended] = self._executor.submit(run_on_worker, *words)
+            self._folders[future] = job.folder
+            started.append(future)
+        return started
 
     def at_work(self) -> dict[str, float]:
         """Folder name -> start time of every running case, found from the status in its folder.
