@@ -17,7 +17,7 @@ import wroll_fem as wf
 from wroll_fem.analyses import slip_damping
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.case import load_case
-from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
 from wroll_fem.coiled_stiff.slipping_coil import slipping_system
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.reduction.condensation import condense
@@ -219,6 +219,39 @@ def test_levels_beyond_the_path_have_no_result(monkeypatch: pytest.MonkeyPatch) 
         found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.5, 15]"]), progress=False)
     assert np.isfinite(found["tip_at_level"].values).tolist() == [True, False]
     assert "0.5 g" in slip_damping.statement(found)
+
+
+def test_radial_stress_of_a_uniform_strain_is_that_of_the_material() -> None:
+    """Displacements a r along r and c z along z: strains a, a and c."""
+    case = load_case(CASE, [SMALL])
+    (body,) = build_bodies(case, symmetric=True)
+    assert body.solid is not None
+    stiffness, (a, c) = case.coil.solid().stiffness(), (1e-3, -4e-3)
+    found = radial_stress(body.solid, stiffness) @ (body.solid.nodes * [a, a, c]).ravel()
+    expected = stiffness[0, :3] @ [a, a, c]
+    np.testing.assert_allclose(found, expected, rtol=2e-3)  # the circle is made of quadratic edges
+
+
+def test_a_strong_change_of_the_pressure_is_told() -> None:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        low = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[5]"]), progress=False)
+    assert not any("radial stress" in str(warning.message) for warning in told)
+    with pytest.warns(UserWarning, match=r"radial stress of the motion exceeds 50 % of the pressure .* at most\)"):
+        high = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[30]"]), progress=False)
+    change = high["pressure_change_max"].values
+    assert change[0] == 0.0  # nothing slides yet
+    # while little slides, the motion is proportional to the load
+    assert np.all(np.diff(change[1:]) > 0.0)
+    share = high["pressure_change_volume_fraction"].values
+    assert np.all((share > 0.0) == (change > 0.5))
+    np.testing.assert_allclose(low["pressure_change_max"], change[: low.sizes["tip_amplitude"]], rtol=1e-6)
+
+
+def test_a_clamped_coil_does_not_slip_at_moderate_levels() -> None:
+    found = wf.run(load_case(CASE, [SMALL, "coil.base=clamped", "excitation.amplitude_g=[5]"]), progress=False)
+    assert found["damping_at_level"].values == pytest.approx(0.02, rel=1e-12)
+    assert "no slip that matters up to 5 g" in slip_damping.statement(found)
 
 
 def test_a_mode_without_most_of_the_mass_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

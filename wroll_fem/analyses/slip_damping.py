@@ -17,7 +17,8 @@ from wroll_fem.analyses.shared import figures
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.analyses.slip_dataset import CoilShape
 from wroll_fem.analyses.slip_model import in_wound_roll
-from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.bodies.body import Body
+from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
 from wroll_fem.coiled_stiff.slipping_coil import slipping_system
 from wroll_fem.contact.kernels import SLIP
 from wroll_fem.contact.point import tangentials
@@ -37,6 +38,10 @@ JUST_BELOW = 1.0 - 1e-6
 
 LEAST_SHARE = 0.4
 """Effective mass of the followed mode, relative to the total mass, below which the run warns; 0.6 for a cantilever."""
+
+STRONG, STRONG_SHARE = 0.5, 0.01
+"""Radial stress, relative to the pressure, that counts as a strong change of the pressure; fraction of the sliding
+volume with a strong change above which the run warns."""
 
 GROWTH, BEYOND, MOST_LEVELS = 1.18, 1.05, 80
 """Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
@@ -82,7 +87,10 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
             found = found.joined(modal_path(path, mode, levels[-1:], keep=True, after=found))
             stage.update(len(levels), f"{len(path.vectors)} basis vectors")
         stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
-    dataset = slip_dataset(system, points, path, found, mode, case)
+    dataset = slip_dataset(system, points, path, found, mode, case).merge(
+        pressure_change(body, points, path, found, case.coil.solid().stiffness())
+    )
+    _warn_of_pressure(dataset, progress)
     if bool(dataset["tip_at_level"].isnull().any()):
         progress.warning(
             f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after {len(levels)} "
@@ -179,6 +187,43 @@ def slip_dataset(
         "method": "quasi-static modal path, Masing's rule",
     }
     return dataset
+
+
+def pressure_change(
+    body: Body, points: ShearPoints, path: LoadPath, found: ModalPath, stiffness: FloatArray
+) -> xr.Dataset:
+    """Radial stress of the motion relative to the pressure between the wraps, where they slide, versus `tip_amplitude`.
+
+    The path takes the pressure as constant. ``stiffness`` (6, 6), Pa, is that of the coil.
+    """
+    assert body.solid is not None
+    rows = radial_stress(body.solid, stiffness)
+    rows = rows[points.kept] if points.kept is not None else rows
+    displacement = np.array([state.displacement - path.start.displacement for state in found.states])
+    change = np.abs((rows @ (body.solid.expand @ displacement.T)).T) / path.start.pressure
+    slides = np.array([state.status == SLIP for state in found.states])
+    strong = (slides & (change > STRONG)) @ points.volumes
+    return xr.Dataset(
+        {
+            "pressure_change_max": ("tip_amplitude", np.where(slides, change, 0.0).max(axis=1)),
+            "pressure_change_volume_fraction": (
+                "tip_amplitude", strong / np.maximum(slides @ points.volumes, np.finfo(float).tiny),
+            ),
+        }
+    )  # fmt: skip
+
+
+def _warn_of_pressure(dataset: xr.Dataset, progress: Progress) -> None:
+    """Warn if the radial stress exceeds half of the pressure in more than `STRONG_SHARE` of the sliding volume."""
+    tip = float(np.nanmax(np.append(0.0, dataset["tip_at_level"].values)))
+    row = int(np.searchsorted(dataset["tip_amplitude"].values[:-1], tip))
+    share, most = (float(dataset[f"pressure_change_{name}"][row]) for name in ("volume_fraction", "max"))
+    if share > STRONG_SHARE:
+        progress.warning(
+            f"at a tip motion of {1e3 * tip:.3g} mm the radial stress of the motion exceeds {100 * STRONG:g} % of the "
+            f"pressure between the wraps in {100 * share:.2g} % of the sliding volume ({100 * most:.0f} % of it at "
+            "most); the pressure is taken as constant, so that friction there changes during a cycle by as much"
+        )
 
 
 def _between(x_0: float, x: FloatArray, y_0: float, y: FloatArray) -> PchipInterpolator:

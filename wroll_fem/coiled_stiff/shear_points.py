@@ -13,11 +13,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from wroll_fem.bodies.body import SolidPart
 from wroll_fem.mesh.shells import VTK_GRID
 from wroll_fem.typing import FloatArray
+
+AXIAL = np.array([0.0, 0.0, 1.0])
+"""Unit vector of the axis."""
 
 GAUSS_POINTS = 2
 """Number of Gauss points per direction in each hexahedron."""
@@ -36,45 +40,77 @@ class ShearPoints:
     strain
         (2 n, 3 n_nodes) map from the nodal displacements (node-major [ux, uy, uz], m) to the engineering shear strains:
         rt and rz of the first point, then those of the next.
+    kept
+        Numbers of the points among those of the whole coil; None if they are all.
     """
 
     points: FloatArray
     volumes: FloatArray
     strain: sp.csr_matrix
+    kept: npt.NDArray[np.int64] | None = None
 
     @classmethod
     def of(cls, part: SolidPart, gauss_points: int = GAUSS_POINTS) -> ShearPoints:
         """Points of the mesh of a coil, ``gauss_points`` per direction in each hexahedron."""
-        local, weights = _gauss_points(gauss_points)
-        N, dN = quadratic_basis(local)
-        corners = part.nodes[part.cells]
-        x = np.einsum("qk,ckd->cqd", N, corners)
-        jacobian = np.einsum("qka,ckd->cqda", dN, corners)
-        slope = np.einsum("qka,cqad->cqkd", dN, np.linalg.inv(jacobian))  # of each shape function
-        radius = np.hypot(x[..., 0], x[..., 1])
-        radial = np.stack([x[..., 0] / radius, x[..., 1] / radius, np.zeros_like(radius)], axis=-1)
-        hoop = np.stack([-radial[..., 1], radial[..., 0], np.zeros_like(radius)], axis=-1)
-        along_r = np.einsum("cqkd,cqd->cqk", slope, radial)[..., None]
-        along_t = np.einsum("cqkd,cqd->cqk", slope, hoop)[..., None]
-        axial = np.array([0.0, 0.0, 1.0])
-        rt = along_r * hoop[:, :, None] + along_t * radial[:, :, None]
-        rz = along_r * axial + slope[..., 2, None] * radial[:, :, None]
-        count = len(part.cells) * len(weights)
-        columns = (3 * part.cells[:, :, None] + np.arange(3)).reshape(len(part.cells), 1, 1, -1)
-        columns = np.broadcast_to(columns, (len(part.cells), len(weights), 2, columns.shape[-1]))
-        values = np.stack([rt, rz], axis=2).reshape(2 * count, -1)
-        ends = values.shape[1] * np.arange(2 * count + 1)
-        strain = sp.csr_matrix((values.ravel(), columns.ravel(), ends), shape=(2 * count, 3 * len(part.nodes)))
-        theta = np.arctan2(x[..., 1], x[..., 0])
+        at = _Geometry.of(part, gauss_points)
+        along_r, along_t = (at.slope @ axis[..., None] for axis in (at.radial, at.hoop))
+        rt = along_r * at.hoop[:, :, None] + along_t * at.radial[:, :, None]
+        rz = along_r * AXIAL + at.slope[..., 2, None] * at.radial[:, :, None]
+        theta = np.arctan2(at.x[..., 1], at.x[..., 0])
         theta[theta <= -np.pi] = np.pi
-        volumes = (weights * np.abs(np.linalg.det(jacobian))).ravel()
-        return cls(np.stack([theta, x[..., 2], radius], axis=-1).reshape(-1, 3), volumes, strain)
+        points = np.stack([theta, at.x[..., 2], np.hypot(at.x[..., 0], at.x[..., 1])], axis=-1)
+        return cls(points.reshape(-1, 3), at.volumes.ravel(), at.rows(part, rt, rz))
 
     def half(self) -> ShearPoints:
         """Points with theta > 0, each with the volume of its mirror image: enough for motions symmetric about x-z."""
         kept = np.flatnonzero(self.points[:, 0] > 0.0)
         rows = (2 * kept[:, None] + np.arange(2)).ravel()
-        return ShearPoints(self.points[kept], 2.0 * self.volumes[kept], self.strain[rows])
+        return ShearPoints(self.points[kept], 2.0 * self.volumes[kept], self.strain[rows], kept)
+
+
+def radial_stress(part: SolidPart, stiffness: FloatArray, gauss_points: int = GAUSS_POINTS) -> sp.csr_matrix:
+    """(n, 3 n_nodes) map from the nodal displacements to the radial stress at the points of `ShearPoints`, Pa.
+
+    ``stiffness`` (6, 6), Pa, is that of the material, with the Voigt order of `materials`.
+    """
+    at = _Geometry.of(part, gauss_points)
+    along_r, along_t = (at.slope @ axis[..., None] for axis in (at.radial, at.hoop))
+    parts = along_r * at.radial[:, :, None], along_t * at.hoop[:, :, None], at.slope[..., 2, None] * AXIAL
+    return at.rows(part, sum(c * strain for c, strain in zip(stiffness[0, :3], parts, strict=True)))
+
+
+@dataclass(frozen=True)
+class _Geometry:
+    """Gauss points of c cells: positions, axes (c, q, 3), volumes (c, q), slopes of shape functions (c, q, 27, 3)."""
+
+    x: FloatArray
+    volumes: FloatArray
+    slope: FloatArray
+    radial: FloatArray
+    hoop: FloatArray
+
+    @classmethod
+    def of(cls, part: SolidPart, gauss_points: int) -> _Geometry:
+        """Gauss points of all cells, ``gauss_points`` per direction."""
+        local, weights = _gauss_points(gauss_points)
+        N, dN = quadratic_basis(local)
+        corners = part.nodes[part.cells]
+        x = np.einsum("qk,ckd->cqd", N, corners)
+        jacobian = np.einsum("qka,ckd->cqda", dN, corners)
+        slope = np.einsum("qka,cqad->cqkd", dN, np.linalg.inv(jacobian))
+        radius = np.hypot(x[..., 0], x[..., 1])
+        radial = np.stack([x[..., 0] / radius, x[..., 1] / radius, np.zeros_like(radius)], axis=-1)
+        hoop = np.stack([-radial[..., 1], radial[..., 0], np.zeros_like(radius)], axis=-1)
+        return cls(x, weights * np.abs(np.linalg.det(jacobian)), slope, radial, hoop)
+
+    def rows(self, part: SolidPart, *values: FloatArray) -> sp.csr_matrix:
+        """Rows in turn of each of the ``values`` (c, q, 27, 3) at every point, over the displacements of all nodes."""
+        columns = (3 * part.cells[:, :, None] + np.arange(3)).reshape(len(part.cells), 1, 1, -1)
+        stacked = np.stack(values, axis=2).reshape(*self.volumes.shape, len(values), -1)
+        columns = np.broadcast_to(columns, stacked.shape)
+        count, width = stacked[..., 0].size, stacked.shape[-1]
+        ends = width * np.arange(count + 1)
+        return sp.csr_matrix((stacked.ravel(), columns.ravel(), ends), shape=(count, 3 * len(part.nodes)))
 
 
 def quadratic_basis(points: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -60,6 +60,21 @@ def slipping_system(
     InputError
         If a point has no friction capacity.
     """
+    assert body.solid is not None
+    interface = shear_interface(
+        points, points.strain @ body.solid.expand, shear_modulus=shear_modulus, pressure=pressure, mu=mu
+    )
+    system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
+    return system, pressed(system, pressure)
+
+
+def shear_interface(
+    points: ShearPoints, strain: sp.csr_matrix, *, shear_modulus: float, pressure: FloatArray, mu: float
+) -> Interface:
+    """Friction at ``points`` with the shear strains rt and rz, (2 n, n_dofs) rows ``strain``, as relative displacement.
+
+    For the other parameters and the error see `slipping_system`.
+    """
     capacity = mu * np.asarray(pressure, float)
     if not np.all(capacity > 0.0):
         where = points.points[int(np.argmin(capacity)), 2]
@@ -67,20 +82,21 @@ def slipping_system(
             f"the friction capacity between the wraps is {capacity.min():g} Pa at a radius of {1e3 * where:.4g} mm",
             key="winding", remedy="wind all of the coil with tension, and give winding.mu above 0",
         )  # fmt: skip
-    assert body.solid is not None
     n, stiffness = len(points.volumes), capacity / ELASTIC_SLIP  # stick stiffness G / h
     length = shear_modulus / stiffness
-    strain = points.strain @ body.solid.expand
     tangential = sp.diags(np.repeat(length, 2)) @ strain
     rows = (3 * np.arange(n)[:, None] + [1, 2]).ravel()
     place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))
-    interface = Interface(
+    return Interface(
         name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / length, points=points.points,
         friction=PenaltyCoulomb(mu, ELASTIC_SLIP), normal=NormalPenalty(stiffness, False),
     )  # fmt: skip
-    system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
+
+
+def pressed(system: System, pressure: FloatArray) -> ContactState:
+    """State at rest with ``pressure`` (n,), Pa, at the points, and without shear stress."""
     state = ContactState.unloaded(system)
-    normal = contact_dofs(n)[:, 2]
-    state.jump[normal] = -pressure / stiffness
+    normal = contact_dofs(system.n_points)[:, 2]
+    state.jump[normal] = -pressure / system.laws.kn
     state.traction[normal] = -pressure
-    return system, state
+    return state

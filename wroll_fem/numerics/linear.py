@@ -45,7 +45,8 @@ class _Mumps:
 
     def __del__(self) -> None:
         """Free the factors. petsc4py would keep them until the program ends (about 30 MB per step of a full roll)."""
-        if hasattr(self, "_ksp") and not self._petsc.Sys.isFinalized():
+        # names of a module are None while the interpreter ends
+        if hasattr(self, "_ksp") and self._petsc.Sys is not None and not self._petsc.Sys.isFinalized():
             self._ksp.destroy()
             self._matrix.destroy()
 

@@ -31,6 +31,9 @@ from wroll_fem.typing import FloatArray
 ANGLES = 200
 """Number of Gauss points of the first harmonic of a cycle."""
 
+NO_WORK = 1e-9
+"""Slip work at the first load, relative to force times amplitude, up to which the initial curve is straight there."""
+
 
 @dataclass(frozen=True)
 class ModalPath:
@@ -88,7 +91,8 @@ class ModalPath:
 
     def curve(self) -> PchipInterpolator:
         """Modal force over amplitude, from rest; up to the first load without slip it is a straight line."""
-        start = [0.0, 0.5] if self.slip_work[0] <= 0.0 else [0.0]
+        straight = self.slip_work[0] <= NO_WORK * abs(self.force[0] * self.amplitude[0])
+        start = [0.0, 0.5] if straight else [0.0]
         amplitude = np.append(np.multiply(start, self.amplitude[0]), self.amplitude)
         return PchipInterpolator(amplitude, np.append(np.multiply(start, self.force[0]), self.force))
 
