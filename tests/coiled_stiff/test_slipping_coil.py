@@ -186,8 +186,11 @@ def test_analysis_gives_response_per_level_with_the_prediction_without_slip() ->
     base, q_tip = found["resonant_base_acceleration"].values, found["tip_amplitude"].values
     dissipated = found["friction_work_per_cycle"] + found["material_damping_work_per_cycle"]
     per_tip = dissipated.values[0] / (base[0] * q_tip[0])
-    np.testing.assert_allclose(dissipated, per_tip * base * q_tip, rtol=1e-9)
-    np.testing.assert_allclose(found["modal_damping"] - found["friction_modal_damping"], 0.02, rtol=1e-9)
+    np.testing.assert_allclose(dissipated, per_tip * base * q_tip, rtol=0.015)  # the shape changes
+    # a dashpot: its damping ratio grows as the frequency falls
+    dashpot = 0.02 * found.attrs["f_stuck_hz"] / found["resonance_frequency"]
+    np.testing.assert_allclose(found["material_modal_damping"], dashpot, rtol=1e-9)
+    np.testing.assert_allclose(found["modal_damping"], found["friction_modal_damping"] + dashpot, rtol=1e-9)
     worked = float((found["slip_work_density"] * found["volume"]).sum())
     assert worked == pytest.approx(float(found["friction_work_per_cycle"][-1]), rel=0.05)
     assert found["volume"].sum() == pytest.approx(np.pi * (0.025**2 - 0.01**2) * 0.3, rel=1e-3)

@@ -30,6 +30,7 @@ from wroll_fem.winding import wound_roll
 
 if TYPE_CHECKING:
     from wroll_fem.case import SlipDampingCase
+    from wroll_fem.dynamics.statics.contact_state import ContactState
     from wroll_fem.dynamics.system.system import System
     from wroll_fem.progress import Progress
 
@@ -60,28 +61,16 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     """
     started = time.process_time()
     with progress.stage("mesh and matrices", 1) as stage:
-        (body,) = build_bodies(case)
-        assert body.solid is not None
-        points = ShearPoints.of(body.solid)
-        points = points.half() if body.symmetric else points
-        roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
-        shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
-        pressure = roll.pressure_at(in_wound_roll(points.points[:, 2], shape, roll.radius))
-        assert case.wound.mu is not None
-        system, start = slipping_system(
-            body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,
-            direction=DIRECTIONS[case.direction],
-        )  # fmt: skip
+        body, points, system, start = slipping_structure(case)
         stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} points")
     with threadpool_limits(1, "blas"), progress.stage("slip path", MOST_LEVELS) as stage:
         path = LoadPath(system, start)
         mode = main_mode(system, path)
         levels = [JUST_BELOW]
         found = modal_path(path, mode, levels, keep=True)
-        participation = abs(float(mode @ (system.mass @ system.influence)))
         highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
         while len(levels) < MOST_LEVELS:
-            if base_acceleration(found, case.damping_ratio, participation)[-1] > highest:
+            if base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest:
                 break
             levels.append(GROWTH * levels[-1])
             found = found.joined(modal_path(path, mode, levels[-1:], keep=True, after=found))
@@ -96,7 +85,7 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
             f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after {len(levels)} "
             "loads: higher levels have no result; lower excitation.amplitude_g"
         )
-    share = participation**2 / body.mass_total
+    share = float(mode @ (system.mass @ system.influence)) ** 2 / body.mass_total
     if share < LEAST_SHARE:
         progress.warning(
             f"the lowest mode that the base excites, {dataset.attrs['f_stuck_hz']:.4g} Hz, carries {100 * share:.2g} % "
@@ -105,6 +94,29 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
         )
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
+
+
+def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System, ContactState]:
+    """Body and points of the coil of a case, its system with friction at these points, and the state at rest.
+
+    Raises
+    ------
+    InputError
+        If a point of the coil has no friction capacity.
+    """
+    (body,) = build_bodies(case)
+    assert body.solid is not None
+    points = ShearPoints.of(body.solid)
+    points = points.half() if body.symmetric else points
+    roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
+    shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
+    pressure = roll.pressure_at(in_wound_roll(points.points[:, 2], shape, roll.radius))
+    assert case.wound.mu is not None
+    system, start = slipping_system(
+        body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,
+        direction=DIRECTIONS[case.direction],
+    )  # fmt: skip
+    return body, points, system, start
 
 
 def main_mode(system: System, path: LoadPath) -> FloatArray:
@@ -119,34 +131,47 @@ def main_mode(system: System, path: LoadPath) -> FloatArray:
         before = square
 
 
-def base_acceleration(found: ModalPath, damping_ratio: float, participation: float) -> FloatArray:
+def viscous_work(path: LoadPath, found: ModalPath, mode: FloatArray, damping_ratio: float) -> FloatArray:
+    """(k,) energy that the dashpot of the mode dissipates in a cycle, J; ``damping_ratio`` is that without slip."""
+    natural = np.sqrt(mode @ (path.stiffness @ mode))
+    return np.asarray(2.0 * np.pi * damping_ratio * natural * found.frequency * found.amplitude**2)
+
+
+def displacements(path: LoadPath, found: ModalPath) -> FloatArray:
+    """(k, n) displacement of each state of a path from rest, m."""
+    return np.array([state.displacement - path.start.displacement for state in found.states])
+
+
+def base_acceleration(path: LoadPath, found: ModalPath, mode: FloatArray, damping_ratio: float) -> FloatArray:
     """(k,) base acceleration, m/s^2, whose work at resonance is the energy dissipated in a cycle of each amplitude."""
-    viscous = 2.0 * np.pi * damping_ratio * (found.frequency * found.amplitude) ** 2
-    return np.asarray((found.dissipation + viscous) / (np.pi * participation * found.amplitude))
+    dissipated = found.dissipation + viscous_work(path, found, mode, damping_ratio)
+    moving = np.abs(displacements(path, found) @ (path.system.mass @ path.system.influence))
+    return np.asarray(dissipated / (np.pi * moving))
 
 
 def slip_dataset(
     system: System, points: ShearPoints, path: LoadPath, found: ModalPath, mode: FloatArray, case: SlipDampingCase
 ) -> xr.Dataset:
     """Dataset of frequency and damping versus `tip_amplitude`, response versus `amplitude_g`, and slip in the coil."""
-    participation = abs(float(mode @ (system.mass @ system.influence)))
-    per_amplitude = abs(float(system.probes["tip"] @ mode))
-    tip, zeta = per_amplitude * found.amplitude, case.damping_ratio
-    base = base_acceleration(found, zeta, participation)
-    total = found.damping + zeta
+    zeta = case.damping_ratio
+    tip = np.abs(displacements(path, found) @ system.probes["tip"])
+    base = base_acceleration(path, found, mode, zeta)
+    viscous = viscous_work(path, found, mode, zeta)
+    material = viscous / (2.0 * np.pi * (found.frequency * found.amplitude) ** 2)
+    total = found.damping + material
     laws, start = system.laws, path.start
     limit = laws.mu * start.pressure
     slides = np.array([state.status == SLIP for state in found.states])
     slip = tangentials(found.states[-1].jump) - found.states[-1].elastic_slip.reshape(-1, 2)
     levels = np.array(case.excitation.amplitude_g)
     natural = float(np.sqrt(mode @ (path.stiffness @ mode)))
-    linear = participation * GRAVITY * levels / (2.0 * zeta * natural**2) * per_amplitude
+    participation = float((mode @ (system.mass @ system.influence)) * (system.probes["tip"] @ mode))
+    linear = abs(participation) * GRAVITY * levels / (2.0 * zeta * natural**2)
     stuck = GRAVITY * levels <= base[0]
     at = np.where(stuck, linear, _between(0.0, base, 0.0, tip)(GRAVITY * levels))
     frequency = _between(0.0, tip, natural, found.frequency)(at) / (2.0 * np.pi)
     damping = np.where(stuck, zeta, _between(0.0, tip, zeta, total)(at))
     onset = np.where(slides.any(axis=0), tip[slides.argmax(axis=0)], np.nan)
-    cycle = 2.0 * np.pi * (found.frequency * found.amplitude) ** 2
     most = int(np.argmax(total))
     area = laws.area / points.volumes
     dataset = xr.Dataset(
@@ -154,10 +179,10 @@ def slip_dataset(
             "resonance_frequency": ("tip_amplitude", found.frequency / (2.0 * np.pi)),
             "modal_damping": ("tip_amplitude", total),
             "friction_modal_damping": ("tip_amplitude", found.damping),
-            "material_modal_damping": ("tip_amplitude", np.full(len(tip), zeta)),
+            "material_modal_damping": ("tip_amplitude", material),
             "resonant_base_acceleration": ("tip_amplitude", base),
             "friction_work_per_cycle": ("tip_amplitude", found.dissipation),
-            "material_damping_work_per_cycle": ("tip_amplitude", zeta * cycle),
+            "material_damping_work_per_cycle": ("tip_amplitude", viscous),
             "slipping_volume_fraction": ("tip_amplitude", slides @ points.volumes / points.volumes.sum()),
             "tip_at_level": ("amplitude_g", at),
             "tip_at_level_without_slip": ("amplitude_g", linear),
@@ -199,8 +224,7 @@ def pressure_change(
     assert body.solid is not None
     rows = radial_stress(body.solid, stiffness)
     rows = rows[points.kept] if points.kept is not None else rows
-    displacement = np.array([state.displacement - path.start.displacement for state in found.states])
-    change = np.abs((rows @ (body.solid.expand @ displacement.T)).T) / path.start.pressure
+    change = np.abs((rows @ (body.solid.expand @ displacements(path, found).T)).T) / path.start.pressure
     slides = np.array([state.status == SLIP for state in found.states])
     strong = (slides & (change > STRONG)) @ points.volumes
     return xr.Dataset(

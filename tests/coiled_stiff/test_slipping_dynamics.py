@@ -1,0 +1,117 @@
+"""Coil whose wraps slide, shaken: harmonic balance and histories in the basis of its quasi-static path."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.constants import g as GRAVITY
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.analyses.slip_damping import main_mode, slipping_structure
+from wroll_fem.case import load_case
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
+from wroll_fem.dynamics.periodic.sampling import Sampling
+from wroll_fem.dynamics.reduction.path_modes import path_modes
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.load_path import LoadPath
+from wroll_fem.dynamics.statics.modal_path import modal_path
+from wroll_fem.dynamics.system.modal_damping import ModalDamping
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.simulate import simulate
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.signals.base_motion import Dwell
+
+MESH = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+LEVELS = (3.0, 5.0, 10.0, 15.0)  # g
+RATIO = 0.02
+LOSSES = "friction_energy", "pressure_modulation_work", "material_damping", "numerical_dissipation"
+STORED = "kinetic_energy", "strain_energy", "contact_energy"
+
+
+class Shaken(NamedTuple):
+    """Path of the coil up to the highest level, its modes, and the response by the analysis."""
+
+    path: LoadPath
+    contact: HarmonicContact
+    quasi_static: xr.Dataset
+
+
+@cache
+def shaken() -> Shaken:
+    case = load_case(CONFIGS / "slipping_coil.yaml", [MESH, f"excitation.amplitude_g={list(LEVELS)}"])
+    _, _, system, start = slipping_structure(case)
+    system = replace(system, modal_damping=ModalDamping(table=((1.0, RATIO), (1e6, RATIO))))
+    path = LoadPath(system, start)
+    modal_path(path, main_mode(system, path), np.geomspace(1.0, 9.0, 13))
+    model = ReducedModel.complete(path_modes(path))
+    contact = HarmonicContact(model, start, system.laws, Sampling(7, 64))
+    return Shaken(path, contact, wf.run(case, progress=False))
+
+
+@cache
+def curve(level: float) -> HarmonicCurve:
+    return response_curve(shaken().contact, amplitude=level * GRAVITY, frequencies=(70.0, 110.0))
+
+
+def test_modes_of_the_path_contain_the_stuck_mode() -> None:
+    path, contact, found = shaken()
+    modes = contact.model.condensation
+    assert np.sqrt(modes.eigenvalues[0]) / (2.0 * np.pi) == pytest.approx(found.attrs["f_stuck_hz"], rel=1e-9)
+    _, vectors = modes.vectors[0]
+    np.testing.assert_allclose(vectors.T @ (path.system.mass @ vectors), np.eye(len(vectors.T)), atol=1e-8)
+    np.testing.assert_allclose(
+        vectors.T @ (path.stiffness @ vectors), np.diag(modes.eigenvalues), atol=1e-8 * modes.eigenvalues[-1]
+    )
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_path_has_the_peak_of_harmonic_balance(level: float) -> None:
+    """Seven harmonics; tip 1.5 %, frequency 0.2 %, damping 1.5 %, energy 1e-6."""
+    found, expected = curve(level), shaken().quasi_static.sel(amplitude_g=level)
+    model = found.balance.model
+    tips = np.array([np.hypot(*(q[1:3] @ model.tip)) for q in found.coefficients])
+    k = int(np.argmax(tips))
+    top = np.polynomial.Polynomial.fit(found.frequencies[k - 1 : k + 2], tips[k - 1 : k + 2], 2)
+    peak = float(top.deriv().roots()[0])
+    assert float(expected["tip_at_level"]) == pytest.approx(top(peak), rel=0.015)
+    assert float(expected["frequency_at_level"]) == pytest.approx(peak / (2.0 * np.pi), rel=2e-3)
+    work = found.balance.cycle_work(found.coefficients[k], found.frequencies[k])
+    assert work.input == pytest.approx(work.interface + work.viscous, rel=1e-6)
+    amplitude = float(np.linalg.norm(found.coefficients[k][1:3, 0]))  # of the stuck mode
+    zeta = (work.friction + work.viscous) / (2.0 * np.pi * (found.frequencies[k] * amplitude) ** 2)
+    assert float(expected["damping_at_level"]) == pytest.approx(zeta, rel=0.015)
+
+
+@pytest.mark.parametrize("level", [5.0, 15.0])
+def test_a_dwell_at_the_peak_has_the_motion_of_harmonic_balance(level: float) -> None:
+    """In time, from rest to a steady state; energy per cycle 1e-3."""
+    path, contact, quasi_static = shaken()
+    found, steps, scheme = curve(level), 60, Scheme.hht(-0.05)
+    tips = np.array([np.hypot(*(q[1:3] @ contact.model.tip)) for q in found.coefficients])
+    k = int(np.argmax(tips))
+    hertz = found.frequencies[k] / (2.0 * np.pi)
+    stepper = ReducedStepper(
+        path.system, path.start, scheme, NewtonOptions(), dt=1.0 / hertz / steps,
+        condensation=contact.model.condensation,
+    )  # fmt: skip
+    motion = Dwell(level * GRAVITY, hertz, 50, 10)
+    run = simulate(path.system, path.start, motion, dt=1.0 / hertz / steps, scheme=scheme, stepper=stepper)
+    angle = 2.0 * np.pi * np.arange(steps) / steps
+    last = run["tip_displacement"].values[-steps:]
+    tip = 2.0 / steps * float(np.hypot(last @ np.cos(angle), last @ np.sin(angle)))
+    assert tip == pytest.approx(tips[k], rel=6e-3)
+    assert float(quasi_static["tip_at_level"].sel(amplitude_g=level)) == pytest.approx(tip, rel=0.015)
+    cycle = {name: float(run[name][-1] - run[name][-1 - steps]) for name in ("input_work", *LOSSES, *STORED)}
+    work = found.balance.cycle_work(found.coefficients[k], found.frequencies[k])
+    assert cycle["friction_energy"] == pytest.approx(work.friction, rel=6e-3)
+    lost, kept = (sum(cycle[name] for name in names) for names in (LOSSES, STORED))
+    assert cycle["input_work"] == pytest.approx(lost + kept, rel=1e-3)
+    assert abs(kept) < 1e-3 * lost
