@@ -27,6 +27,7 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.signals.base_motion import Dwell
 
 MESH = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
@@ -58,7 +59,9 @@ def shaken() -> Shaken:
 
 @cache
 def curve(level: float) -> HarmonicCurve:
-    return response_curve(shaken().contact, amplitude=level * GRAVITY, frequencies=(70.0, 110.0))
+    return response_curve(
+        shaken().contact, amplitude=level * GRAVITY, frequencies=(70.0, 110.0), control=StepControl(largest=0.1)
+    )
 
 
 def test_modes_of_the_path_contain_the_stuck_mode() -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from support.paths import CONFIGS, ROOT
 
+from wroll_fem.cli.worker import executed
 from wroll_fem.jobs import executors, run
 from wroll_fem.jobs.batch import run_grid
 from wroll_fem.jobs.executors import Ended, Job, LocalPool
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import load_grid
 from wroll_fem.jobs.run import run_case
-from wroll_fem.jobs.worker import executed
 
 TINY = ROOT / "configs" / "tiny.yaml"
 HANGS = 60.0

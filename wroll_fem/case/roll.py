@@ -26,6 +26,11 @@ class RollSections(Section):
     mesh: Mesh = Field(default_factory=Mesh, description="element counts or a mesh file")
 
     @property
+    def structure_text(self) -> str:
+        """Text that is the same for cases with the same bodies."""
+        return " ".join(part.model_dump_json() for part in (self.geometry, self.mandrel, self.coil, self.mesh))
+
+    @property
     def suits_fourier(self) -> bool:
         """Whether Fourier elements describe walls and coil: no plies, a uniform wall, no margins."""
         return not (self.mandrel.is_layered or self.coil.is_layered or self.coil.margins is not None)

@@ -172,11 +172,9 @@ def _run_some(
 
 def _job(member: Member, out: Path) -> Job:
     """`wroll run` of one case, with its structure if it is that of a roll."""
-    from wroll_fem.dynamics.reduction.kept_structure import structure_text
-
     words = [str(member.file), "--out", str(out / member.name), "--resume"]
     words += [word for text in member.overrides for word in ("--set", text)]
-    structure = structure_text(member.case) if isinstance(member.case, RollSections) else ""
+    structure = member.case.structure_text if isinstance(member.case, RollSections) else ""
     return Job(words, out / member.name, structure)
 
 

@@ -116,7 +116,7 @@ class _Worker:
         self.structure = structure
         self._errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
         self.process = _started(
-            "wroll_fem.jobs.worker", [], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors
+            "wroll_fem.cli.worker", [], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors
         )
 
     def run(self, words: Sequence[str]) -> Ended:

@@ -64,7 +64,7 @@ class StepControl:
     largest: float = 0.3
     angle: float = 0.2
     blunt: float = 0.01
-    tolerance: float = 1e-7
+    tolerance: float = 5e-8
     usual: float = 10.0
     max_iterations: int = 16
     max_points: int = 1000

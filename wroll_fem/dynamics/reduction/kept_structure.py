@@ -49,17 +49,12 @@ def keeping_structure() -> Iterator[None]:
         _kept.reset(token)
 
 
-def structure_text(roll: RollSections) -> str:
-    """Text that is the same for cases with the same bodies."""
-    return " ".join(part.model_dump_json() for part in (roll.geometry, roll.mandrel, roll.coil, roll.mesh))
-
-
 def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]]) -> list[Body]:
     """Bodies of a roll from ``build``, or those that are kept for the same sections; `half`: of half the roll."""
     kept = _kept.get()
     if kept is None:
         return build()
-    sections = f"{half} {structure_text(roll)}"
+    sections = f"{half} {roll.structure_text}"
     if kept.bodies is None or kept.sections != sections:
         kept.bodies, kept.sections = build(), sections
     return kept.bodies

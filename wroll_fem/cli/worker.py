@@ -15,7 +15,7 @@ import traceback
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 
-from wroll_fem.cli import app
+from wroll_fem.cli.app import app
 from wroll_fem.dynamics.reduction.kept_structure import keeping_structure
 from wroll_fem.jobs.executors import INTERRUPTED
 
