@@ -64,9 +64,9 @@ class StepControl:
     largest: float = 0.3
     angle: float = 0.2
     blunt: float = 0.01
-    tolerance: float = 5e-8
-    usual: float = 10.0
-    max_iterations: int = 16
+    tolerance: float = 1e-7
+    usual: float = 7.0
+    max_iterations: int = 12
     max_points: int = 1000
     chord: float = 0.01
 
