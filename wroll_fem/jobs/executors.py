@@ -11,6 +11,7 @@ import json
 import logging
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -115,17 +116,19 @@ class _Worker:
     def __init__(self, structure: str):
         self.structure = structure
         self._errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
-        self.process = _started(
-            "wroll_fem.cli.worker", [], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors
-        )
+        # not a pipe: PETSc, where it is loaded, ends the program on SIGPIPE
+        self._jobs, theirs = socket.socketpair()
+        with theirs:
+            self.process = _started(
+                "wroll_fem.cli.worker", [], stdin=theirs, stdout=subprocess.PIPE, stderr=self._errors
+            )
 
     def run(self, words: Sequence[str]) -> Ended:
         """End of one run; that of the process itself if it dies."""
-        assert self.process.stdin is not None
         assert self.process.stdout is not None
         answer = ""
-        with contextlib.suppress(BrokenPipeError):
-            print(json.dumps(list(words)), file=self.process.stdin, flush=True)
+        with contextlib.suppress(ConnectionError):
+            self._jobs.sendall(f"{json.dumps(list(words))}\n".encode(), getattr(socket, "MSG_NOSIGNAL", 0))
             answer = self.process.stdout.readline()
         if answer:
             return Ended(*json.loads(answer))
@@ -140,8 +143,8 @@ class _Worker:
 
     def close(self) -> None:
         """End the process after its present run."""
-        with contextlib.suppress(BrokenPipeError):
-            self.process.communicate()  # closes its standard input
+        self._jobs.close()  # the end of its standard input
+        self.process.communicate()
         self._errors.close()
 
 
