@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from pathlib import Path
 
 import pytest
 from support.paths import CONFIGS, ROOT
 
+from wroll_fem.analyses import harmonic
 from wroll_fem.cli.worker import executed
+from wroll_fem.dynamics.reduction.kept_structure import keeping_structure
 from wroll_fem.jobs import executors, run
 from wroll_fem.jobs.batch import run_grid
 from wroll_fem.jobs.executors import Ended, Job, LocalPool
@@ -106,6 +107,15 @@ def test_a_batch_has_the_results_of_its_runs(tmp_path: Path) -> None:
         alone = run_case(member.case, tmp_path / f"alone_{member.name}").summary
         timed = ("wall_time_s", "solver_time_s")
         assert {k: v for k, v in found.items() if k not in timed} == {k: v for k, v in alone.items() if k not in timed}
-    logs = [(tmp_path / "out" / member.name / "run.log").read_text() for member in grid.members]
-    assert ["bodies assembled" in log for log in logs].count(True) <= 2
-    assert json.loads((tmp_path / "out" / grid.members[0].name / "provenance.json").read_text())["status"] == "complete"
+
+
+def test_a_process_computes_the_modes_of_its_structure_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    computed: list[int] = []
+    condense = harmonic.condense
+    monkeypatch.setattr(harmonic, "condense", lambda *words, **more: computed.append(1) or condense(*words, **more))
+    mesh, off = "mesh={circumferential: 8, axial: 4, grading: 8}", "output={figures: false, fields: none}"
+    with keeping_structure():
+        for pressure in ("1e5", "2e5"):
+            changes = ("--set", mesh, "--set", off, "--set", f"preload.pressure={pressure}")
+            assert executed([str(CONFIGS / "lab_harmonic.yaml"), "--out", str(tmp_path / pressure), *changes])[0] == 0
+    assert len(computed) == 1

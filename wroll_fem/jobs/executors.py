@@ -111,7 +111,7 @@ def _ended(code: int, errors: str) -> Ended:
 
 
 class _Worker:
-    """Process that executes the runs of one structure one after another (`worker`)."""
+    """Process that executes the runs of one structure one after another (`wroll_fem.cli.worker`)."""
 
     def __init__(self, structure: str):
         self.structure = structure

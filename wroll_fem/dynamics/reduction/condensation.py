@@ -174,12 +174,23 @@ def condense(system: System, springs: FloatArray, scheme: Scheme, dt: float, mom
         values, vectors = la.eigh(stiffness.toarray(), system.mass.toarray())
     else:
         values, vectors = _attachment_projection(system, stiffness, scheme, dt)
+    return in_one_block(system, springs, values, vectors, exact=exact)
+
+
+def in_one_block(
+    system: System, springs: FloatArray, values: FloatArray, vectors: FloatArray, *, exact: bool
+) -> Condensation:
+    """Condensation on the mass-orthonormal ``vectors`` (n_dofs, r), in which the stiffness is diag(``values``) (r,).
+
+    ``springs`` (3 n_points,), Pa/m, are those of this stiffness; for ``exact`` see `Condensation`.
+    """
+    whole = sp.identity(system.n_dofs, format="csc")
     coupled = [] if system.damping is None else [vectors.T @ (system.damping @ vectors)]
-    losses = modal_losses(system, sp.identity(system.n_dofs, format="csc"), vectors)
+    losses = modal_losses(system, whole, vectors)
     return Condensation(
         eigenvalues=values,
         blocks=np.array([0, len(values)]),
-        vectors=[(sp.identity(system.n_dofs, format="csc"), vectors)],
+        vectors=[(whole, vectors)],
         jump=[np.ascontiguousarray((system.jump @ vectors)[by_component(system.n_points)])],
         profiles=np.ones((1, 1, 3, 1)),
         base=vectors.T @ (system.mass @ system.influence),
