@@ -26,7 +26,7 @@ from wroll_fem.typing import FloatArray
 SMALL = 40
 """Largest number of modes of a structure that is not reduced."""
 
-COMPRESSION = 0.3
+COMPRESSION = 0.2
 """Singular value, relative to the tolerance, below which a principal shape of the motions of a curve is dropped from
 the next basis."""
 
