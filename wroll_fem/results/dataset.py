@@ -171,12 +171,8 @@ FIELDS: dict[str, Field] = {
     "tip_at_level_without_slip": Field("m", "tip displacement at resonance without slip (0-peak)"),
     "frequency_at_level": Field("Hz", "resonance frequency at this base acceleration"),
     "damping_at_level": Field("1", "damping ratio at this base acceleration, that without slip included"),
-    "pressure_change_max": Field(
-        "1", "largest ratio of radial stress to pressure at the sliding points"
-    ),
-    "pressure_change_volume_fraction": Field(
-        "1", "fraction of the sliding volume with a ratio above one half"
-    ),
+    "pressure_change_max": Field("1", "largest ratio of radial stress to pressure at the sliding points"),
+    "pressure_change_volume_fraction": Field("1", "fraction of the sliding volume with a ratio above one half"),
     "tip_amplitude_at_slip": Field("m", "tip displacement at which a point starts to slip"),
     "slip_work_density": Field("J m-3", "energy dissipated per cycle and volume at the largest amplitude"),
     # the wound roll
