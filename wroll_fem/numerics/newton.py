@@ -56,6 +56,14 @@ LineSearch = Callable[[Callable[[float], float], float], float]
 """Function that returns the damping factor of a step. Arguments: function from damping factor to size of the residual;
 current size of the residual."""
 
+Slope = Callable[[FloatArray, FloatArray], float]
+"""Function that returns the slope of a potential at a point against a step. Arguments: step, residual at the point."""
+
+
+def gradient_slope(step: FloatArray, r: FloatArray) -> float:
+    """Slope of the potential whose gradient is the residual ``r``, against ``step``."""
+    return float(step @ r)
+
 
 def best_of_halvings(
     size_at: Callable[[float], float], size: float, *, most: int = 8, least_gain: float = 0.1
@@ -124,7 +132,7 @@ def zero_slope(slope_at: Callable[[float], float], slope: float, *, most: int = 
 
 def damped_newton(
     problem: NewtonProblem, x: FloatArray, *, max_iterations: int, search: LineSearch, renewal: float,
-    potential: bool = False,
+    slope: Slope | None = None,
 ) -> tuple[FloatArray | None, list[float]]:  # fmt: skip
     """Solve r(x) = 0 by Newton's method with a reused factorisation; only steps with a new factorisation are damped.
 
@@ -140,10 +148,11 @@ def damped_newton(
         Line search for the steps with a new factorisation.
     renewal
         Renewal threshold, see the module.
-    potential
-        Whether the residual is the gradient of a convex potential, apart from the dependence of friction on a varying
-        pressure. Steps are then damped by `zero_slope` once the norm of the residual stalls. This norm need not
-        decrease on the way to the minimum, for example where all points reach the friction limit together.
+    slope
+        Slope of a convex potential against a step, if the equations have one (apart from the dependence of friction on
+        a varying pressure); `gradient_slope` if the residual is its gradient. Steps are then damped by `zero_slope`
+        once the norm of the residual stalls. This norm need not decrease on the way to the minimum, for example where
+        all points reach the friction limit together.
 
     Returns
     -------
@@ -160,16 +169,16 @@ def damped_newton(
             break
         since = 0 if size < 0.5 * best else since + 1
         best = min(best, size) if since == 0 else best
-        descends = descends or (potential and since >= STALLED)
+        descends = descends or (slope is not None and since >= STALLED)
         if descends:
             solve = None
         fresh = solve is None
         if solve is None:
             solve = problem.linearise(x)
         step, start = solve(r), x
-        slope = float(step @ r)
-        if descends and slope > 0.0:
-            damping = zero_slope(lambda share: float(step @ problem.residual(start - share * step)[0]), slope)  # noqa: B023
+        steep = slope(step, r) if descends and slope is not None else 0.0
+        if slope is not None and steep > 0.0:
+            damping = zero_slope(lambda share: slope(step, problem.residual(start - share * step)[0]), steep)  # noqa: B023
         else:
             damping = search(lambda share: problem.residual(start - share * step)[1], size) if fresh else 1.0  # noqa: B023
         trial = x - damping * step

@@ -18,6 +18,7 @@ from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.condensed import CondensedStatic
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.full import solve_static
 from wroll_fem.dynamics.statics.preload import solve_load_path, solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import condensed
@@ -153,6 +154,21 @@ def test_one_point_stands_for_its_row_under_pressure(symmetric, layers):
     energy = [u @ (system.stiffness @ u) for u in (apart, points.displacement)]
     assert energy[0] < 1e-16 * energy[1]
     assert equilibrium_error(system, force, ring) < 1e-9
+
+
+def test_a_hard_first_step_descends_on_the_potential():
+    """A soft coil pressed at once; the norm of the residual stalls, and hoop motion has no compliance."""
+    case = load_case(
+        CONFIGS / "sspp_friction.yaml",
+        ["coil.material.E=1e9", "preload.pressure=1e6", "mesh={circumferential: 12, axial: 8, radial: 3, grading: 20}"],
+    )
+    system = build_system(case, build_bodies(case, symmetric=True))
+    force, start = 0.1 * system.loads["preload"], ContactState.unloaded(system)
+    solver = CondensedStatic.of(system, 5e4)
+    assert solver is not None
+    found, whole = solver(force, start), solve_static(system, force, start)
+    np.testing.assert_array_equal(found.status, whole.status)
+    np.testing.assert_allclose(found.traction, whole.traction, atol=1e-7 * np.abs(whole.traction).max())
 
 
 def test_a_state_that_is_not_even_around_uses_every_point():

@@ -48,6 +48,12 @@ class _Unknowns:
     springs: FloatArray
     compliance: FloatArray
 
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """(3 n, 3 n) pseudo-inverse of the compliance per force, N/m; components that cannot move have none."""
+        per_force = self.compliance / per_dof(self.laws.area, self.laws.area)
+        return np.asarray(la.pinvh(0.5 * (per_force + per_force.T), check_finite=False))
+
 
 class _InterfaceProblem:
     """Equation g - g_f + F s(g) = 0 for the jump g (3 n,), as a `NewtonProblem`; see the module for the symbols."""
@@ -70,6 +76,10 @@ class _InterfaceProblem:
         change = self.trial.stiffness(g, self.start, self.floor) - sp.diags(self.unknowns.springs)
         matrix = np.eye(len(g)) + self.unknowns.compliance @ change
         return lambda rho: np.asarray(la.solve(matrix, rho, overwrite_a=True, check_finite=False))
+
+    def slope(self, step: FloatArray, rho: FloatArray) -> float:
+        """Slope of the potential of the load step against ``step`` (3 n,), J, at the residual ``rho`` (3 n,), m."""
+        return float(step @ self.unknowns.stiffness @ rho)
 
     def converged(self, size: float, previous: float) -> bool:
         """Whether the residual is within the limit, or is no longer halved and is within `ROUNDING` times the limit."""
@@ -117,8 +127,9 @@ class CondensedStatic:
             g_free, start = self._rows(g_free), self._row_state(state)
         problem = _InterfaceProblem(unknowns, g_free, start, tolerance)
         g, history = damped_newton(
-            problem, start.jump.copy(), max_iterations=max_iterations, search=first_decrease, renewal=NO_RENEWAL
-        )
+            problem, start.jump.copy(), max_iterations=max_iterations, search=first_decrease, renewal=NO_RENEWAL,
+            slope=problem.slope,
+        )  # fmt: skip
         if g is None:
             raise unconverged(load_factor, max_iterations, history)
         reached, s = problem.trial.committed(start.displacement, g), problem.correction

@@ -11,7 +11,7 @@ from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.numerics.newton import STATIC_RENEWAL, best_of_halvings, damped_newton
+from wroll_fem.numerics.newton import STATIC_RENEWAL, best_of_halvings, damped_newton, gradient_slope
 from wroll_fem.typing import FloatArray
 
 
@@ -68,7 +68,7 @@ def solve_static(
     problem = _WholeStructure(system, force, state, tolerance)
     u, history = damped_newton(
         problem, state.displacement.copy(), max_iterations=max_iterations, search=best_of_halvings,
-        renewal=STATIC_RENEWAL, potential=True,
+        renewal=STATIC_RENEWAL, slope=gradient_slope,
     )  # fmt: skip
     if u is None:
         raise unconverged(load_factor, max_iterations, history)

@@ -27,7 +27,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.numerics.newton import NO_RENEWAL, damped_newton, first_decrease
+from wroll_fem.numerics.newton import NO_RENEWAL, damped_newton, first_decrease, gradient_slope
 from wroll_fem.typing import FloatArray
 
 TOLERANCE = 1e-3
@@ -124,7 +124,12 @@ class LoadPath:
             problem = _InBasis(self, load, NEWTON_SHARE * self.tolerance * scale)
             guess = np.append(x, np.zeros(len(self.vectors) - len(x)))
             found, sizes = damped_newton(
-                problem, guess, max_iterations=ITERATIONS, search=first_decrease, renewal=NO_RENEWAL, potential=True
+                problem,
+                guess,
+                max_iterations=ITERATIONS,
+                search=first_decrease,
+                renewal=NO_RENEWAL,
+                slope=gradient_slope,
             )
             if found is None:
                 history = sizes

@@ -64,7 +64,7 @@ def _step(
         return solve_static(system, force, state, load_factor=load_factor)
     try:
         return condensed(force, state, load_factor=load_factor)
-    except ConvergenceError:  # only the full model has the line search on the potential
+    except ConvergenceError:
         return solve_static(system, force, state, load_factor=load_factor)
 
 
