@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wroll_fem.numerics.continuation import StepControl, correct, follow
+from wroll_fem.numerics.continuation import LARGE, StepControl, correct, follow
 from wroll_fem.typing import FloatArray
 
 
@@ -51,6 +51,15 @@ def test_the_curve_passes_the_fold_of_a_circle() -> None:
     assert found[-1, 2] == pytest.approx(0.8, abs=1e-9)
     # one factorisation per point for its tangent, and hardly any for the corrector
     assert problem.jacobians <= 1.4 * len(points)
+
+
+def test_large_problems_get_more_iterations() -> None:
+    control = StepControl()
+    assert control.suited_to(LARGE - 1) == control
+    large = control.suited_to(LARGE)
+    assert large.usual > control.usual
+    assert large.max_iterations > control.max_iterations
+    assert large.tolerance == control.tolerance
 
 
 def test_a_rough_curve_has_a_rough_tolerance() -> None:

@@ -77,6 +77,15 @@ class StepControl:
             chord=factor**2 * self.chord, tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,
         )  # fmt: skip
 
+    def suited_to(self, unknowns: int) -> StepControl:
+        """Control for a problem with a number of ``unknowns``: from `LARGE` on, more iterations for longer steps.
+
+        The factorisation at every point costs as much as tens of iterations there.
+        """
+        if unknowns < LARGE:
+            return self
+        return replace(self, usual=MORE * self.usual, max_iterations=MORE * self.max_iterations)
+
 
 @dataclass(frozen=True)
 class CurvePoint:
@@ -94,6 +103,8 @@ class CurvePoint:
 
 ROUGH = 100.0
 """Factor by which `StepControl.longer` multiplies the tolerance, for curves that are only approximate."""
+LARGE, MORE = 800, 2
+"""Number of unknowns of a large problem, and the factor by which it multiplies the numbers of iterations."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
 """Step lengths, relative to `StepControl.first`, that are tried in turn after the smallest step has failed."""
 CREEPING = 150, 0.1
@@ -282,6 +293,7 @@ def follow(
         If the steps become too small, the curve turns back past its start, or it has too many points. Its attribute
         ``partial`` contains the points computed so far (list of CurvePoint).
     """
+    control = control.suited_to(len(start))
     direction = 1.0 if end >= start[-1] else -1.0
     lowest = start[-1]
     border = np.zeros(len(start))

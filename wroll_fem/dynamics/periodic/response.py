@@ -23,6 +23,10 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct
 from wroll_fem.typing import FloatArray
 
+BESIDE = 0.3
+"""Distance from its place, relative to the step before, at which a point is sought in another model if it is not found
+there."""
+
 
 @dataclass(frozen=True)
 class HarmonicCurve:
@@ -109,6 +113,7 @@ class HarmonicCurve:
         shift = self.balance.model.vectors.T @ contact.model.vectors
         balance = HarmonicBalance(contact, self.balance.acceleration)
         problem, found, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), [], None
+        control = control.suited_to(problem.unknowns)
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
@@ -116,8 +121,12 @@ class HarmonicCurve:
             guesses = [q @ shift]
             if starts is not None and not np.allclose(starts[k] @ contact.model.vectors, guesses[0], atol=0.0):
                 guesses.insert(0, starts[k] @ contact.model.vectors)
-            for guess in guesses:
-                start = problem.scaled(guess, w)
+            places = [problem.scaled(guess, w) for guess in guesses]
+            if k > 0 and starts is None:  # the iteration may alternate between both sides of a kink
+                before = problem.scaled(self.coefficients[k - 1] @ shift, self.frequencies[k - 1])
+                aside = BESIDE * float(np.linalg.norm(places[0] - before)) * row
+                places += [places[0] - aside, places[0] + aside]
+            for start in places:
                 z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
                 if z is not None:
                     break
