@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.dynamics.periodic.every_mode import EveryMode
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
@@ -65,78 +64,114 @@ def correction(
     directions of amplitude and phase are added, as both are free. ``damping`` is the modal damping ratio of a nonlinear
     mode, which its negative damping compensates. ``tolerance`` is the relative residual of GMRES.
     """
-    contact, model = balance.contact, balance.model
-    c, orders, every = model.condensation, balance.orders, contact.every_mode
-    groups = every.groups
-    state = contact.evaluate(contact.motion(coefficients), frequency)
-    weights = contact.laws.area[every.points][:, None, None]
-    modal = every.split(model.vectors @ coefficients.T)
-    residual = every.force(weights * state.coefficients[every.dofs])
-    inverse, root = [], []
-    for group, motion, force in zip(groups, modal, residual, strict=True):
-        squares = (orders[group.columns] * frequency) ** 2
-        values = group.of_modes(c.eigenvalues, fill=1.0)[:, :, None]
-        stiffness = values - squares
-        force += stiffness * motion
-        force[:, :, group.columns == 1] += balance.acceleration * group.of_modes(c.base)[:, :, None]
-        least = NEAR_RESONANCE * np.maximum(values, squares)
-        stiffness = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
-        inverse.append(1.0 / stiffness)
-        root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
-    if c.forces:
-        for force, part in zip(residual, every.split(balance.further_load().T), strict=True):
-            force -= part
-    if c.damping or damping:
-        speed = balance.velocity(coefficients, frequency) @ model.vectors.T  # (R, r)
-        viscous = -2.0 * damping * frequency * speed
-        if c.damping:
-            viscous += c.viscous_force(speed.T).T
-        for force, part in zip(residual, every.split(viscous.T), strict=True):
-            force += part
-    points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-    rank = np.zeros(contact.n, np.int64)
-    rank[every.points] = np.arange(contact.n)
-    order = np.argsort(rank[points])
-    count, size = len(points), 3 * len(orders)
-    own = slice(None) if count == contact.n else rank[points][order]
-    square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
-    short_square, short_inverse = square.astype(np.float32), [part.astype(np.float32) for part in inverse]
-
-    def forces(maps: EveryMode, square: FloatArray, z: FloatArray) -> list[FloatArray]:
-        """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
-        traction = np.zeros_like(z)
-        traction[own] = (square @ z[own].reshape(count, size, 1)).reshape(count, 3, len(orders))
-        return maps.force(traction)
-
-    def product(z: FloatArray) -> FloatArray:
-        """(I + F D) z, with F D z in single precision."""
-        acting = forces(every.single, short_square, z.astype(np.float32))
-        return z + every.single.motion([part * force for part, force in zip(short_inverse, acting, strict=True)])
-
-    direct = [-part * force for part, force in zip(inverse, residual, strict=True)]
-    z = gmres(product, every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
-    after = forces(every, square, z)
-    delta = [part - share * force for part, share, force in zip(direct, inverse, after, strict=True)]
-    scaled = _stacked([r * part for r, part in zip(root, delta, strict=True)])
+    model, every = balance.model, balance.contact.every_mode
+    at = _Motion(balance, coefficients, frequency)
+    residual = at.residual(damping)
+    direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
+    tangent = _Tangent(at)
+    z = gmres(tangent.product, every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
+    after = tangent.forces(z)
+    delta = [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
+    scaled = at.energetic(delta)
     if along is not None:
-        shapes = [every.split(model.vectors @ one.T) for one in along]
-        directions = np.column_stack([_stacked([r * p for r, p in zip(root, one, strict=True)]) for one in shapes])
+        directions = np.column_stack([at.energetic(every.split(model.vectors @ one.T)) for one in along])
         directions = la.qr(directions, mode="economic", check_finite=False)[0]
         scaled -= directions @ (directions.T @ scaled)
     ends = np.cumsum([0, *(part.size for part in delta)])
     delta = [
         scaled[first:last].reshape(part.shape) / r
-        for first, last, part, r in zip(ends[:-1], ends[1:], delta, root, strict=True)
+        for first, last, part, r in zip(ends[:-1], ends[1:], delta, at.root, strict=True)
     ]
     found = every.joined(delta)
-    norm = float(np.linalg.norm(_stacked([r * part for r, part in zip(root, modal, strict=True)])))
+    norm = float(np.linalg.norm(at.energetic(at.modal)))
     return Correction(
         found,
         found / norm,
         float(np.linalg.norm(scaled)) / norm,
-        float(np.linalg.norm(c.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
+        float(np.linalg.norm(model.condensation.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
     )
 
 
-def _stacked(parts: list[FloatArray]) -> FloatArray:
-    return np.concatenate([part.ravel() for part in parts])
+class _Motion:
+    """Motion of a reduced model in all modes, by groups of `EveryMode`.
+
+    Attributes
+    ----------
+    state : contact during a period
+    modal : modal coordinates of the motion, one array per group
+    stiffness, inverse : dynamic stiffness L, and its inverse with L kept away from 0 (`NEAR_RESONANCE`)
+    root : square roots of the energy of unit coordinates
+    """
+
+    def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequency: float):
+        contact, every = balance.contact, balance.contact.every_mode
+        self.balance, self.coefficients, self.frequency, self.every = balance, coefficients, frequency, every
+        self.state = contact.evaluate(contact.motion(coefficients), frequency)
+        self.modal = every.split(balance.model.vectors @ coefficients.T)
+        self.stiffness: list[FloatArray] = []
+        self.inverse: list[FloatArray] = []
+        self.root: list[FloatArray] = []
+        for group in every.groups:
+            squares = (balance.orders[group.columns] * frequency) ** 2
+            values = group.of_modes(balance.model.condensation.eigenvalues, fill=1.0)[:, :, None]
+            stiffness, least = values - squares, NEAR_RESONANCE * np.maximum(values, squares)
+            self.stiffness.append(stiffness)
+            kept = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
+            self.inverse.append(1.0 / kept)
+            self.root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
+
+    def residual(self, damping: float) -> list[FloatArray]:
+        """Residual of the harmonic balance in all modes; for ``damping`` see `correction`."""
+        balance, every, c = self.balance, self.every, self.balance.model.condensation
+        weights = balance.contact.laws.area[every.points][:, None, None]
+        residual = every.force(weights * self.state.coefficients[every.dofs])
+        for group, stiffness, motion, force in zip(every.groups, self.stiffness, self.modal, residual, strict=True):
+            force += stiffness * motion
+            force[:, :, group.columns == 1] += balance.acceleration * group.of_modes(c.base)[:, :, None]
+        if c.forces:
+            for force, part in zip(residual, every.split(balance.further_load().T), strict=True):
+                force -= part
+        if c.damping or damping:
+            speed = balance.velocity(self.coefficients, self.frequency) @ balance.model.vectors.T  # (R, r)
+            viscous = -2.0 * damping * self.frequency * speed
+            if c.damping:
+                viscous += c.viscous_force(speed.T).T
+            for force, part in zip(residual, every.split(viscous.T), strict=True):
+                force += part
+        return residual
+
+    def energetic(self, parts: list[FloatArray]) -> FloatArray:
+        """Modal coordinates in one vector whose norm is the square root of their energy."""
+        return np.concatenate([(root * part).ravel() for root, part in zip(self.root, parts, strict=True)])
+
+
+class _Tangent:
+    """Derivative I + F D of the jump equation at a motion; see the module for the symbols."""
+
+    def __init__(self, at: _Motion):
+        contact, every = at.balance.contact, at.every
+        points, blocks, _ = contact.point_blocks(at.state, threshold=0.0)
+        rank = np.zeros(contact.n, np.int64)
+        rank[every.points] = np.arange(contact.n)
+        order = np.argsort(rank[points])
+        count, size = len(points), 3 * len(at.balance.orders)
+        self.every = every
+        self.own = slice(None) if count == contact.n else rank[points][order]
+        self.square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
+        self.short_square = self.square.astype(np.float32)
+        self.short_inverse = [part.astype(np.float32) for part in at.inverse]
+
+    def forces(self, z: FloatArray) -> list[FloatArray]:
+        """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
+        return self.every.force(self._traction(self.square, z))
+
+    def product(self, z: FloatArray) -> FloatArray:
+        """(I + F D) z, with F D z in single precision."""
+        maps = self.every.single
+        acting = maps.force(self._traction(self.short_square, z.astype(np.float32)))
+        return z + maps.motion([part * force for part, force in zip(self.short_inverse, acting, strict=True)])
+
+    def _traction(self, square: FloatArray, z: FloatArray) -> FloatArray:
+        traction, (count, size, _) = np.zeros_like(z), square.shape
+        traction[self.own] = (square @ z[self.own].reshape(count, size, 1)).reshape(count, 3, size // 3)
+        return traction
