@@ -295,7 +295,6 @@ def follow(
     """
     control = control.suited_to(len(start))
     direction = 1.0 if end >= start[-1] else -1.0
-    lowest = start[-1]
     border = np.zeros(len(start))
     border[-1] = direction
     tangent, factor, sign = _tangent(problem, start, border)
@@ -311,33 +310,19 @@ def follow(
         size = float(np.linalg.norm(last.z[:-1]))
         long = max(1.0, size)
         step = min(step, control.largest * long)
-        arrives = last.tangent[-1] * direction > 0.0 and direction * (
-            last.z[-1] + step * last.tangent[-1] - end
-        ) > -1e-3 * abs(step * last.tangent[-1])
-        if arrives:  # the last step lands on the end itself
-            z, row = last.z + (end - last.z[-1]) / last.tangent[-1] * last.tangent, np.abs(border)
-            solution, history, near, _ = correct(problem, z, row, control)
-        else:
-            z, row = last.z + step * last.tangent, last.tangent
-            solution, history, near, _ = correct(problem, z, row, control, kept=factor)
-        if solution is not None:
-            tangent, factor, new_sign = _tangent(problem, near, last.tangent)
+        found = _next(problem, last, step, end, border, factor, control)
+        history = found.history
+        if found.z is not None:
+            tangent, factor, new_sign = _tangent(problem, found.near, last.tangent)
             turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
             strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
-                points.append(CurvePoint(solution, tangent, len(history), new_sign == sign))
+                points.append(CurvePoint(found.z, tangent, len(history), new_sign == sign))
                 bend = max(control.angle / max(turn, 1e-6), np.sqrt(1.0 / max(strays, 1e-6)))
                 growth = min(bend, np.sqrt(control.usual / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)
-                if direction * (solution[-1] - lowest) < 0.0:
-                    what = "the curve turns back past its start"
-                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
-                if _creeps(points, long):
-                    what = "the curve could not be followed"
-                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
-                if len(points) > control.max_points:
-                    what = "the curve does not end; the resonance may be unbounded"
-                    raise _with_points(_stalled(what, problem.describe(solution), history), points)
+                if what := _lost(points, direction, long, control):
+                    raise _with_points(_stalled(what, problem.describe(found.z), history), points)
                 continue
             tangent, factor, _ = _tangent(problem, last.z, last.tangent)
         step *= 0.4
@@ -348,6 +333,30 @@ def follow(
                 raise _with_points(_stalled(what, problem.describe(last.z), history), points)
             step = leaps.pop(0) * control.first
     return points
+
+
+def _next(
+    problem: CurveProblem, last: CurvePoint, step: float, end: float, border: FloatArray, factor: _Bordered | None,
+    control: StepControl,
+) -> Corrected:  # fmt: skip
+    """Point one ``step`` behind the ``last`` one, or the point at ``end`` if the step reaches it."""
+    direction = float(border[-1])
+    ahead = last.z[-1] + step * last.tangent[-1] - end
+    if last.tangent[-1] * direction > 0.0 and direction * ahead > -1e-3 * abs(step * last.tangent[-1]):
+        z = last.z + (end - last.z[-1]) / last.tangent[-1] * last.tangent
+        return correct(problem, z, np.abs(border), control)
+    return correct(problem, last.z + step * last.tangent, last.tangent, control, kept=factor)
+
+
+def _lost(points: list[CurvePoint], direction: float, long: float, control: StepControl) -> str:
+    """What is wrong with the last point of a curve, or nothing; ``long`` is the length of a long step."""
+    if direction * (points[-1].z[-1] - points[0].z[-1]) < 0.0:
+        return "the curve turns back past its start"
+    if _creeps(points, long):
+        return "the curve could not be followed"
+    if len(points) > control.max_points:
+        return "the curve does not end; the resonance may be unbounded"
+    return ""
 
 
 def _creeps(points: list[CurvePoint], size: float) -> bool:
