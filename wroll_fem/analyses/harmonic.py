@@ -30,6 +30,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.damping import HalfPower
@@ -104,11 +105,47 @@ def run_harmonic(
         If a point of the curve does not converge; ``partial`` contains the curve up to that point.
     """
     system, state = prepare(case, progress)
-    rubs = isinstance(case, OnRoll) and case.coil.rubs
     _check_orders(system, case.harmonic.harmonics)
     condensation = condensed_structure(case, system, state, progress)
-    excitation, settings = case.excitation, case.harmonic
     started = time.process_time()
+    trained = _trained_curve(case, system, state, condensation, progress, checkpoint, resume=resume)
+    seconds = time.process_time() - started
+    dataset = curve_dataset(system, trained.curve)
+    stressed = with_yield(stress_of_curve(system, state, progress, trained.curve), case)
+    dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
+    read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping, error=trained.tip_error)
+    remarks = _remarks(case, dataset, trained, condensation, read)
+    stuck, participation = condensation.main_mode
+    known = Circumstances(
+        participation=participation, several=several_motions(trained.curve), remarks=remarks, rigid=system.rigid_tip
+    )
+    quality = judge(read, dataset["frequency"].values, np.abs(trained.curve.transmissibility), known)
+    for text in dict.fromkeys((*quality.reasons, *remarks)):
+        if text:
+            progress.warning(text)
+    attrs = quality.as_attrs(read.as_attrs("harmonic balance"))
+    return dataset.assign_attrs(
+        attrs
+        | parts_of_curve(dataset, attrs["zeta"])
+        | {
+            "stuck_resonance_hz": stuck,
+            "tip_participation": participation,
+            "solver_time_s": seconds,
+            "curves_computed": trained.rounds,
+            "reduction_error_estimate": trained.energy_error,
+            "reduction_tip_error_estimate": trained.tip_error,
+            "energy_balance_error": cycle_balance_error(dataset),
+            "work_quadrature_error": quadrature_error(dataset),
+        }
+    )
+
+
+def _trained_curve(
+    case: HarmonicCase, system: System, state: ContactState, condensation: Condensation, progress: Progress,
+    checkpoint: Path | None, *, resume: bool,
+) -> Trained[HarmonicCurve]:  # fmt: skip
+    """Response curve in an adaptive basis, with progress; arguments and errors as for `run_harmonic`."""
+    excitation, settings = case.excitation, case.harmonic
     try:
         with (
             threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage,
@@ -136,47 +173,35 @@ def run_harmonic(
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
-                snapshots=watch if rubs else None,
+                snapshots=watch if _rubs(case) else None,
             )  # fmt: skip
             stage.update(1)
+            return trained
     except ConvergenceError as stop:
         error = with_cause(stop, condensation, system.laws)
         if isinstance(error.partial, HarmonicCurve):
             error.partial = _described(curve_dataset(system, error.partial), case)
         raise error from stop
-    seconds = time.process_time() - started
-    dataset = curve_dataset(system, trained.curve)
-    stressed = with_yield(stress_of_curve(system, state, progress, trained.curve), case)
-    dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
-    read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping, error=trained.tip_error)
-    resonance = 2.0 * np.pi * read.shape.f_n
-    missed = missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else ""
-    curve, loose = trained.curve, reduction_remark(trained.energy_error, settings)
-    other = other_mode_remark(condensation) if rubs else ""
-    remarks = (memory_remark(dataset), missed, skipped_remark(curve), drift_remark(curve), other, loose)
-    stuck, participation = condensation.main_mode
-    known = Circumstances(
-        participation=participation, several=several_motions(curve), remarks=remarks, rigid=system.rigid_tip
+
+
+def _remarks(
+    case: HarmonicCase, dataset: xr.Dataset, trained: Trained[HarmonicCurve], condensation: Condensation,
+    read: CurveDamping,
+) -> tuple[str, ...]:  # fmt: skip
+    """Warnings about a curve; each is empty if there is nothing to say."""
+    settings, curve, resonance = case.harmonic, trained.curve, 2.0 * np.pi * read.shape.f_n
+    return (
+        memory_remark(dataset),
+        missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else "",
+        skipped_remark(curve),
+        drift_remark(curve),
+        other_mode_remark(condensation) if _rubs(case) else "",
+        reduction_remark(trained.energy_error, settings),
     )
-    quality = judge(read, dataset["frequency"].values, np.abs(curve.transmissibility), known)
-    for text in dict.fromkeys((*quality.reasons, *remarks)):
-        if text:
-            progress.warning(text)
-    attrs = quality.as_attrs(read.as_attrs("harmonic balance"))
-    return dataset.assign_attrs(
-        attrs
-        | parts_of_curve(dataset, attrs["zeta"])
-        | {
-            "stuck_resonance_hz": stuck,
-            "tip_participation": participation,
-            "solver_time_s": seconds,
-            "curves_computed": trained.rounds,
-            "reduction_error_estimate": trained.energy_error,
-            "reduction_tip_error_estimate": trained.tip_error,
-            "energy_balance_error": cycle_balance_error(dataset),
-            "work_quadrature_error": quadrature_error(dataset),
-        }
-    )
+
+
+def _rubs(case: HarmonicCase) -> bool:
+    return isinstance(case, OnRoll) and case.coil.rubs
 
 
 def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int) -> str:
