@@ -36,6 +36,7 @@ def jobs() -> dict[str, list[str]]:
     """Name of each run -> case file and overrides."""
     found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
     found["case_study"] = ["configs/case_study.yaml"]
+    found["slipping_coil"] = ["configs/slipping_coil.yaml"]
     found["sizing"] = ["configs/sizing_irosa.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
@@ -160,6 +161,7 @@ def main() -> None:
         ("backbone/figures/backbone.png", "backbone.png"),
         ("sizing/figures/margin.png", "sizing.png"),
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
+        ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
     comparison(FIGURES / "base_free.png", "free")

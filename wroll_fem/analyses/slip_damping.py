@@ -210,6 +210,9 @@ def slip_dataset(
         "reduction_error_estimate": float(found.error.max()),
         "branch_points": len(tip),
         "method": "quasi-static modal path, Masing's rule",
+        "mandrel_radius_m": 0.5 * case.geometry.mandrel_outer_diameter,
+        "coil_outer_radius_m": 0.5 * case.geometry.mandrel_outer_diameter + case.coil.total_thickness,
+        "length_m": case.geometry.length,
     }
     return dataset
 
@@ -291,7 +294,7 @@ ANALYSIS = Analysis(
     sections=("geometry", "mandrel", "coil", "winding", "excitation", "damping_ratio"),
     run=run_slip_damping,
     summary=(slip_damping_summary,),
-    figures=(figures.figure("slip_damping", "slip_damping"),),
+    figures=(figures.figure("slip_damping", "slip_damping"), figures.slip_work),
     variables={
         "tip_amplitude": (
             "resonance_frequency", "modal_damping", "resonant_base_acceleration", "friction_work_per_cycle",
@@ -299,6 +302,6 @@ ANALYSIS = Analysis(
         "amplitude_g": ("tip_at_level", "tip_at_level_without_slip", "damping_at_level"),
         "point": ("tip_amplitude_at_slip", "slip_work_density", "friction_capacity"),
     },
-    plots=("slip_damping", "backbone"),
+    plots=("slip_damping", "slip_work", "backbone"),
     estimate=estimate_modes,
 )  # fmt: skip

@@ -21,6 +21,8 @@ from wroll_fem.typing import FloatArray
 _POINTS = ("theta_rad", "z_m", "r_m", "shear_resultant", "friction_capacity", "capacity_profile", "amplitude_g")
 _CAPACITY = "#C00000"
 _MANDREL = "#BDBDBD"
+_NEVER = 100.0
+"""Onset of slip, relative to the highest level, that stands for points that do not slip."""
 _LINEAR_UP_TO = 5.0  # times the capacity; beyond this the axis is logarithmic, so that the crossing can be read
 
 
@@ -277,28 +279,10 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     outermost points and the surfaces of the coil.
     """
     style.require(dataset, (*_POINTS, "slip_onset"), "slip zone")
-    grid, levels = grid_of(dataset), dataset["amplitude_g"].values
-    levels = levels[levels_to_draw(levels)]
-    attrs, never = dataset.attrs, 100.0 * float(levels[-1])
-    r_m, r_o, length = (1e3 * float(attrs[f"{name}_m"]) for name in ("mandrel_radius", "coil_outer_radius", "length"))
-    onset = np.pad(np.minimum(dataset["slip_onset"].values, never)[grid.numbers].min(axis=2), 1, mode="edge")
-    depth = np.concatenate([[0.0], 1e3 * grid.r - r_m, [r_o - r_m]])
-    height = np.concatenate([[0.0], 1e3 * grid.z, [length]])
-    ax = style.axes(ax, 4.6)
-    ax.grid(False)
-    ax.set_facecolor("#E4E4E4")
-    colours = level_colours(levels.size)[::-1]
-    edges = np.concatenate([[0.0], levels])
-    if onset.min() < levels[-1]:
-        ax.contourf(depth, height, np.log(onset.T + 1e-12), levels=np.log(edges + 1e-12), colors=colours)
-    handles = [Patch(facecolor=colour, label=f"slips at {g:g} g") for g, colour in zip(levels, colours, strict=True)]
-    handles.append(Patch(facecolor="#E4E4E4", label=f"no slip up to {levels[-1]:g} g"))
-    ax.legend(handles=handles, fontsize=8, framealpha=0.95, loc="upper right")
-    reach = 1e3 * float(dataset["slip_zone_height"].values[-1]), 1e3 * float(dataset["slip_zone_depth"].values[-1])
-    ax.set_ylim(0.0, min(length, max(1.4 * reach[0], 0.1 * length)))
-    ax.set_xlim(0.0, min(r_o - r_m, max(2.0 * reach[1], 0.3 * (r_o - r_m))))
-    ax.set_xlabel("Distance from the mandrel (mm)")
-    ax.set_ylabel("Height above the base (mm)")
+    levels = dataset["amplitude_g"].values
+    onset = np.minimum(dataset["slip_onset"].values, _NEVER * float(levels[-1]))
+    reach = tuple(1e3 * float(dataset[f"slip_zone_{name}"].values[-1]) for name in ("height", "depth"))
+    ax = draw_slip_zone(dataset, onset, levels, (reach[0], reach[1]), ax)
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
     found = (
         f"At {levels[-1]:g}\u00a0g the slip zone is {reach[0]:.3g} mm high and {reach[1]:.3g} mm deep, "
@@ -306,8 +290,55 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     )
     if share == 0.0:
         found = f"No slip up to {levels[-1]:g}\u00a0g"
+        never = _NEVER * float(levels[-1])
         found += f"; it would start above {onset.min():.3g}\u00a0g" if onset.min() < never else ""
     style.title(ax, found)
+    return ax
+
+
+def draw_slip_zone(
+    dataset: xr.Dataset, onset: FloatArray, levels: FloatArray, reach: tuple[float, float], ax: Axes | None
+) -> Axes:
+    """Draw the zone in which the points of a coil slip at any angle, one colour per level, over distance and height.
+
+    Parameters
+    ----------
+    dataset
+        Coordinates of the points, which form a grid, and the size of the coil.
+    onset
+        (n,) base acceleration above which a point slips, g; finite.
+    levels
+        Levels, g; at most eight are drawn.
+    reach
+        Height and depth of the slip zone at the highest level, mm, for the range of the axes.
+    ax
+        Axes to draw in; a new figure if None.
+
+    Raises
+    ------
+    InputError
+        When the points form no grid.
+    """
+    grid, attrs = grid_of(dataset), dataset.attrs
+    levels = levels[levels_to_draw(levels)]
+    r_m, r_o, length = (1e3 * float(attrs[f"{name}_m"]) for name in ("mandrel_radius", "coil_outer_radius", "length"))
+    lowest = np.pad(onset[grid.numbers].min(axis=2), 1, mode="edge")
+    depth = np.concatenate([[0.0], 1e3 * grid.r - r_m, [r_o - r_m]])
+    height = np.concatenate([[0.0], 1e3 * grid.z, [length]])
+    ax = style.axes(ax, 4.6)
+    ax.grid(False)
+    ax.set_facecolor("#E4E4E4")
+    colours = level_colours(levels.size)[::-1]
+    edges = np.concatenate([[0.0], levels])
+    if lowest.min() < levels[-1]:
+        ax.contourf(depth, height, np.log(lowest.T + 1e-12), levels=np.log(edges + 1e-12), colors=colours)
+    handles = [Patch(facecolor=colour, label=f"slips at {g:g} g") for g, colour in zip(levels, colours, strict=True)]
+    handles.append(Patch(facecolor="#E4E4E4", label=f"no slip up to {levels[-1]:g} g"))
+    ax.legend(handles=handles, fontsize=8, framealpha=0.95, loc="upper right")
+    ax.set_ylim(0.0, min(length, max(1.4 * reach[0], 0.1 * length)))
+    ax.set_xlim(0.0, min(r_o - r_m, max(2.0 * reach[1], 0.3 * (r_o - r_m))))
+    ax.set_xlabel("Distance from the mandrel (mm)")
+    ax.set_ylabel("Height above the base (mm)")
     return ax
 
 

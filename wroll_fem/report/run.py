@@ -46,7 +46,7 @@ _CAPTIONS = {
     "margin": "Margin against yield versus wall",
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
     "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear versus height and radius",
-    "slip_in_coil": "Slip in the coil",
+    "slip_in_coil": "Slip in the coil", "slip_work": "Slip zone and slip work in the coil",
 }  # fmt: skip
 
 

@@ -98,6 +98,13 @@ def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return [_save(*kind, dataset, folder) for kind in kinds] if has_grid(dataset) else []
 
 
+def slip_work(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw the slip zone and the slip work of a coil whose wraps slide, if its points form a grid."""
+    from wroll_fem.plotting.coil_slip import has_grid
+
+    return [_save("slip_work", "slip_work", dataset, folder)] if has_grid(dataset) else []
+
+
 def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the slip zone in a cutaway coil, if its points form a grid."""
     from wroll_fem.plotting.coil_slip import has_grid
