@@ -30,7 +30,7 @@ from wroll_fem.dynamics.training.enrichment import trained_backbone
 from wroll_fem.errors import InputError
 from wroll_fem.fem.eigen import DEFAULT_SHIFT, solve_pairs
 from wroll_fem.plotting import style
-from wroll_fem.plotting.slipping_coil import slip_onset_g
+from wroll_fem.plotting.slip_work import slip_onset_g
 
 CASE = CONFIGS / "slipping_coil.yaml"
 SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"

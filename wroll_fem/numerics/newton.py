@@ -25,7 +25,7 @@ CHORD_RENEWAL = 0.25
 """Ratio of successive residuals above which the corrector of a continuation factorises a new Jacobian (dense)."""
 
 STALLED = 6
-"""Number of iterations. If the residual is not halved during them and is the gradient of a potential, `zero_slope`
+"""Number of iterations. If the residual is not halved during them and the equations have a potential, `zero_slope`
 damps the following steps."""
 
 PATIENCE = 6

@@ -280,7 +280,7 @@ def plot_slip_zone(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """
     style.require(dataset, (*_POINTS, "slip_onset"), "slip zone")
     levels = dataset["amplitude_g"].values
-    onset = np.minimum(dataset["slip_onset"].values, _NEVER * float(levels[-1]))
+    onset = dataset["slip_onset"].values
     reach = tuple(1e3 * float(dataset[f"slip_zone_{name}"].values[-1]) for name in ("height", "depth"))
     ax = draw_slip_zone(dataset, onset, levels, (reach[0], reach[1]), ax)
     share = 100 * float(dataset["slipping_volume_fraction"].values[-1])
@@ -306,7 +306,7 @@ def draw_slip_zone(
     dataset
         Coordinates of the points, which form a grid, and the size of the coil.
     onset
-        (n,) base acceleration above which a point slips, g; finite.
+        (n,) base acceleration above which a point slips, g; inf for a point that never slips.
     levels
         Levels, g; at most eight are drawn.
     reach
@@ -322,7 +322,7 @@ def draw_slip_zone(
     grid, attrs = grid_of(dataset), dataset.attrs
     levels = levels[levels_to_draw(levels)]
     r_m, r_o, length = (1e3 * float(attrs[f"{name}_m"]) for name in ("mandrel_radius", "coil_outer_radius", "length"))
-    lowest = np.pad(onset[grid.numbers].min(axis=2), 1, mode="edge")
+    lowest = np.pad(np.minimum(onset, _NEVER * float(levels[-1]))[grid.numbers].min(axis=2), 1, mode="edge")
     depth = np.concatenate([[0.0], 1e3 * grid.r - r_m, [r_o - r_m]])
     height = np.concatenate([[0.0], 1e3 * grid.z, [length]])
     ax = style.axes(ax, 4.6)

@@ -36,7 +36,7 @@ from wroll_fem.plotting.slip import plot_peak_slip_vectors as peak_slip_vectors
 from wroll_fem.plotting.slip import plot_pressure_map as pressure_map
 from wroll_fem.plotting.slip import plot_slip_map as slip_map
 from wroll_fem.plotting.slip_damping import plot_slip_damping as slip_damping
-from wroll_fem.plotting.slipping_coil import plot_slip_work as slip_work
+from wroll_fem.plotting.slip_work import plot_slip_work as slip_work
 from wroll_fem.plotting.style import save_figure as save
 from wroll_fem.plotting.transmissibility import plot_comparison as comparison
 from wroll_fem.plotting.transmissibility import plot_transmissibility as transmissibility

@@ -189,11 +189,6 @@ class FrequencyCurve:
         self.per_unit = (band[1] - band[0]) / BAND_SCALE
         self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns, without the frequency."""
-        return int(np.zeros(self.shape).ravel()[self.active].size)
-
     def scaled(self, coefficients: FloatArray, frequency: float) -> FloatArray:
         """(n + 1,) scaled unknowns of a motion (R, m) at ``frequency`` (rad/s)."""
         y = (coefficients * self.root / self.size).ravel()[self.active]

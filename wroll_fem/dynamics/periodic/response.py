@@ -113,7 +113,6 @@ class HarmonicCurve:
         shift = self.balance.model.vectors.T @ contact.model.vectors
         balance = HarmonicBalance(contact, self.balance.acceleration)
         problem, found, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), [], None
-        control = control.suited_to(problem.unknowns)
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
@@ -126,8 +125,9 @@ class HarmonicCurve:
                 before = problem.scaled(self.coefficients[k - 1] @ shift, self.frequencies[k - 1])
                 aside = BESIDE * float(np.linalg.norm(places[0] - before)) * row
                 places += [places[0] - aside, places[0] + aside]
+            steps = control.suited_to(len(row))
             for start in places:
-                z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
+                z, history, _, factor = correct(problem, start, row, steps, kept=factor if starts is None else None)
                 if z is not None:
                     break
             if z is not None:

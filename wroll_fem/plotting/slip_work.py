@@ -56,7 +56,7 @@ def plot_slip_work(dataset: xr.Dataset) -> Axes:
     reach = [
         1e3 * float(values[slips].max(initial=0.0)) for values in (dataset["z_m"].values, dataset["r_m"].values - r_m)
     ]
-    draw_slip_zone(dataset, np.minimum(onset, 100.0 * levels[-1]), levels, (reach[0], reach[1]), panels[0])
+    draw_slip_zone(dataset, onset, levels, (reach[0], reach[1]), panels[0])
     share = 100.0 * float(dataset["volume"].values[slips].sum() / dataset["volume"].values.sum())
     style.title(panels[0], f"At {levels[-1]:g}\u00a0g {share:.2g} % of the volume slips", 44)
     _work_panel(dataset, panels[1])
