@@ -36,6 +36,7 @@ from typing import Any
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
+import wroll_fem  # noqa: F401  isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 import numpy as np
 from roll_agreement import agreement_lines, outcome_lines, quality_lines
 

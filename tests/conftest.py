@@ -9,6 +9,8 @@ from support.paths import ROOT
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["MPLBACKEND"] = "Agg"
 
+import wroll_fem  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
+
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +19,6 @@ import pytest
 from support.fake_analyses import FakeAnalyses
 from typer.testing import CliRunner, Result
 
-import wroll_fem
 from wroll_fem import cli
 
 

@@ -13,7 +13,7 @@ from support.paths import ROOT
 PACKAGE = ROOT / "wroll_fem"
 
 LAYERS = (
-    ("errors", "typing", "progress"),
+    ("errors", "typing", "progress", "blas"),
     ("bodies", "results"),
     ("contact", "signals", "numerics"),
     ("case",),
@@ -33,7 +33,7 @@ LAYERS = (
 
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 
-LOOSE = {"__init__", "api", "cli", "errors", "progress", "typing", "result", "roll", "runs", "own_structure"}
+LOOSE = {"__init__", "api", "blas", "cli", "errors", "progress", "typing", "result", "roll", "runs", "own_structure"}
 """Modules at the top: the doors, and what every room uses."""
 
 MANY_FILES = {

@@ -19,7 +19,7 @@ INK, TUBE, WEB, PALE = "#222222", "#B8BEC6", "#F3C98B", "#ECEFF2"
 SMALL = 8.0
 
 ROOMS = (
-    (("errors", "typing", "progress"), GREY, "what every room may use"),
+    (("errors", "typing", "progress", "blas"), GREY, "what every room may use"),
     (("bodies", "results"), SKY, "bodies, materials; names, units and files of results"),
     (("contact", "signals", "numerics"), GREEN, "friction law at a point; spectra, damping; solvers"),
     (("case",), ORANGE, "the YAML file as typed, frozen sections"),

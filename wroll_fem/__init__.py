@@ -14,7 +14,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from wroll_fem.blas import select_kernels
+
 __version__ = "0.2.0"
+
+select_kernels()  # before numpy is imported
 
 if TYPE_CHECKING:
     from wroll_fem import two_dof

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
+from wroll_fem.blas import VARIABLE, loaded_kernels, slow_kernels
+
 
 @dataclass(frozen=True)
 class Part:
@@ -54,6 +56,16 @@ def _scipy() -> str:
     import scipy.sparse.linalg
 
     return str(scipy.__version__)
+
+
+def _blas() -> str:
+    import scipy.linalg  # noqa: F401  (loads the library)
+
+    if wanted := slow_kernels():
+        raise RuntimeError(
+            f"kernels without AVX; set {VARIABLE}={wanted} before Python starts, or import wroll_fem before numpy"
+        )
+    return "; ".join(loaded_kernels()) or "not OpenBLAS"
 
 
 def _gmsh() -> str:
@@ -119,7 +131,8 @@ def _h5py() -> str:
 
 _PARTS: dict[str, Callable[[], str]] = {
     "python": platform.python_version, "dolfinx": _dolfinx, "petsc": _petsc, "slepc": _slepc, "numpy": _numpy,
-    "scipy": _scipy, "gmsh": _gmsh, "numba": _numba, "xarray": _xarray, "pyvista": _pyvista, "h5py": _h5py,
+    "scipy": _scipy, "blas": _blas, "gmsh": _gmsh, "numba": _numba, "xarray": _xarray, "pyvista": _pyvista,
+    "h5py": _h5py,
 }  # fmt: skip
 
 #: Parts that only some figures need.

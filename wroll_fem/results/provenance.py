@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 
+from wroll_fem.blas import loaded_kernels
+
 # Distribution names. Read from their metadata: importing dolfinx or gmsh for a version number would cost seconds.
 DISTRIBUTIONS = {
     "wroll_fem": "wroll-fem",
@@ -78,8 +80,8 @@ def provenance() -> dict[str, object]:
     Returns
     -------
     dict
-        `versions`, `git`, `machine` (system, machine, processor count, host name, OMP_NUM_THREADS) and
-        `time_utc` (ISO 8601).
+        `versions`, `git`, `machine` (system, machine, processor count, host name, OMP_NUM_THREADS, kernels of
+        OpenBLAS) and `time_utc` (ISO 8601).
     """
     return {
         "versions": versions(),
@@ -90,6 +92,7 @@ def provenance() -> dict[str, object]:
             "processors": os.cpu_count(),
             "host": platform.node(),
             "omp_num_threads": os.environ.get("OMP_NUM_THREADS"),
+            "blas": "; ".join(loaded_kernels()),
         },
         "time_utc": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -1,0 +1,82 @@
+"""Kernels of OpenBLAS that suit the processor.
+
+OpenBLAS selects its kernels by the model number of the processor. A model that is younger than the library is unknown
+to it and gets kernels for any processor (OpenBLAS 0.3.21 of Debian 12: "Prescott", with a quarter of the speed of
+AVX-512 in matrix products). The environment variable `OPENBLAS_CORETYPE` selects them by name. OpenBLAS reads it once,
+when numpy or scipy is imported for the first time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+VARIABLE = "OPENBLAS_CORETYPE"
+
+GENERIC = ("Prescott", "Core2", "Generic", "Katmai", "Banias", "Northwood", "Athlon", "Opteron")
+"""Kernels that use no AVX."""
+
+AVX512 = frozenset({"avx512f", "avx512bw", "avx512dq", "avx512vl"})
+AVX2 = frozenset({"avx2", "fma"})
+
+FIRST_UNKNOWN_AMD = 26
+"""Family of AMD processors (Zen 5) from which on OpenBLAS 0.3.21 knows none."""
+
+CPUINFO = Path("/proc/cpuinfo")
+
+
+def first_processor(file: Path = CPUINFO) -> dict[str, str]:
+    """Entries of the first processor of Linux's /proc/cpuinfo; empty where there is no such file."""
+    entries: dict[str, str] = {}
+    try:
+        with file.open(encoding="utf-8", errors="replace") as lines:
+            for line in lines:
+                if not line.strip():
+                    break
+                key, _, value = line.partition(":")
+                entries[key.strip()] = value.strip()
+    except OSError:
+        return {}
+    return entries
+
+
+def suitable_kernels(processor: Mapping[str, str]) -> str | None:
+    """Name of the OpenBLAS kernels for a processor of /proc/cpuinfo; None if OpenBLAS should choose.
+
+    OpenBLAS knows the AMD processors up to Zen 4. For Intel, the instruction sets determine the kernels.
+    """
+    flags, vendor = set(processor.get("flags", "").split()), processor.get("vendor_id")
+    family = processor.get("cpu family", "")
+    if vendor == "AuthenticAMD" and not (family.isdecimal() and int(family) >= FIRST_UNKNOWN_AMD):
+        return None
+    if vendor not in ("AuthenticAMD", "GenuineIntel") or not flags >= AVX2:
+        return None
+    if flags >= AVX512:
+        return "SkylakeX"
+    return "Zen" if vendor == "AuthenticAMD" else "Haswell"
+
+
+def select_kernels() -> None:
+    """Set `OPENBLAS_CORETYPE` for this process and its children, unless it is set."""
+    kernels = suitable_kernels(first_processor())
+    if kernels is not None:
+        os.environ.setdefault(VARIABLE, kernels)
+
+
+def loaded_kernels() -> list[str]:
+    """Kernels of each OpenBLAS that is loaded in this process, "OpenBLAS 0.3.21, SkylakeX"."""
+    from threadpoolctl import threadpool_info
+
+    return [
+        f"OpenBLAS {library['version']}, {library['architecture']}"
+        for library in threadpool_info()
+        if library.get("internal_api") == "openblas"
+    ]
+
+
+def slow_kernels() -> str | None:
+    """Name of the kernels to select if OpenBLAS was loaded with generic ones and the processor has faster ones."""
+    wanted = suitable_kernels(first_processor())
+    slow = any(loaded.rpartition(", ")[2] in GENERIC for loaded in loaded_kernels())
+    return wanted if slow else None
