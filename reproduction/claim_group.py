@@ -28,11 +28,17 @@ class ClaimGroup:
         Name of each figure (without suffix) -> caption and function that draws it.
     tables
         Name of each table -> function that returns it as Markdown; tables follow the figures on the page.
+    studies
+        Studies that the judges use and that must be complete, in the order of their use.
+    partial_studies
+        Studies in which some cases may fail.
     """
 
     judges: Mapping[str, Judge]
     figures: Mapping[str, tuple[str, Drawing]] = field(default_factory=dict)
     tables: Mapping[str, Callable[[Evidence], str]] = field(default_factory=dict)
+    studies: tuple[str, ...] = ()
+    partial_studies: tuple[str, ...] = ()
 
 
 def study_figure(study: str, figure: str = "") -> Drawing:

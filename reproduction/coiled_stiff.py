@@ -229,4 +229,5 @@ GROUP = ClaimGroup(
             study_figure("shear_stiffness_kapton", "shear_stiffness_band"),
         ),
     },
+    studies=("shear_stiffness", "shear_stiffness_kapton"),
 )

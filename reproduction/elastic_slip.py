@@ -181,4 +181,5 @@ GROUP = ClaimGroup(
         "of the lowest rows of contact points": partial(series_table, name)
         for name, (words, _, _) in SERIES.items()
     },
+    studies=("elastic_slip", "elastic_slip_low", "elastic_slip_tied"),
 )

@@ -17,10 +17,11 @@ from typing import Any, Self, TypeVar
 import xarray as xr
 import yaml
 
+from reproduction.queue import StudyQueue
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import Case, OnRoll, load_case
 from wroll_fem.errors import InputError
-from wroll_fem.jobs.batch import load_series, run_grid
+from wroll_fem.jobs.batch import load_series, run_grid, unfinished_jobs
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
 from wroll_fem.plotting.study import StudyCase
@@ -69,6 +70,7 @@ class Evidence:
         self._partial: dict[str, tuple[list[StudyCase], list[Member]]] = {}
         self._results: dict[str, xr.Dataset] = {}
         self._pool: ProcessPoolExecutor | None = None
+        self._queue: StudyQueue | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -76,6 +78,10 @@ class Evidence:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._queue is not None:
+            if error is not None:
+                self._queue.stop()
+            self._queue.close()
         if self._pool is not None:
             self._pool.shutdown(wait=error is None, cancel_futures=True)
 
@@ -148,6 +154,26 @@ class Evidence:
 
     # ---- studies ---------------------------------------------------------------------------------
 
+    def begin(self, studies: Iterable[str], *, partial: bool = False) -> None:
+        """Start the missing cases of studies in the background; `study` and `finished` wait for them.
+
+        Parameters
+        ----------
+        partial
+            Whether cases of these studies may fail (see `finished`).
+        """
+        for name in studies:
+            self._studies_queue.begin(unfinished_jobs(self.grid(name), self._study_folder(name), retry=not partial))
+
+    @property
+    def _studies_queue(self) -> StudyQueue:
+        if self._queue is None:
+            self._queue = StudyQueue(self.workers)
+        return self._queue
+
+    def _study_folder(self, name: str) -> Path:
+        return self.folder / "studies" / name
+
     def study(self, name: str) -> list[StudyCase]:
         """Finished cases of configs/studies/NAME.yaml in the order of the grid; missing cases are run.
 
@@ -157,23 +183,22 @@ class Evidence:
             If cases of the study failed.
         """
         if name not in self._studies:
-            grid = self.grid(name)
-            out = self.folder / "studies" / name
-            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress, retry=True)
+            grid, out = self.grid(name), self._study_folder(name)
+            outcomes = run_grid(grid, out, pool=self._studies_queue, progress=self.progress, retry=True)
             failed = [o for o in outcomes if o.status == "failed"]
             self._studies[name] = [] if failed else load_series(grid, out, lazy=True)
             if failed:
                 what = f"{len(failed)} of {len(outcomes)} cases failed, the first with: {failed[0].error}"
                 self.progress.warning(f"study {name}: {what}")
         if not self._studies[name]:  # told once, and not run again for every claim
-            raise InputError(f"study {name} is not complete", remedy=f"see {self.folder / 'studies' / name}")
+            raise InputError(f"study {name} is not complete", remedy=f"see {self._study_folder(name)}")
         return self._studies[name]
 
     def finished(self, name: str) -> tuple[list[StudyCase], list[Member]]:
         """Finished and failed cases of a study in which some cases may fail; failed cases are not run again."""
         if name not in self._partial:
-            grid, out = self.grid(name), self.folder / "studies" / name
-            outcomes = run_grid(grid, out, workers=self.workers, progress=self.progress)
+            grid, out = self.grid(name), self._study_folder(name)
+            outcomes = run_grid(grid, out, pool=self._studies_queue, progress=self.progress)
             failed = [o.member for o in outcomes if o.status == "failed"]
             self._partial[name] = load_series(grid, out, lazy=True), failed
         return self._partial[name]
@@ -207,7 +232,7 @@ class Evidence:
 
     def summary(self, study: str, member: StudyCase) -> dict[str, Any]:
         """Content of summary.json of a case of a study."""
-        return RunFolder(self.folder / "studies" / study / member.name).summary()
+        return RunFolder(self._study_folder(study) / member.name).summary()
 
     def grid(self, name: str) -> Grid:
         """Cases of a study; with `fast`, fewer cases with coarse meshes."""

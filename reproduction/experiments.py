@@ -296,5 +296,6 @@ GROUP = ClaimGroup(
         "C33": c33, "C34": c34, "C37": c37, "C38": c38, "C39": c39, "C40": c40, "C41": c41, "C42": c42, "C43": c43,
         "C44": c44, "C45": c45, "C46": c46, "C47": c47, "C48": c48, "C49": c49, "C50": c49, "C51": c51, "C52": c52,
         "C53": c53, "C54": c54, "C55": c55, "C56": c56,
-    }
+    },
+    studies=("bounds", "levels", "preload_low"),
 )  # fmt: skip

@@ -258,4 +258,5 @@ GROUP = ClaimGroup(
         "ch6_damping": ("Fig 6.3: damping over resonance, one point per preload", plot_damping),
         "ch6_energy": ("Figs 6.4 and 6.5: damping over friction work of the chirp", plot_energy),
     },
+    partial_studies=(BASELINE, CHIRPS, INNER_EDGE),
 )

@@ -13,7 +13,18 @@ from matplotlib.axes import Axes
 
 from reproduction.claim_group import ClaimGroup
 from reproduction.evidence import Evidence
-from reproduction.flight_curves import NAMES, Point, Series, best, inside, missing_over, over, panels
+from reproduction.flight_curves import (
+    BASELINE,
+    NAMES,
+    SENSITIVITY,
+    Point,
+    Series,
+    best,
+    inside,
+    missing_over,
+    over,
+    panels,
+)
 from reproduction.verdict import Verdict
 from reproduction.words import monotone, numbers
 from wroll_fem.plotting import style
@@ -204,4 +215,5 @@ GROUP = ClaimGroup(
         "ch6_capacity": ("Fig 6.10: damping over mu times the preload", plot_capacity),
         "ch6_tops": ("Fig 6.11: largest damping over modulus and size", plot_tops),
     },
+    partial_studies=(BASELINE, *(study for _, _, studies in SENSITIVITY.values() for study in studies)),
 )

@@ -35,4 +35,5 @@ GROUP = ClaimGroup(
             study_figure("friction_laws"),
         )
     },
+    studies=("friction_laws",),
 )

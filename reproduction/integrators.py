@@ -186,4 +186,5 @@ GROUP = ClaimGroup(
         "Schemes on a free oscillator at omega dt = 0.29 and at the finer step, and the lab roll's sweep with each "
         "(steps per cycle of the last frequency)": schemes_table
     },
+    studies=("integrators_source",),
 )

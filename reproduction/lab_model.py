@@ -190,4 +190,16 @@ GROUP = ClaimGroup(
         "ch4_mesh_friction": ("Friction response at 100 kPa over the mesh (C63)", study_figure("mesh_friction")),
     },
     tables={"Guided base: ring held across, axial spring; f_n at 10, 30, 100, 300 kPa": base_spring.spring_table},
+    studies=(
+        "bounds",
+        "prestress",
+        "winding_tension",
+        "base_motion",
+        "base_spring",
+        "dwell_layers_spring",
+        "layer_modulus_thesis",
+        "mesh_linear",
+        "mesh_linear_clamped",
+        "mesh_friction",
+    ),
 )

@@ -178,4 +178,5 @@ GROUP = ClaimGroup(
         ),
         "ch4_layer_count": ("Damping with one and with two slipping interfaces (C75)", study_figure("layer_count")),
     },
+    studies=("dwell_layers", "dwell_layers_clamped", "dwell_layers_contact", "layer_count"),
 )

@@ -153,4 +153,5 @@ GROUP = ClaimGroup(
             study_figure("preload", "friction_over_damping"),
         ),
     },
+    studies=("bounds", "preload", "preload_clamped"),
 )

@@ -91,6 +91,15 @@ def claim_groups(chapter: str) -> list[ClaimGroup]:
     return [import_module(f".{name}", __package__).GROUP for name in GROUPS.get(chapter, ())]
 
 
+def begin_studies(chapters: Sequence[str], evidence: Evidence) -> None:
+    """Start all studies of the given chapters (all chapters if none is given), so that no worker waits for a judge."""
+    named = dict.fromkeys(claim.chapter for claim in of_chapters(chapters))
+    groups = [group for chapter in named for group in claim_groups(chapter)]
+    for group in groups:
+        evidence.begin(group.studies)
+        evidence.begin(group.partial_studies, partial=True)
+
+
 def judge(chapters: Sequence[str], evidence: Evidence, progress: Progress) -> list[Judged]:
     """Judge the claims of the given chapters (all chapters if none is given), in the order of the list.
 
@@ -187,6 +196,7 @@ def reproduce(
         raise InputError(f"must be at least 1, got {workers}", key="--workers", remedy="use 1 or more")
     folder = Path(folder)
     with Evidence(folder, fast=fast, workers=workers, progress=progress) as evidence:
+        begin_studies(chapters, evidence)
         judged = judge(chapters, evidence, progress)
         table = folder / "claims.csv"
         write_table(judged, table)

@@ -282,4 +282,5 @@ GROUP = ClaimGroup(
         "T_pk and half-power damping for S(s v) (appendix C)": smoothing,
         "With and without equations 5.6 and 5.7": constant,
     },
+    studies=("layer_modulus", "layer_space"),
 )  # fmt: skip

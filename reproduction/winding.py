@@ -276,4 +276,5 @@ GROUP = ClaimGroup(
         "cantilever": ("Figs 2.8 and 2.9: moment, shear and stress of the mandrel", beam_figure),
         "winding_case_study": ("Fig 2.12: pressure and friction capacity of the case study", case_study_figure),
     },
+    studies=("winding_hardness",),
 )  # fmt: skip

@@ -7,6 +7,7 @@ import csv
 import os
 import re
 import signal
+from concurrent.futures import Future
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,13 @@ import xarray as xr
 from support.paths import ROOT
 from typer.testing import CliRunner
 
-from reproduction import CHAPTERS, ClaimGroup, Evidence, Verdict, checklist, evidence, page, reproduce
+from reproduction import CHAPTERS, ClaimGroup, Evidence, Verdict, checklist, evidence, page, queue, reproduce
 from reproduction.checklist import explanations, of_chapters
 from reproduction.verdict import MET, NOT_COMPUTED, NOT_MET, NOT_YET, THESIS_ERROR, VERDICTS
 from wroll_fem.cli import app
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.batch import Outcome
+from wroll_fem.jobs.executors import Job
 from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 
@@ -119,6 +121,58 @@ def test_a_study_with_a_failed_case_is_not_used_and_not_run_twice(
         with pytest.raises(InputError, match="study preload_low is not complete"):
             given.study("preload_low")
     assert runs == ["preload_low"]
+
+
+def test_the_groups_declare_the_studies_that_their_modules_name() -> None:
+    stems = {path.stem for path in (ROOT / "configs" / "studies").glob("*.yaml")}
+    text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "reproduction").glob("*.py"))
+    named = {stem for stem in stems - {"integrators"} if f'"{stem}"' in text}  # "integrators" is a module as well
+    groups = [group for chapter in REPRODUCED for group in reproduce.claim_groups(chapter)]
+    declared = {study for group in groups for study in (*group.studies, *group.partial_studies)}
+    assert declared == named
+
+
+class QueuedJobs:
+    """Pool that notes jobs in place of running them; the results of a job never come."""
+
+    def __init__(self, workers: int) -> None:
+        self.folders: list[str] = []
+        self.calls: list[str] = []
+
+    def submit(self, jobs):
+        self.folders += [f"{job.folder.parent.name}/{job.folder.name}" for job in jobs]
+        return [Future() for _ in jobs]
+
+    def stop(self) -> None:
+        self.calls.append("stop")
+
+    def close(self) -> None:
+        self.calls.append("close")
+
+
+def test_all_studies_of_the_chapters_are_queued_before_the_first_claim_is_judged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(queue, "LocalPool", QueuedJobs)
+    given = Evidence(tmp_path, fast=True, workers=2)
+    reproduce.begin_studies(["ch4", "appendices"], given)
+    pool = given._studies_queue._pool
+    assert pool.folders[0].startswith("bounds/")
+    assert {folder.split("/")[0] for folder in pool.folders} >= {"preload", "layer_count", "friction_laws"}
+    assert len(set(pool.folders)) == len(pool.folders)  # "bounds" serves two groups
+    given.__exit__(KeyboardInterrupt, KeyboardInterrupt(), None)
+    assert pool.calls == ["stop", "close"]
+
+
+def test_a_queued_case_is_awaited_and_not_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(queue, "LocalPool", QueuedJobs)
+    shared = queue.StudyQueue(2)
+    a, b, c = (Job([name], tmp_path / name) for name in "abc")
+    shared.begin([a, b])
+    futures = shared.submit([b, c, a])
+    assert shared._pool.folders == [f"{tmp_path.name}/{name}" for name in "abc"]
+    assert len(set(futures)) == 3
+    assert shared.submit([b]) == futures[:1]
 
 
 def test_a_computation_is_kept_under_its_inputs(tmp_path: Path) -> None:

@@ -64,6 +64,7 @@ def run_grid(
     *,
     workers: int = 1,
     scheduler: str | None = None,
+    pool: Pool | None = None,
     retry: bool = False,
     progress: Progress | None = None,
 ) -> list[Outcome]:
@@ -79,6 +80,8 @@ def run_grid(
         Number of cases that run at the same time on this machine, each on one thread.
     scheduler
         Address of a Dask scheduler, "tcp://HOST:PORT", whose workers run the cases; they must see the same files.
+    pool
+        Pool that runs the cases in place of ``workers`` and ``scheduler``; it stays open.
     retry
         Run again the cases that failed in earlier calls (no convergence, or an error).
     progress
@@ -106,11 +109,19 @@ def run_grid(
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
     _check_own(grid, out)
-    pool: Pool = LocalPool(workers) if scheduler is None else ClusterPool(scheduler)
-    try:
+    if pool is not None:
         return _run_all(grid, out, pool, progress, retry=retry)
+    own: Pool = LocalPool(workers) if scheduler is None else ClusterPool(scheduler)
+    try:
+        return _run_all(grid, out, own, progress, retry=retry)
     finally:
-        pool.close()
+        own.close()
+
+
+def unfinished_jobs(grid: Grid, out: str | Path, *, retry: bool = False) -> list[Job]:
+    """Runs of the cases of a grid that `run_grid` would start, in the order of the grid."""
+    out = Path(out)
+    return [_job(member, out) for member in grid.members if _found(member, out, retry=retry) is None]
 
 
 def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress, *, retry: bool) -> list[Outcome]:
