@@ -19,7 +19,9 @@ from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
 from wroll_fem.dynamics.periodic import causes
+from wroll_fem.dynamics.reduction import snapshots
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
+from wroll_fem.dynamics.reduction.snapshots import WholeSlip
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
 from wroll_fem.dynamics.system.system import System
@@ -389,3 +391,17 @@ def test_shapes_of_a_chirp_in_time_lead_to_the_same_curve(monkeypatch: pytest.Mo
     assert "the chirp does not converge; the basis goes without its shapes" in seen
     assert without.attrs["f_n_hz"] == usual.attrs["f_n_hz"]
     assert without.attrs["reduction_error_estimate"] < 1e-3
+
+
+def test_a_coil_that_slides_as_a_whole_is_told_before_its_resonance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No point holds the coil, so that no basis has a periodic motion: the training fails too, but later."""
+    coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
+    case = roll(preload={"pressure": 1e4}, contact={"friction": {"mu": 0.05, "elastic_slip": 1e-6}},
+                excitation={"f_start": 80, "f_end": 180, "amplitude": 20.0}, mesh=coarse)  # fmt: skip
+    with pytest.raises(WholeSlip, match=r"slides as a whole .* mean displacement is undetermined") as told:
+        run_analysis(case, progress=SilentProgress())
+    stopped = float(str(told.value).split(" Hz")[0].split()[-1])
+    assert 80 < stopped < 110  # the main mode with stuck interfaces has 115 Hz
+    monkeypatch.setattr(snapshots, "FREE_CYCLES", 10**6)
+    with pytest.raises(ConvergenceError):
+        run_analysis(case, progress=SilentProgress())

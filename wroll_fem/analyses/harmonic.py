@@ -24,7 +24,7 @@ from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_er
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
-from wroll_fem.dynamics.reduction.snapshots import snapshots_of_chirp
+from wroll_fem.dynamics.reduction.snapshots import WholeSlip, snapshots_of_chirp
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
@@ -164,6 +164,8 @@ def _trained_curve(
                         system, state, condensation, amplitude=excitation.amplitude,
                         frequencies=(excitation.f_start, excitation.f_end), on_part=passes.in_time,
                     )  # fmt: skip
+                except WholeSlip:
+                    raise
                 except ConvergenceError:
                     progress.info("the chirp does not converge; the basis goes without its shapes")
                     return None

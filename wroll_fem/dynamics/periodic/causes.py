@@ -43,6 +43,12 @@ RATTLING = ((1, 0.5, 0.5), (2, 10.0, WIDE), (2, 0.5, 0.35), (3, 0.5, WIDE))
 If both limits of a row are exceeded, the training ends: bases for rattling layers have hundreds of vectors, and each
 curve takes minutes."""
 
+UNDETERMINED_MEAN = (
+    "the mean displacement is undetermined: every point of some layer slides within each period, so that nothing holds "
+    "this layer; a sweep shows the motion, and backbone the amplitudes at which friction holds it"
+)
+"""Cause why a layer that slides as a whole has no periodic motion."""
+
 MIXING = 2, 0.4
 """Number of curves and relative correction from which the training ends at a peak with strong overtones (`MIXED`). A
 curve with a gap has no peak: only its flanks are wanted."""
@@ -59,10 +65,7 @@ def cause(error: ConvergenceError, condensation: Condensation, laws: PointLaws) 
     if isinstance(curve, HarmonicCurve | BackboneCurve) and len(curve.frequencies):
         share = opening(curve)
     if isinstance(curve, HarmonicCurve) and len(curve.frequencies) and curve.drifts:
-        return (
-            "the mean displacement is undetermined: every point of some layer slides within each period, so that "
-            "nothing holds this layer; a sweep shows the motion, and backbone the amplitudes at which friction holds it"
-        )
+        return UNDETERMINED_MEAN
     if share > WIDE:
         return (
             f"the surfaces open at {100 * share:.0f} % of the points within a period: rattling layers have no "
