@@ -38,7 +38,7 @@ QUIET = 0.1
 
 FREE_PATH, FREE_CYCLES = 1.0, 2
 """A layer slides as a whole if each of its loaded points slips by more than `FREE_PATH` times its elastic slip in each
-of `FREE_CYCLES` successive cycles. Chirps through rolls with a periodic motion leave a quarter of the points at rest."""
+of `FREE_CYCLES` successive cycles. In chirps through rolls with a periodic motion a quarter of the points stays."""
 
 
 class WholeSlip(ConvergenceError):
