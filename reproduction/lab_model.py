@@ -23,7 +23,7 @@ from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
 from wroll_fem.plotting import style
 from wroll_fem.plotting.convergence import first_bending
 from wroll_fem.plotting.study import PRESSURE, natural_frequency, read
-from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.motions import base_motion
 
 LAB = "lab_sweep"
 BASE_STUDY = "base_motion"

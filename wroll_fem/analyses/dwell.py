@@ -12,7 +12,7 @@ from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLE
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.time_step import dwell_step_error
-from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.motions import base_motion
 from wroll_fem.signals.tip import absolute_tip
 from wroll_fem.signals.transmissibility import dwell_response, unsteadiness
 

@@ -1,4 +1,4 @@
-"""Time history of a sweep or dwell case: preload, condensation, time integration."""
+"""Time history of a case under base motion: preload, condensation, time integration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
-from wroll_fem.case.excitation import ChirpExcitation
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -27,10 +26,10 @@ from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_steppe
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.motions import base_motion
 
 if TYPE_CHECKING:
-    from wroll_fem.case import DwellCase, SweepCase
+    from wroll_fem.case import HistoryCase
     from wroll_fem.progress import Progress
 
 
@@ -62,7 +61,7 @@ PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure
 
 
 def time_history(
-    case: SweepCase | DwellCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+    case: HistoryCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
 ) -> xr.Dataset:
     """Compute the time history with energy ledger and slip fields.
 
@@ -108,7 +107,7 @@ def time_history(
 class _Integration:
     """Time integration of a prepared case by any `solver.method`."""
 
-    case: SweepCase | DwellCase
+    case: HistoryCase
     system: System
     state: ContactState
     progress: Progress
@@ -166,7 +165,7 @@ def _main_mode(stepper: Stepper) -> dict[str, float]:
     return {"stuck_resonance_hz": frequency, "tip_participation": participation}
 
 
-def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) -> None:
+def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
@@ -184,18 +183,8 @@ def _remarks(case: SweepCase | DwellCase, stepper: Stepper, progress: Progress) 
         )
 
 
-def _described(dataset: xr.Dataset, case: SweepCase | DwellCase, method: str) -> xr.Dataset:
+def _described(dataset: xr.Dataset, case: HistoryCase, method: str) -> xr.Dataset:
     excitation = case.excitation
     direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
-    attrs: dict[str, object] = {"excitation_kind": excitation.kind, "excitation_direction": direction}
-    if isinstance(excitation, ChirpExcitation):
-        attrs |= {
-            "f_start_hz": excitation.f_start,
-            "f_end_hz": excitation.f_end,
-            "rate_oct_per_min": excitation.rate_oct_per_min,
-        }
-    else:
-        attrs["frequency_hz"] = excitation.frequency
-    return dataset.assign_attrs(
-        attrs | {"amplitude_m_s2": excitation.amplitude, "method": method, "steps_per_cycle": steps_per_cycle(case)}
-    )
+    attrs = {"excitation_kind": excitation.kind, "excitation_direction": direction, **excitation.attributes}
+    return dataset.assign_attrs(attrs | {"method": method, "steps_per_cycle": steps_per_cycle(case)})

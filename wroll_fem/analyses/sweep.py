@@ -15,8 +15,8 @@ from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import sweep_step_error
 from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
-from wroll_fem.signals.base_motion import base_motion
 from wroll_fem.signals.estimators import estimate_damping
+from wroll_fem.signals.motions import base_motion
 from wroll_fem.signals.quality import Circumstances, judge
 from wroll_fem.signals.tip import rigid_tip
 from wroll_fem.signals.transmissibility import magnitude, transmissibility

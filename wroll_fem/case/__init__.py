@@ -17,6 +17,7 @@ from wroll_fem.case.kinds import (
     DesignMapCase,
     DwellCase,
     HarmonicCase,
+    HistoryCase,
     ModalCase,
     ModalTransientCase,
     PreloadCase,
@@ -40,8 +41,8 @@ from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.case.winding import Winding
 
 __all__ = [
-    "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase",
-    "DwellCase", "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "Integrator",
+    "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase", "DwellCase",
+    "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "HistoryCase", "Integrator",
     "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
     "OnStructure", "Output", "Preload", "PreloadCase", "RollSections", "Section", "SizingCase", "SlipDampingCase",
     "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case", "example_case",

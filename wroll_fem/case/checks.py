@@ -8,7 +8,7 @@ from wroll_fem.case.base import validation_error
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
-from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation
+from wroll_fem.case.excitation import ANALYSIS_OF_MOTION, Excitation, HistoryExcitation
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
@@ -23,11 +23,11 @@ FEWEST_STEPS_PER_CYCLE = 20
 """Smallest number of steps per cycle without `solver.allow_coarse`; with fewer, the period error exceeds 0.8 % and slip
 reversals are missed."""
 
-FEWEST_OF_DWELL = 3, "too few to sample the base motion: every sample could be zero"
-"""Smallest number of steps per cycle of a dwell with `solver.allow_coarse`, and the message for a smaller number."""
+FEWEST = 3, "too few to sample the base motion: every sample could be zero"
+"""Smallest number of steps per cycle with `solver.allow_coarse`, and the message for a smaller number."""
 
-FEWEST_OF_SWEEP = 9, "too few to demodulate the response of a sweep"
-"""Smallest number of steps per cycle of a sweep with `solver.allow_coarse`, and the message for a smaller number."""
+FEWEST_OF_KIND = {"chirp": (9, "too few to demodulate the response of a sweep")}
+"""Kinds of base motion that need more than `FEWEST`."""
 
 WITH_CURVE = ("sweep", "harmonic", "two_dof")
 """Analyses that give a response curve versus frequency, from which damping can be estimated."""
@@ -37,8 +37,6 @@ FOURIER = ("modal", "modal_transient", "design_map")
 
 FOURIER_COILS = ("solid", "bonded", "nonstructural_mass", "none")
 """Coil models without friction: their circumferential harmonics are uncoupled."""
-
-_ANALYSIS_OF_MOTION = {"chirp": "sweep", "dwell": "dwell", "sine": "modal_transient"}
 
 
 def check_damping_of_file(damping: Damping | None) -> None:
@@ -69,14 +67,14 @@ def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
     names = " or ".join(wanted)
     usual = wanted[0]
     kind = excitation.get("kind", usual) if isinstance(excitation, dict) else getattr(excitation, "kind", usual)
-    if kind not in wanted and kind in _ANALYSIS_OF_MOTION:
+    if kind not in wanted and kind in ANALYSIS_OF_MOTION:
         raise validation_error(
             f"analysis {analysis} needs a {names}", key="kind", value=kind,
-            remedy=f"use excitation.kind: {names}, or analysis: {_ANALYSIS_OF_MOTION[kind]}",
+            remedy=f"use excitation.kind: {names}, or analysis: {ANALYSIS_OF_MOTION[kind]}",
         )  # fmt: skip
     if kind not in wanted:
         raise validation_error(
-            "is not one of the choices", key="kind", value=kind, remedy=f"use {', '.join(_ANALYSIS_OF_MOTION)}"
+            "is not one of the choices", key="kind", value=kind, remedy=f"use {', '.join(ANALYSIS_OF_MOTION)}"
         )
     if isinstance(excitation, dict) and "kind" not in excitation:
         remedy = f"add it (motion of the base): {names}"
@@ -198,7 +196,7 @@ def check_pressures(preload: Preload | None, layers: int) -> None:
         )  # fmt: skip
 
 
-def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integrator, solver: Solver) -> None:
+def check_steps(excitation: HistoryExcitation, integrator: Integrator, solver: Solver) -> None:
     """Refuse too few time steps per cycle; `solver.allow_coarse` lowers the limit to what sampling requires.
 
     Raises
@@ -207,7 +205,7 @@ def check_steps(excitation: ChirpExcitation | DwellExcitation, integrator: Integ
         If the check fails.
     """
     steps = integrator.steps
-    fewest, reason = FEWEST_OF_DWELL if excitation.kind == "dwell" else FEWEST_OF_SWEEP
+    fewest, reason = FEWEST_OF_KIND.get(excitation.kind, FEWEST)
     if steps < fewest:
         raise validation_error(
             reason, key="integrator.steps_per_cycle", value=steps,

@@ -26,7 +26,13 @@ from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
-from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, Excitation, SineExcitation
+from wroll_fem.case.excitation import (
+    ChirpExcitation,
+    DwellExcitation,
+    Excitation,
+    HistoryExcitation,
+    SineExcitation,
+)
 from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
@@ -65,15 +71,21 @@ def _motion(analysis: str, *wanted: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-class SweepCase(StructuralCase):
-    """Time history of the response to a sine sweep of the base."""
+class HistoryCase(StructuralCase):
+    """Time history of the response to a motion of the base."""
 
-    analysis: Literal["sweep"] = Field(description=ANALYSIS)
-    excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
+    excitation: HistoryExcitation = Field(description=EXCITATION)
 
     def _checks(self) -> Iterator[Check]:
         yield from super()._checks()
         yield lambda: check_steps(self.excitation, self.integrator, self.solver)
+
+
+class SweepCase(HistoryCase):
+    """Time history of the response to a sine sweep of the base."""
+
+    analysis: Literal["sweep"] = Field(description=ANALYSIS)
+    excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
 
 
 @case_kind
@@ -86,15 +98,11 @@ class StructureSweepCase(SweepCase, OnStructure):
     """Sine sweep of a structure whose matrices come from a file."""
 
 
-class DwellCase(StructuralCase):
+class DwellCase(HistoryCase):
     """Time history of the response to sine motion of the base at one frequency."""
 
     analysis: Literal["dwell"] = Field(description=ANALYSIS)
     excitation: Annotated[DwellExcitation, _motion("dwell", "dwell")] = Field(description=EXCITATION)
-
-    def _checks(self) -> Iterator[Check]:
-        yield from super()._checks()
-        yield lambda: check_steps(self.excitation, self.integrator, self.solver)
 
 
 @case_kind

@@ -1,6 +1,6 @@
-r"""Base motions: prescribed accelerations of the base (chirp and dwell).
+r"""Base motions: prescribed accelerations of the base. Sine motions are here: chirp and dwell.
 
-Both motions have the form
+Both have the form
 
 .. math:: a_g(t) = A\, w(t) \sin\varphi(t), \qquad \varphi(t) = 2\pi \int_0^t f\, dt,
 
@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, log, log2, pi
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,20 @@ TWO_PI = 2.0 * pi
 
 
 class BaseMotion(Protocol):
-    """Properties and methods of every base motion, as used by time integration and demodulation."""
+    """Properties and methods of every base motion, as used by time integration."""
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion, s."""
+        ...
+
+    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
+        """Base acceleration at `time` (s), m/s^2; zero before the motion starts."""
+        ...
+
+
+class SineMotion(BaseMotion, Protocol):
+    """Base motion with an instantaneous frequency, as used by demodulation."""
 
     @property
     def amplitude(self) -> float:
@@ -45,21 +58,12 @@ class BaseMotion(Protocol):
         """Duration of the start ramp, cycles."""
         ...
 
-    @property
-    def duration(self) -> float:
-        """Duration of the motion, s."""
-        ...
-
     def frequency(self, time: npt.ArrayLike) -> FloatArray:
         """Instantaneous frequency at `time` (s), Hz."""
         ...
 
     def phase(self, time: npt.ArrayLike) -> FloatArray:
         """Phase at `time` (s), rad."""
-        ...
-
-    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
-        """Base acceleration at `time` (s), m/s^2."""
         ...
 
 
@@ -256,32 +260,6 @@ class Dwell:
             If `dt` is not positive.
         """
         return _samples(self, dt)
-
-
-def base_motion(excitation: Any) -> Chirp | Dwell:
-    """Base motion described by a case section `excitation`, or by any object with the same attributes.
-
-    Parameters
-    ----------
-    excitation
-        Object with `kind` ("chirp" or "dwell"), `amplitude` and the attributes of that kind. If `ramp_cycles` is None
-        or missing, the default of the kind is used (0 for a chirp, 5 for a dwell).
-
-    Raises
-    ------
-    InputError
-        If the kind is unknown, or a value is out of range.
-    """
-    ramp = getattr(excitation, "ramp_cycles", None)
-    extra = {} if ramp is None else {"ramp_cycles": float(ramp)}
-    if excitation.kind == "chirp":
-        e = excitation
-        return Chirp(float(e.amplitude), float(e.f_start), float(e.f_end), float(e.rate_oct_per_min), **extra)
-    if excitation.kind == "dwell":
-        return Dwell(float(excitation.amplitude), float(excitation.frequency), float(excitation.cycles), **extra)
-    raise InputError(
-        f"unknown kind {excitation.kind!r} of base motion", key="excitation.kind", remedy="use 'chirp' or 'dwell'"
-    )
 
 
 def sweep_rate_limit(f_n: float, zeta: float) -> float:

@@ -34,7 +34,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
-from wroll_fem.signals.base_motion import base_motion
+from wroll_fem.signals.motions import base_motion
 
 BOTH = pytest.mark.parametrize("suffix", [".npz", ".mat"])
 

@@ -11,7 +11,7 @@ from wroll_fem.analyses.shared.assembly import is_mirrored, uses_symmetry
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 
 if TYPE_CHECKING:
-    from wroll_fem.case import DwellCase, RollSections, SweepCase
+    from wroll_fem.case import HistoryCase, RollSections
 
 SECONDS_PER_UNIT = {"reduced": 4.0e-7, "condensed": 5.0e-9, "full": 1.2e-5}
 """Method -> computing time of a time step on a 2.5 GHz core, s, divided by the size of the problem. The size is the
@@ -70,10 +70,10 @@ def estimate_modes(case: StructuralCase) -> dict[str, Any]:
     return found
 
 
-def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
+def estimate_history(case: HistoryCase) -> dict[str, Any]:
     """As `estimate_roll`, plus number of steps, time step (s) and duration (s) of the time history."""
     from wroll_fem.analyses.shared.time_step import time_step
-    from wroll_fem.signals.base_motion import base_motion
+    from wroll_fem.signals.motions import base_motion
 
     found = estimate_roll(case)
     seconds = found.pop("estimated_seconds", None)
@@ -94,7 +94,7 @@ def estimate_history(case: SweepCase | DwellCase) -> dict[str, Any]:
     return found | {"estimated_seconds": seconds}
 
 
-def _method(case: SweepCase | DwellCase) -> str:
+def _method(case: HistoryCase) -> str:
     """Method by which a time history ends: `reduced` falls back where layers open, or slip a little everywhere."""
     if case.solver.method != "reduced" or not isinstance(case, OnRoll) or case.coil.model != "layers":
         return case.solver.method

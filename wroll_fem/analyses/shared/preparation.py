@@ -16,6 +16,7 @@ from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact
 from wroll_fem.analyses.shared.resolution import system_remark
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.stress import ShellStress
+from wroll_fem.case.kinds import HistoryCase
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
@@ -132,7 +133,7 @@ def read_structure(case: OnStructure) -> tuple[System, ContactState | None]:
     if state is None:
         _check_pressing(system, str(path))
     _check_mass(case, system)
-    if system.harmonic_forces and case.analysis in ("sweep", "dwell"):
+    if system.harmonic_forces and isinstance(case, HistoryCase):
         raise InputError(
             f"analysis {case.analysis} has one force pattern, cos(wt)", key="force", file=str(path),
             remedy="leave out forces with a phase or a harmonic, or use harmonic",

@@ -18,13 +18,14 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     steps_for,
     without_ripple,
 )
-from wroll_fem.signals.base_motion import base_motion, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
+from wroll_fem.signals.motions import base_motion
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wroll_fem.case import DwellCase, SweepCase
+    from wroll_fem.case import DwellCase, HistoryCase, SweepCase
     from wroll_fem.dynamics.reduction.condensation import Condensation
     from wroll_fem.typing import FloatArray
 
@@ -58,7 +59,7 @@ USEFUL_FIT = 0.3
 misfit, no time step error is estimated."""
 
 
-def steps_per_cycle(case: SweepCase | DwellCase) -> int:
+def steps_per_cycle(case: HistoryCase) -> int:
     """Number of steps per cycle of the highest excitation frequency, set by the case or chosen by `auto`.
 
     For the dwell of a roll, `auto` takes the smallest of `CHOICES` whose error is at most `WANTED` for all resonance
@@ -79,7 +80,7 @@ def steps_per_cycle(case: SweepCase | DwellCase) -> int:
     return CHOICES[-1]
 
 
-def time_step(case: SweepCase | DwellCase) -> float:
+def time_step(case: HistoryCase) -> float:
     """Time step of a time history, s."""
     return 1.0 / (case.excitation.highest_frequency_hz * steps_per_cycle(case))
 
@@ -93,7 +94,7 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     motion, tip = base_motion(case.excitation), history["tip_displacement"].values
     if len(tip) < 20 or not np.abs(tip).max() > 0.0:
         return np.nan, ""
-    oscillator, misfit = fitted_oscillator(scheme, dt, motion, tip)
+    oscillator, misfit = fitted_oscillator(scheme, dt, motion, tip)  # type: ignore[arg-type]
     if misfit > USEFUL_FIT:
         return np.nan, ""
     error = history_error(scheme, dt, motion, oscillator)
@@ -119,7 +120,7 @@ def sweep_step_error(
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator)
 
 
-def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) -> str:
+def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
     """Warning if the time step of a dwell detunes a mode that harmonics of the friction force excite; empty otherwise.
 
     The friction force is odd in the motion, so its odd harmonics dominate. `dwell_step_error` does not include them.
@@ -146,7 +147,7 @@ def detuned_harmonic(case: SweepCase | DwellCase, condensation: Condensation) ->
     return ""
 
 
-def _warning(what: str, error: float, wanted: float, case: SweepCase | DwellCase, oscillator: Oscillator) -> str:
+def _warning(what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator) -> str:
     if error <= wanted:
         return ""
     scheme, steps = Scheme.named(case.integrator.scheme, case.integrator.alpha), steps_per_cycle(case)

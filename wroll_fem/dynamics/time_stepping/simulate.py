@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
@@ -55,6 +55,11 @@ class Motion(Protocol):
     def acceleration(self, time: FloatArray) -> FloatArray:
         """Base acceleration in m/s^2 at ``time`` (n,) in s."""
         ...
+
+
+@runtime_checkable
+class HasFrequency(Protocol):
+    """Base motion that has a frequency at each time, such as a chirp."""
 
     def frequency(self, time: FloatArray) -> FloatArray:
         """Instantaneous frequency in Hz at ``time`` (n,) in s."""
@@ -158,7 +163,7 @@ def simulate(
         with threadpool_limits(1, "blas"), progress.stage("time integration", steps, "steps") as stage:
             while run.done < steps:
                 run.advance(base, times, dt, every)
-                stage.update(run.done, f"{motion.frequency(times[run.done : run.done + 1])[0]:.1f} Hz")
+                stage.update(run.done, _place(motion, times[run.done : run.done + 1]))
                 if checkpoint is not None and clock.monotonic() - saved > checkpoint.seconds:
                     run.save(checkpoint.path, fingerprint)
                     saved = clock.monotonic()
@@ -173,6 +178,11 @@ def simulate(
     if recover is None:
         return found
     return xr.merge([found, recover(run.at_largest(base, dt))], combine_attrs="override")
+
+
+def _place(motion: Motion, time: FloatArray) -> str:
+    """Words for the progress display: frequency of the base motion at ``time`` (1,), s, or the time itself."""
+    return f"{motion.frequency(time)[0]:.1f} Hz" if isinstance(motion, HasFrequency) else f"{time[0]:.2f} s"
 
 
 def saved_method(checkpoint: Checkpointing | None) -> str | None:
@@ -307,7 +317,8 @@ class _Run:
             name: (("time",), columns[:m, i]) for i, name in enumerate(RECORDS)
         }
         data["base_acceleration"] = (("time",), base[:m])
-        data["instantaneous_frequency"] = (("time",), np.asarray(motion.frequency(times[:m])))
+        if isinstance(motion, HasFrequency):
+            data["instantaneous_frequency"] = (("time",), np.asarray(motion.frequency(times[:m])))
         dataset = xr.Dataset(data, coords={"time": times[:m]})
         if len(system.probe_names) > 1:
             dataset = dataset.assign_coords(probe=list(system.probe_names))

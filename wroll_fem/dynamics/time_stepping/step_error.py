@@ -38,7 +38,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
-from wroll_fem.signals.base_motion import BaseMotion
+from wroll_fem.signals.base_motion import BaseMotion, SineMotion
 from wroll_fem.typing import FloatArray
 
 FINER = 10
@@ -210,7 +210,7 @@ def without_ripple(magnitude: FloatArray) -> FloatArray:
 
 
 def fitted_oscillator(
-    scheme: Scheme, dt: float, motion: BaseMotion, displacement: FloatArray
+    scheme: Scheme, dt: float, motion: SineMotion, displacement: FloatArray
 ) -> tuple[Oscillator, float]:
     """Oscillator whose displacement history with steps ``dt`` (s), scaled by a factor, is closest to a given history.
 

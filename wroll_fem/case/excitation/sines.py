@@ -1,71 +1,18 @@
-"""Case section `excitation`: base motion."""
+"""Sine motions of the base: chirp, dwell, and steady sine at several levels."""
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
-from pydantic import Field, GetJsonSchemaHandler, field_validator, model_validator
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, TaggedSection, _number, validation_error
-
-STANDARD_GRAVITY = 9.80665
-"""Standard acceleration of gravity, m/s^2; `scipy.constants.g` is slow to import."""
-
-Direction = Annotated[
-    Literal["x", "y"],
-    Field(
-        description="direction of the base motion; with y the whole roll is solved, because the symmetry plane "
-        "does not apply"
-    ),
-]
+from wroll_fem.case.base import Real, TaggedSection, validation_error
+from wroll_fem.case.excitation.shared import STANDARD_GRAVITY, AmplitudeSection, Direction, positive
 
 
-def _from_gravities(given: dict[str, Any]) -> float:
-    """Default of `amplitude`, m/s^2: the value of `amplitude_g` in SI; NaN if neither was given."""
-    level: float | None = given.get("amplitude_g")
-    return math.nan if level is None else float(f"{level * STANDARD_GRAVITY:.15g}")
-
-
-class _BaseMotion(TaggedSection):
-    amplitude_g: Real | None = Field(
-        default=None,
-        gt=0,
-        exclude=True,
-        description="amplitude of the base acceleration, multiples of 9.80665 m/s^2, 0-peak: in place of amplitude",
-    )
-    amplitude: Real = Field(
-        default_factory=_from_gravities, gt=0, description="amplitude of the base acceleration, m/s^2, 0-peak"
-    )
-    direction: Direction = "x"
-
-    @model_validator(mode="after")
-    def _one_amplitude(self) -> Self:
-        if self.amplitude_g is not None and "amplitude" in self.model_fields_set:
-            raise validation_error(
-                f"the amplitude is given twice: amplitude = {self.amplitude:g} m/s^2", key="amplitude_g",
-                value=self.amplitude_g, remedy="give only one of them",
-            )  # fmt: skip
-        if math.isnan(self.amplitude):
-            what = _BaseMotion.model_fields["amplitude"].description
-            remedy = f"add it ({what}), or amplitude_g in multiples of 9.80665 m/s^2"
-            raise validation_error("required key is missing", key="amplitude", show_value=False, remedy=remedy)
-        if self.amplitude_g is not None:  # the case is in SI: the same as if amplitude had been given
-            self.__dict__["amplitude_g"] = None
-            self.model_fields_set.symmetric_difference_update({"amplitude", "amplitude_g"})
-        return self
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        """JSON schema in which one of the two amplitudes is required."""
-        schema = super().__get_pydantic_json_schema__(core, handler)
-        return schema | {"oneOf": [{"required": ["amplitude"]}, {"required": ["amplitude_g"]}]}
-
-
-class ChirpExcitation(_BaseMotion):
+class ChirpExcitation(AmplitudeSection):
     """Geometric (exponential) chirp of constant acceleration amplitude."""
 
     kind: Literal["chirp"] = Field(default="chirp", description="chirp: geometric sine sweep upwards in frequency")
@@ -88,8 +35,17 @@ class ChirpExcitation(_BaseMotion):
         """Highest frequency of the base motion, Hz."""
         return self.f_end
 
+    @property
+    def attributes(self) -> dict[str, float]:
+        """Attributes of results that describe the motion."""
+        rate = self.rate_oct_per_min
+        return {
+            "f_start_hz": self.f_start, "f_end_hz": self.f_end, "rate_oct_per_min": rate,
+            "amplitude_m_s2": self.amplitude,
+        }  # fmt: skip
 
-class DwellExcitation(_BaseMotion):
+
+class DwellExcitation(AmplitudeSection):
     """Sine motion of the base with constant frequency and amplitude."""
 
     kind: Literal["dwell"] = Field(default="dwell", description="dwell: sine at one frequency")
@@ -111,6 +67,11 @@ class DwellExcitation(_BaseMotion):
         """Highest frequency of the base motion, Hz."""
         return self.frequency
 
+    @property
+    def attributes(self) -> dict[str, float]:
+        """Attributes of results that describe the motion."""
+        return {"frequency_hz": self.frequency, "amplitude_m_s2": self.amplitude}
+
 
 class SineExcitation(TaggedSection):
     """Steady sine motion of the base at several acceleration levels, for modal_transient and slip_damping."""
@@ -130,13 +91,13 @@ class SineExcitation(TaggedSection):
     @field_validator("frequency", mode="before")
     @classmethod
     def _hertz(cls, value: Any) -> Any:
-        return value if value == "resonance" else _positive(value, "write a frequency in Hz, or resonance")
+        return value if value == "resonance" else positive(value, "write a frequency in Hz, or resonance")
 
     @field_validator("amplitude_g", mode="before")
     @classmethod
     def _levels(cls, value: Any) -> Any:
         remedy = "write positive levels in ascending order, in g, for example [1, 5, 15]"
-        levels = [_positive(entry, remedy) for entry in (value if isinstance(value, list | tuple) else [value])]
+        levels = [positive(entry, remedy) for entry in (value if isinstance(value, list | tuple) else [value])]
         if not levels or any(b <= a for a, b in pairwise(levels)):
             raise validation_error("must be an ascending list of levels", remedy=remedy, value=value)
         return levels
@@ -150,13 +111,3 @@ class SineExcitation(TaggedSection):
     def highest_frequency_hz(self) -> float:
         """Frequency of the base motion, Hz; NaN for `resonance`, because that frequency is computed in the run."""
         return math.nan if isinstance(self.frequency, str) else self.frequency
-
-
-def _positive(value: Any, remedy: str) -> float:
-    number = _number(value)
-    if not isinstance(number, int | float) or not 0 < number < math.inf:
-        raise validation_error("must be a number above zero", remedy=remedy, value=value)
-    return float(number)
-
-
-Excitation = Annotated[ChirpExcitation | DwellExcitation | SineExcitation, Field(discriminator="kind")]
