@@ -14,7 +14,7 @@ from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
+from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -147,6 +147,7 @@ class _Integration:
         try:
             found = simulate(
                 self.system, self.state, base_motion(case.excitation), dt=dt, scheme=scheme, options=options,
+                grid=time_grid(case, _main_mode(stepper).get("stuck_resonance_hz")),
                 progress=self.progress, checkpoint=saving, every=case.output.every, stepper=stepper,
                 recover=partial(stress_of_displacement, self.system, self.state, self.progress),
             )  # fmt: skip

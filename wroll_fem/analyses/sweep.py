@@ -13,7 +13,7 @@ from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLE
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
-from wroll_fem.analyses.shared.time_step import sweep_step_error
+from wroll_fem.analyses.shared.time_step import step_at, sweep_step_error
 from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
 from wroll_fem.signals.estimators import estimate_damping
 from wroll_fem.signals.motions import base_motion
@@ -53,7 +53,8 @@ def run_sweep(
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
     read = estimate_damping(curve["frequency"].values, T, case.output.damping)
     participation = history.attrs.get("tip_participation")
-    error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation)
+    dt = step_at(history, read.shape.f_n) if case.integrator.follow_frequency else None
+    error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation, dt)
     spectrum = magnitude(curve, "transmissibility_spectrum").values
     remarks = coarse, numerical_remark(history)
     known = Circumstances(motion, participation, spectrum=spectrum, remarks=remarks, rigid=rigid_tip(history))  # type: ignore[arg-type]

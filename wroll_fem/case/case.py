@@ -45,7 +45,7 @@ K = TypeVar("K")
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
 """Solver keys that do not affect the results; they do not enter the hash of a case."""
 
-_OFF_BY_DEFAULT = (("preload", "geometric_stiffness"),)
+_OFF_BY_DEFAULT = (("preload", "geometric_stiffness"), ("integrator", "follow_frequency"))
 """(Section, key) of switches that are off by default; they enter the hash of a case only if they are on."""
 
 _OWNERS = {

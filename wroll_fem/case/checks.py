@@ -204,6 +204,11 @@ def check_steps(excitation: HistoryExcitation, integrator: Integrator, solver: S
     PydanticCustomError
         If the check fails.
     """
+    if integrator.follow_frequency and excitation.kind != "chirp":
+        raise validation_error(
+            f"a {excitation.kind} has no frequency that changes", key="integrator.follow_frequency", value=True,
+            remedy="leave it out; it is for analysis: sweep",
+        )  # fmt: skip
     steps = integrator.steps
     fewest, reason = FEWEST_OF_KIND.get(excitation.kind, FEWEST)
     if steps < fewest:

@@ -41,6 +41,13 @@ class Integrator(Section):
         "than 5 %",
     )
 
+    follow_frequency: bool = Field(
+        default=False,
+        description="whether the steps of a sweep are longer by powers of two where its frequency is low: at least "
+        "steps_per_cycle per cycle of the frequency at each time, and 16 per cycle of the main mode with stuck "
+        "interfaces",
+    )
+
     @field_validator("steps_per_cycle", mode="before")
     @classmethod
     def _count(cls, value: Any) -> Any:

@@ -72,14 +72,15 @@ def estimate_modes(case: StructuralCase) -> dict[str, Any]:
 
 def estimate_history(case: HistoryCase) -> dict[str, Any]:
     """As `estimate_roll`, plus number of steps, time step (s) and duration (s) of the time history."""
-    from wroll_fem.analyses.shared.time_step import time_step
+    from wroll_fem.analyses.shared.time_step import time_grid, time_step
     from wroll_fem.signals.motions import base_motion
 
     found = estimate_roll(case)
     seconds = found.pop("estimated_seconds", None)
     duration = base_motion(case.excitation).duration
     dt = time_step(case)
-    steps = math.ceil(duration / dt - 1e-9)
+    grid = time_grid(case, None)
+    steps = math.ceil(duration / dt - 1e-9) if grid is None else grid.count
     found |= {"steps": steps, "time_step_s": dt, "duration_s": duration}
     if seconds is None or not isinstance(case, OnRoll):
         return found

@@ -18,7 +18,8 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     steps_for,
     without_ripple,
 )
-from wroll_fem.signals.base_motion import sweep_rate_limit
+from wroll_fem.dynamics.time_stepping.time_grid import LEAST_STEPS, TimeGrid
+from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
 from wroll_fem.signals.motions import base_motion
 
@@ -85,6 +86,30 @@ def time_step(case: HistoryCase) -> float:
     return 1.0 / (case.excitation.highest_frequency_hz * steps_per_cycle(case))
 
 
+def time_grid(case: HistoryCase, main_mode: float | None) -> TimeGrid | None:
+    """Steps of a sweep that follow its frequency (`integrator.follow_frequency`); None for equal steps.
+
+    ``main_mode`` is the frequency of the main mode with stuck interfaces, Hz. If it is None, the estimate for a roll is
+    used.
+    """
+    if not case.integrator.follow_frequency:
+        return None
+    motion, dt = base_motion(case.excitation), time_step(case)
+    assert isinstance(motion, Chirp)  # checked with the case
+    if main_mode is None:
+        main_mode = beam_frequency(case, bonded=True) if isinstance(case, OnRoll) else motion.f_end
+    longest = min(motion.f_end / motion.f_start, 1.0 / (LEAST_STEPS * main_mode * dt))
+    levels = np.arange(int(np.log2(max(longest, 1.0)) + 1e-9), 0, -1)
+    return TimeGrid.of_levels(motion.duration, dt, motion.time_of_frequency(motion.f_end / 2.0**levels))
+
+
+def step_at(history: xr.Dataset, frequency: float) -> float:
+    """Time step of a sweep where it passes ``frequency`` (Hz), s."""
+    time = history["time"].values
+    place = int(np.searchsorted(history["instantaneous_frequency"].values[:-2], frequency))
+    return float(time[place + 1] - time[place])
+
+
 def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     """Error of a dwell due to its time step, relative to the largest displacement, and a warning ("" if it is small).
 
@@ -98,26 +123,27 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     if misfit > USEFUL_FIT:
         return np.nan, ""
     error = history_error(scheme, dt, motion, oscillator)
-    return error, _warning("the history", error, WANTED, case, oscillator)
+    return error, _warning("the history", error, WANTED, case, oscillator, dt)
 
 
 def sweep_step_error(
-    case: SweepCase, curve: tuple[FloatArray, FloatArray], read: HalfPower, participation: float | None = None
-) -> tuple[float, str]:
+    case: SweepCase, curve: tuple[FloatArray, FloatArray], read: HalfPower, participation: float | None = None,
+    dt: float | None = None,
+) -> tuple[float, str]:  # fmt: skip
     """Relative error of |T| of a sweep due to its time step (nan without a peak), and a warning ("" if it is small).
 
     ``curve`` is frequency (n,), Hz, and |T| (n,); ``participation`` that of the resonant mode, if it is known
-    (`likely_damping`).
+    (`likely_damping`); ``dt`` the time step at the resonance, s, if it is not that of the case.
     """
     if not read.resonant:
         return np.nan, ""
-    scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
+    scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), dt or time_step(case)
     oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
     frequency, height = curve
     if case.excitation.rate_oct_per_min <= sweep_rate_limit(read.f_n, oscillator.zeta):
         height = without_ripple(height)
     error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
-    return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator)
+    return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator, dt)
 
 
 def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
@@ -147,11 +173,13 @@ def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
     return ""
 
 
-def _warning(what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator) -> str:
+def _warning(
+    what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator, dt: float
+) -> str:
     if error <= wanted:
         return ""
     scheme, steps = Scheme.named(case.integrator.scheme, case.integrator.alpha), steps_per_cycle(case)
-    turn = 2.0 * np.pi * oscillator.frequency_hz * time_step(case)
+    turn = 2.0 * np.pi * oscillator.frequency_hz * dt
     damping, longer = numerical_damping(scheme, turn)
     return (
         f"the time step changes {what} by about {100 * error:.2g} %: at {steps} steps per cycle the scheme lengthens "

@@ -32,6 +32,7 @@ from wroll_fem.dynamics.time_stepping.records import (
 )
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.time_stepping.time_grid import TimeGrid
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
@@ -111,6 +112,7 @@ def simulate(
     motion: Motion,
     *,
     dt: float,
+    grid: TimeGrid | None = None,
     scheme: Scheme,
     method: str = "condensed",
     options: NewtonOptions | None = None,
@@ -127,7 +129,9 @@ def simulate(
     motion
         Base motion (signals.base_motion).
     dt
-        Time step, s.
+        Time step, s; the shortest one of ``grid``.
+    grid
+        Ends of the steps; by default all steps are equal.
     every
         Number of steps between two stored fields of the relative displacement of all points; 0 stores none.
     stepper
@@ -151,8 +155,8 @@ def simulate(
     progress = progress or SilentProgress()
     if stepper is None:
         stepper = make_stepper(system, preload, method=method, scheme=scheme, options=options, dt=dt)
-    steps = int(np.ceil(motion.duration / dt - 1e-9))
-    times = dt * np.arange(steps + 1)
+    grid = TimeGrid.constant(motion.duration, dt) if grid is None else grid
+    steps, times = grid.count, grid.times
     base = np.asarray(motion.acceleration(times))
     run = _Run(stepper, np.zeros((steps, stepper.record_size)), [], [])
     fingerprint = np.array([dt, steps, every, system.n_dofs, system.n_points, float(np.abs(base).sum())])
@@ -162,7 +166,7 @@ def simulate(
     try:
         with threadpool_limits(1, "blas"), progress.stage("time integration", steps, "steps") as stage:
             while run.done < steps:
-                run.advance(base, times, dt, every)
+                run.advance(base, grid, every)
                 stage.update(run.done, _place(motion, times[run.done : run.done + 1]))
                 if checkpoint is not None and clock.monotonic() - saved > checkpoint.seconds:
                     run.save(checkpoint.path, fingerprint)
@@ -177,7 +181,7 @@ def simulate(
     found = run.dataset(system, preload, times, base, motion)
     if recover is None:
         return found
-    return xr.merge([found, recover(run.at_largest(base, dt))], combine_attrs="override")
+    return xr.merge([found, recover(run.at_largest(base, grid))], combine_attrs="override")
 
 
 def _place(motion: Motion, time: FloatArray) -> str:
@@ -221,14 +225,14 @@ class _Run:
         """State of the stepper after the completed steps."""
         return self._committed[1]
 
-    def advance(self, base: FloatArray, times: FloatArray, dt: float, every: int) -> None:
+    def advance(self, base: FloatArray, grid: TimeGrid, every: int) -> None:
         """Compute one chunk of steps; after an interrupt at any moment, `done` and `state` belong to the same step."""
-        done = self.done
-        count = min(CHUNK, len(self.records) - done)
+        done, times = self.done, grid.times
+        count = min(CHUNK, grid.left(done))
         if every:
             count = min(count, every - done % every)
         started = clock.process_time()
-        part = self.stepper.advance(base[done : done + count + 1], dt, times[done])
+        part = self.stepper.advance(base[done : done + count + 1], grid.steps[done], times[done])
         self.seconds += clock.process_time() - started
         self.records[done : done + count] = part
         tip = float(np.abs(part[:, TIP_DISPLACEMENT]).max())
@@ -245,13 +249,13 @@ class _Run:
             self.kept_times.append(float(times[done]))
         self._committed = (done, self.stepper.snapshot())
 
-    def at_largest(self, base: FloatArray, dt: float) -> FloatArray:
+    def at_largest(self, base: FloatArray, grid: TimeGrid) -> FloatArray:
         """(n_dofs,) displacement at the largest tip displacement; the steps of its chunk are computed again."""
         before, state = self._largest
         last = int(np.abs(self.records[: self.done, TIP_DISPLACEMENT]).argmax())
         stepper = self.stepper
         stepper.restore(state)
-        stepper.advance(base[before : last + 2], dt, before * dt)
+        stepper.advance(base[before : last + 2], grid.steps[before], grid.times[before])
         found = stepper.displacement()
         stepper.restore(self.state)
         return found
