@@ -18,7 +18,7 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     steps_for,
     without_ripple,
 )
-from wroll_fem.dynamics.time_stepping.time_grid import LEAST_STEPS, TimeGrid
+from wroll_fem.numerics.time_grid import LEAST_STEPS, TimeGrid
 from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
 from wroll_fem.signals.motions import base_motion
@@ -173,9 +173,7 @@ def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
     return ""
 
 
-def _warning(
-    what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator, dt: float
-) -> str:
+def _warning(what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator, dt: float) -> str:
     if error <= wanted:
         return ""
     scheme, steps = Scheme.named(case.integrator.scheme, case.integrator.alpha), steps_per_cycle(case)

@@ -32,8 +32,8 @@ from wroll_fem.dynamics.time_stepping.records import (
 )
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.time_stepping.time_grid import TimeGrid
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.time_grid import TimeGrid
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate

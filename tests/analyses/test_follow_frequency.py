@@ -11,8 +11,8 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.forecasts.computing_time import estimate_history
 from wroll_fem.analyses.shared.time_step import step_at, time_step
 from wroll_fem.case import Case, load_case
-from wroll_fem.dynamics.time_stepping.time_grid import LEAST_STEPS, TimeGrid
 from wroll_fem.errors import InputError
+from wroll_fem.numerics.time_grid import LEAST_STEPS, TimeGrid
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
 from wroll_fem.signals.base_motion import Chirp
