@@ -8,9 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
+from support.rubbing_roll import SECTIONS, roll
 
-from wroll_fem.analyses import harmonic, run_analysis, summarise
 from wroll_fem.analyses import history as history_module
+from wroll_fem.analyses import run_analysis, summarise
 from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.preflight import contact_warnings
@@ -18,10 +19,7 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
-from wroll_fem.dynamics.periodic import causes
-from wroll_fem.dynamics.reduction import snapshots
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
-from wroll_fem.dynamics.reduction.snapshots import WholeSlip
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
 from wroll_fem.dynamics.system.system import System
@@ -30,35 +28,12 @@ from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
-from wroll_fem.dynamics.training import training
-from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import coil_heights, mesh_coil
 from wroll_fem.fem.rubbing_coil import clamped_nodes
 from wroll_fem.mesh.generate import build_mesh, roll_stations
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
-
-SECTIONS = {
-    "geometry": {"length": 0.3, "mandrel_outer_diameter": 0.08, "mandrel_thickness": 1.5e-3},
-    "mandrel": {"material": {"E": 2.7e9, "nu": 0.35, "rho": 1200.0}, "tip_mass": 0.05, "tip": "rigid"},
-    "coil": {
-        "model": "solid", "interface": "friction", "total_thickness": 10e-3,
-        "material": {"E": 0.5e9, "nu": 0.3, "rho": 500.0},
-    },
-    "contact": {"friction": {"law": "penalty_coulomb", "mu": 0.25, "elastic_slip": 1e-6}},
-    "preload": {"kind": "external_pressure", "pressure": 1e5},
-    "excitation": {"kind": "chirp", "amplitude": 5.0, "f_start": 100, "f_end": 250, "rate_oct_per_min": 2},
-    "mesh": {"circumferential": 12, "axial": 6, "radial": 2, "grading": 4},
-    "output": {"figures": False},
-}  # fmt: skip
-
-
-def roll(analysis: str = "harmonic", **changed: dict[str, object]) -> Case:
-    """Case of a mandrel with a thick coil; ``changed`` holds the keys of sections that differ, and further sections."""
-    sections = {name: {**SECTIONS.get(name, {}), **changed.get(name, {})} for name in {**SECTIONS, **changed}}
-    if analysis in ("modal", "preload"):
-        sections.pop("excitation")
-    return build_case({"analysis": analysis, **sections})
 
 
 @cache
@@ -350,58 +325,3 @@ def test_a_reduced_run_and_the_one_that_replaces_it_have_the_same_modes(monkeypa
     monkeypatch.setattr(history_module, "saved_method", lambda saving: "condensed")
     again = run_analysis(case, progress=SilentProgress())
     np.testing.assert_array_equal(again["tip_displacement"].values, found["tip_displacement"].values)
-
-
-@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
-def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A basis that may not grow ends the training; a chirp for shapes would start it anew, and might find nothing."""
-    monkeypatch.setattr(training, "LARGEST_BASIS", 45)
-    monkeypatch.setattr(harmonic, "snapshots_of_chirp", lambda *words, **options: pytest.fail("a new training"))
-    found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}), progress=SilentProgress())
-    assert 1e-9 < found.attrs["reduction_error_estimate"] < training.DOUBTFUL
-
-
-@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
-def test_shapes_of_a_chirp_in_time_lead_to_the_same_curve(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A third of the interface opens; the usual training gets through, and so does the one for wide opening."""
-    coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
-    case = roll(preload={"pressure": 5e3}, excitation={"f_start": 80, "f_end": 180}, mesh=coarse)
-    usual = run_analysis(case, progress=SilentProgress())
-    seen: list[str] = []
-
-    class Told(SilentProgress):
-        def info(self, text: str) -> None:
-            seen.append(text)
-
-    monkeypatch.setattr(causes, "LOST", 0.1)
-    found = run_analysis(case, progress=Told())
-    assert "interfaces open widely: a chirp in time gives shapes for the basis" in seen
-    assert summarise(found, case)["open_area_fraction"][0] > 0.2
-    assert found.attrs["reduction_error_estimate"] < 5e-3
-    for name, error in (("f_n_hz", 2e-3), ("peak_transmissibility", 0.01)):
-        assert found.attrs[name] == pytest.approx(usual.attrs[name], rel=error)
-
-    def fails(*words: object, **options: object) -> None:
-        raise ConvergenceError(
-            "a step does not converge", time_s=0.1, iterations=20, residual_history=(1.0,), advice="none"
-        )
-
-    monkeypatch.setattr(harmonic, "snapshots_of_chirp", fails)
-    without = run_analysis(case, progress=Told())
-    assert "the chirp does not converge; the basis goes without its shapes" in seen
-    assert without.attrs["f_n_hz"] == usual.attrs["f_n_hz"]
-    assert without.attrs["reduction_error_estimate"] < 1e-3
-
-
-def test_a_coil_that_slides_as_a_whole_is_told_before_its_resonance(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No point holds the coil, so that no basis has a periodic motion: the training fails too, but later."""
-    coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
-    case = roll(preload={"pressure": 1e4}, contact={"friction": {"mu": 0.05, "elastic_slip": 1e-6}},
-                excitation={"f_start": 80, "f_end": 180, "amplitude": 20.0}, mesh=coarse)  # fmt: skip
-    with pytest.raises(WholeSlip, match=r"slides as a whole .* mean displacement is undetermined") as told:
-        run_analysis(case, progress=SilentProgress())
-    stopped = float(str(told.value).split(" Hz")[0].split()[-1])
-    assert 80 < stopped < 110  # the main mode with stuck interfaces has 115 Hz
-    monkeypatch.setattr(snapshots, "FREE_CYCLES", 10**6)
-    with pytest.raises(ConvergenceError):
-        run_analysis(case, progress=SilentProgress())
