@@ -12,7 +12,7 @@ from reproduction.lab_studies import beside, sweeps
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, listed, monotone, rank_correlation
 from wroll_fem.plotting.study import StudyCase, friction_work, natural_frequency, read
-from wroll_fem.signals.base_motion import chirp_law
+from wroll_fem.signals.sweeps import sweep_of
 
 Members = Sequence[StudyCase]
 
@@ -84,10 +84,10 @@ def c68(evidence: Evidence) -> Verdict:
     members = sweeps(evidence, "free")
     parts, holds = [], True
     for m in (members[0], members[-1]):
-        law = chirp_law(m.data)
-        assert law is not None  # sweeps are chirps
+        sweep = sweep_of(m.data)
+        assert sweep is not None
         time, work = m.data["time"].values, m.data["friction_energy"].values
-        frequency = law[0] * np.exp(law[1] * time)
+        frequency = sweep.frequency(time)
         f_n = read(m).f_n
         near = np.abs(frequency / f_n - 1) <= 0.1
         share = (work[near][-1] - work[near][0]) / work[-1]

@@ -11,9 +11,10 @@ from scipy.optimize import brentq, minimize_scalar
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.step_error import Oscillator
 from wroll_fem.errors import InputError
-from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, half_power, least_damping, likely_damping, sweep_warning
 from wroll_fem.signals.estimators.curve_damping import estimate_damping
+from wroll_fem.signals.sweeps import Chirp
 from wroll_fem.signals.transmissibility import demodulated, magnitude
 
 

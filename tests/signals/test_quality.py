@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from support.oscillator import steady, swept_oscillator
 
-from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.estimators.curve_damping import estimate_damping
 from wroll_fem.signals.quality import Circumstances, height_damping, judge
+from wroll_fem.signals.sweeps import Chirp
 from wroll_fem.signals.transmissibility import demodulated, magnitude, spectrum_ratio
 
 F_N = 150.0

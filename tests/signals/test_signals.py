@@ -9,9 +9,10 @@ from scipy.integrate import quad
 from support.oscillator import steady, swept_oscillator
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.base_motion import Chirp, Dwell, sweep_rate_limit
+from wroll_fem.signals.base_motion import Dwell, sweep_rate_limit
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.motions import base_motion
+from wroll_fem.signals.sweeps import Chirp
 from wroll_fem.signals.transmissibility import (
     demodulated,
     dwell_response,

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.base_motion import Chirp
 from wroll_fem.signals.damping import half_power
+from wroll_fem.signals.sweeps import Chirp
 from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
 MOTION = Chirp(5.0, 125.0, 175.0, 6.0, ramp_cycles=10.0)

@@ -45,8 +45,12 @@ K = TypeVar("K")
 _NOT_PHYSICS = ("checkpoint_seconds", "allow_coarse")
 """Solver keys that do not affect the results; they do not enter the hash of a case."""
 
-_OFF_BY_DEFAULT = (("preload", "geometric_stiffness"), ("integrator", "follow_frequency"))
-"""(Section, key) of switches that are off by default; they enter the hash of a case only if they are on."""
+_OFF_BY_DEFAULT = (
+    ("preload", "geometric_stiffness"), ("integrator", "follow_frequency"), ("excitation", "rate_hz_per_s"),
+    ("excitation", "profile"),
+)  # fmt: skip
+"""(Section, key) of switches and options that are off (false or null) by default; they enter the hash of a case only if
+they are given."""
 
 _OWNERS = {
     "two_dof": ("two masses", "two_dof"), "design_map": ("map", "design_map"),
@@ -248,7 +252,7 @@ class Case(Section):
         if integrator.get("steps_per_cycle") == "auto" and self.analysis != "dwell":
             integrator["steps_per_cycle"] = DEFAULT_STEPS  # value of auto there, and the default before auto existed
         for section, key in _OFF_BY_DEFAULT:
-            if data.get(section, {}).get(key) is False:
+            if data.get(section, {}).get(key, True) in (False, None):
                 del data[section][key]
         for key in _NOT_PHYSICS:
             data.get("solver", {}).pop(key, None)

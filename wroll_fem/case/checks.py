@@ -8,7 +8,7 @@ from wroll_fem.case.base import validation_error
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
-from wroll_fem.case.excitation import ANALYSIS_OF_MOTION, Excitation, HistoryExcitation
+from wroll_fem.case.excitation import ANALYSIS_OF_MOTION, ChirpExcitation, Excitation, HistoryExcitation
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
@@ -193,6 +193,26 @@ def check_pressures(preload: Preload | None, layers: int) -> None:
         raise validation_error(
             f"{len(pressure)} pressures for {layers} layer{'s' if layers > 1 else ''}", key="preload.pressure",
             value=pressure, remedy=f"give {layers} (inner first), or one number for the outermost layer",
+        )  # fmt: skip
+
+
+def check_band(excitation: ChirpExcitation) -> None:
+    """Refuse the band of a response curve whose last frequency is below the first one, or with several amplitudes.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    if excitation.f_end < excitation.f_start:
+        raise validation_error(
+            f"must be above excitation.f_start = {excitation.f_start:g} Hz", key="excitation.f_end",
+            value=excitation.f_end, remedy="give f_end > f_start, in Hz",
+        )  # fmt: skip
+    if excitation.profile is not None:
+        raise validation_error(
+            "a response curve has one amplitude", key="excitation.profile", show_value=False,
+            remedy="leave it out, or use analysis: sweep",
         )  # fmt: skip
 
 

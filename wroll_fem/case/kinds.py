@@ -14,6 +14,7 @@ from wroll_fem.case.analyses import MODULES
 from wroll_fem.case.base import Real
 from wroll_fem.case.case import Case, Check, case_kind, case_kinds
 from wroll_fem.case.checks import (
+    check_band,
     check_damping_method,
     check_design_map,
     check_layers,
@@ -121,6 +122,10 @@ class HarmonicCase(StructuralCase):
     analysis: Literal["harmonic"] = Field(description=ANALYSIS)
     excitation: Annotated[ChirpExcitation, _motion("harmonic", "chirp")] = Field(description=EXCITATION)
     harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
+
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_band(self.excitation)
 
 
 @case_kind

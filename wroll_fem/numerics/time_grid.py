@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,24 +39,23 @@ class TimeGrid:
         return cls(dt * np.arange(count + 1), np.full(count, dt), np.array([count]))
 
     @classmethod
-    def of_levels(cls, duration: float, dt: float, changes: FloatArray) -> TimeGrid:
-        """Steps of 2^m dt, 2^(m-1) dt, ..., dt, which are halved at the m ascending times ``changes`` (s).
+    def of_levels(cls, duration: float, dt: float, levels: Sequence[int], changes: FloatArray) -> TimeGrid:
+        """Steps of 2^level dt, with the level of the m + 1 ``levels`` that changes at the m ascending ``changes`` (s).
 
-        All times are multiples of ``dt``, and a length ends at the first of its steps that reaches its time.
+        All times are multiples of ``dt``. A step is never longer than its level at any time within it allows.
         """
         count = int(np.ceil(duration / dt - 1e-9))
-        pieces, here = [], 0
-        for level, change in zip(range(len(changes), 0, -1), changes, strict=True):
-            length = 2**level
-            last = min(count, int(np.ceil(change / dt - 1e-9)))
-            piece = np.arange(here, max(here, last), length)
-            pieces.append(piece)
-            here = int(piece[-1]) + length if len(piece) else here
-        pieces.append(np.arange(here, max(count, here)))
-        index = np.concatenate([*pieces, [max(count, here)]])
+        index, here = [0], 0
+        bounds = [*np.clip(np.asarray(changes) / dt, 0.0, count), float(count)]
+        for level, bound, after in zip(levels, bounds, [*levels[1:], levels[-1]], strict=True):
+            length, left = 2**level, bound - here
+            last = level == after or bound >= count  # the end of the motion may lie within a step
+            whole = int(np.ceil(left / length - 1e-9) if last or after > level else np.floor(left / length + 1e-9))
+            index += [here + length * (k + 1) for k in range(max(whole, 0))]
+            here = index[-1]
         lengths = np.diff(index)
         ends = np.flatnonzero(np.diff(lengths)) + 1
-        return cls(dt * index, dt * lengths, np.append(ends, len(lengths)))
+        return cls(dt * np.array(index), dt * lengths, np.append(ends, len(lengths)))
 
     @property
     def count(self) -> int:

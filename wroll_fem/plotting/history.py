@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -13,7 +11,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
 from wroll_fem.results.energy import energy_ledger
-from wroll_fem.signals.base_motion import chirp_law
+from wroll_fem.signals.sweeps import sweep_of
 from wroll_fem.signals.tip import absolute_tip
 
 _STORED = ("kinetic_energy", "strain_energy", "contact_energy")
@@ -21,22 +19,19 @@ _LEDGER = ("time", "input_work", "friction_energy", "numerical_dissipation", *_S
 
 
 def _frequency_axis(ax: Axes, dataset: xr.Dataset) -> None:
-    """Add a frequency axis on top if the base motion is a chirp; do nothing for other motions."""
-    law = chirp_law(dataset)
-    if law is None:
+    """Add a frequency axis on top if the base motion is a sweep; do nothing for other motions."""
+    sweep = sweep_of(dataset)
+    if sweep is None:
         return
-    start, growth = law
-
-    def frequency(time: npt.ArrayLike) -> npt.ArrayLike:
-        return start * np.exp(growth * np.asarray(time, dtype=np.float64))
 
     def time(frequency: npt.ArrayLike) -> npt.ArrayLike:
-        return np.log(np.maximum(np.asarray(frequency, dtype=np.float64), 1e-9) / start) / growth
+        return sweep.time_of_frequency(np.maximum(np.asarray(frequency, dtype=np.float64), 1e-9))
 
-    top = ax.secondary_xaxis("top", functions=(frequency, time))
-    last = start * exp(growth * float(dataset["time"].values[-1]))
-    ticks = MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(start, last)
-    top.xaxis.set_major_locator(FixedLocator([t for t in ticks if start * (1 - 1e-9) <= t <= last * (1 + 1e-9)]))
+    top = ax.secondary_xaxis("top", functions=(sweep.frequency, time))
+    last = float(sweep.frequency(dataset["time"].values[-1]))
+    low, high = sorted((sweep.f_start, last))
+    ticks = MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    top.xaxis.set_major_locator(FixedLocator([t for t in ticks if low * (1 - 1e-9) <= t <= high * (1 + 1e-9)]))
     top.set_xlabel("Frequency of the base (Hz)")
 
 
@@ -89,13 +84,14 @@ def plot_response(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("Absolute tip acceleration (m/s²)", color=style.BLUE)
     other.set_ylabel("Cumulative friction work (mJ)", color=style.RED)
     peak = int(np.abs(tip).argmax())
-    law = chirp_law(dataset)
-    where = f"t = {time[peak]:.3g} s" if law is None else f"{law[0] * exp(law[1] * time[peak]):.1f} Hz"
+    sweep = sweep_of(dataset)
+    where = f"t = {time[peak]:.3g} s" if sweep is None else f"{float(sweep.frequency(time[peak])):.1f} Hz"
     most, taken = f"{style.three_digits(abs(tip[peak]))} m/s²", style.engineering(work[-1], "J")
     text = f"Largest tip acceleration {most} at {where}; friction work {taken}"
-    if law is not None and work[-1] > 0.0:
-        quarter, three = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
-        text += f", half of it between {law[0] * exp(law[1] * quarter):.1f} and {law[0] * exp(law[1] * three):.1f} Hz"
+    if sweep is not None and work[-1] > 0.0:
+        places = time[np.searchsorted(work, np.array([0.25, 0.75]) * work[-1])]
+        first, last = sorted(sweep.frequency(places))
+        text += f", half of it between {first:.1f} and {last:.1f} Hz"
     style.title(ax, text)
     return ax
 

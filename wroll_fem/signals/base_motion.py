@@ -1,6 +1,6 @@
-r"""Base motions: prescribed accelerations of the base. Sine motions are here: chirp and dwell.
+r"""Base motions: prescribed accelerations of the base. Dwells are here, sweeps in `signals.sweeps`.
 
-Both have the form
+Both are sine motions of the form
 
 .. math:: a_g(t) = A\, w(t) \sin\varphi(t), \qquad \varphi(t) = 2\pi \int_0^t f\, dt,
 
@@ -17,17 +17,14 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, log, log2, pi
-from typing import TYPE_CHECKING, Protocol
+from math import isfinite, pi
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 TWO_PI = 2.0 * pi
 
@@ -67,12 +64,14 @@ class SineMotion(BaseMotion, Protocol):
         ...
 
 
-def _require_positive(name: str, value: float, remedy: str) -> None:
+def require_positive(name: str, value: float, remedy: str) -> None:
+    """Refuse a value of section `excitation` that is not a positive number."""
     if not (isfinite(value) and value > 0.0):
         raise InputError(f"{name} = {value:g} is not a positive number", key=f"excitation.{name}", remedy=remedy)
 
 
-def _require_ramp(ramp_cycles: float, start_frequency: float, duration: float) -> None:
+def require_ramp(ramp_cycles: float, start_frequency: float, duration: float) -> None:
+    """Refuse a start ramp that is negative or longer than the motion; frequency in Hz, duration in s."""
     if not (isfinite(ramp_cycles) and ramp_cycles >= 0.0):
         raise InputError(
             f"ramp_cycles = {ramp_cycles:g} is negative or not finite",
@@ -87,115 +86,26 @@ def _require_ramp(ramp_cycles: float, start_frequency: float, duration: float) -
         )
 
 
-def _ramp(time: FloatArray, ramp_time: float) -> FloatArray:
+def ramp(time: FloatArray, ramp_time: float) -> FloatArray:
     """Cosine start ramp, (n,) values in [0, 1]; zero for t < 0."""
     if ramp_time == 0.0:
         return np.where(time < 0.0, 0.0, 1.0)
     return 0.5 - 0.5 * np.cos(pi * np.clip(time / ramp_time, 0.0, 1.0))
 
 
-def _samples(motion: BaseMotion, dt: float) -> tuple[FloatArray, FloatArray]:
+def samples_of(motion: BaseMotion, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Times 0, dt, ... (s) up to or just beyond the duration, and base accelerations (m/s^2) at these times, (n,).
+
+    Raises
+    ------
+    InputError
+        If `dt` is not positive.
+    """
     if not (isfinite(dt) and dt > 0.0):
         raise InputError(f"time step dt = {dt:g} s is not a positive number", remedy="use for example 1 / (40 f_end)")
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     time = dt * np.arange(steps + 1, dtype=np.float64)
     return time, motion.acceleration(time)
-
-
-@dataclass(frozen=True)
-class Chirp:
-    """Upward sine sweep with a constant rate in octaves per minute.
-
-    f(t) = f_start 2^(R t / 60) and phi(t) = 2 pi (f(t) - f_start) 60 / (R ln 2), so the frequency is a linear function
-    of the phase: f = f_start + (R ln 2 / 60) phi / (2 pi).
-
-    Attributes
-    ----------
-    amplitude
-        Base acceleration, 0-peak, m/s^2.
-    f_start, f_end
-        Start and end frequency, Hz; f_end > f_start.
-    rate_oct_per_min
-        Sweep rate R, octaves per minute.
-    ramp_cycles
-        Duration of the start ramp in cycles of f_start.
-
-    Raises
-    ------
-    InputError
-        If a value is out of range.
-
-    Notes
-    -----
-    Downward sweeps are not supported: the response of a softening roll differs, and all sweeps of the thesis are
-    upward.
-    """
-
-    amplitude: float
-    f_start: float
-    f_end: float
-    rate_oct_per_min: float
-    ramp_cycles: float = 0.0
-
-    def __post_init__(self) -> None:
-        _require_positive("amplitude", self.amplitude, "give the 0-peak base acceleration in m/s^2")
-        _require_positive("f_start", self.f_start, "give a frequency in Hz above zero")
-        _require_positive("rate_oct_per_min", self.rate_oct_per_min, "give octaves per minute above zero")
-        if not (isfinite(self.f_end) and self.f_end > self.f_start):
-            raise InputError(
-                f"f_end = {self.f_end:g} Hz is not above f_start = {self.f_start:g} Hz",
-                key="excitation.f_end",
-                remedy="sweep upward: f_end > f_start",
-            )
-        _require_ramp(self.ramp_cycles, self.f_start, self.duration)
-
-    @property
-    def growth(self) -> float:
-        """Relative growth rate of the frequency, (df/dt) / f, 1/s; equal to the frequency increase per cycle, Hz."""
-        return self.rate_oct_per_min * log(2.0) / 60.0
-
-    @property
-    def duration(self) -> float:
-        """Time from f_start to f_end, s."""
-        return 60.0 * log2(self.f_end / self.f_start) / self.rate_oct_per_min
-
-    @property
-    def cycles(self) -> float:
-        """Number of cycles from f_start to f_end."""
-        return (self.f_end - self.f_start) / self.growth
-
-    def frequency(self, time: npt.ArrayLike) -> FloatArray:
-        """Instantaneous frequency at `time` (s), Hz."""
-        return np.asarray(self.f_start * np.exp(self.growth * np.asarray(time, dtype=np.float64)))
-
-    def phase(self, time: npt.ArrayLike) -> FloatArray:
-        """Phase at `time` (s), rad: the exact integral of 2 pi f, zero at t = 0."""
-        t = np.asarray(time, dtype=np.float64)
-        return np.asarray(TWO_PI * self.f_start / self.growth * np.expm1(self.growth * t))
-
-    def time_of_phase(self, phase: npt.ArrayLike) -> FloatArray:
-        """Time at which a phase (rad) is reached, s."""
-        p = np.asarray(phase, dtype=np.float64)
-        return np.asarray(np.log1p(p * self.growth / (TWO_PI * self.f_start)) / self.growth)
-
-    def time_of_frequency(self, frequency: npt.ArrayLike) -> FloatArray:
-        """Time at which the sweep passes a frequency (Hz), s."""
-        return np.asarray(np.log(np.asarray(frequency, dtype=np.float64) / self.f_start) / self.growth)
-
-    def acceleration(self, time: npt.ArrayLike) -> FloatArray:
-        """Base acceleration at `time` (s), m/s^2."""
-        t = np.asarray(time, dtype=np.float64)
-        return self.amplitude * _ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t))
-
-    def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Times 0, dt, ... (s) up to or just beyond `duration`, and base accelerations (m/s^2) at these times, (n,).
-
-        Raises
-        ------
-        InputError
-            If `dt` is not positive.
-        """
-        return _samples(self, dt)
 
 
 @dataclass(frozen=True, init=False)
@@ -228,10 +138,10 @@ class Dwell:
         values = {"amplitude": amplitude, "frequency_hz": frequency, "cycles": cycles, "ramp_cycles": ramp_cycles}
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        _require_positive("amplitude", self.amplitude, "give the 0-peak base acceleration in m/s^2")
-        _require_positive("frequency", self.frequency_hz, "give a frequency in Hz above zero")
-        _require_positive("cycles", self.cycles, "give the number of cycles")
-        _require_ramp(self.ramp_cycles, self.frequency_hz, self.duration)
+        require_positive("amplitude", self.amplitude, "give the 0-peak base acceleration in m/s^2")
+        require_positive("frequency", self.frequency_hz, "give a frequency in Hz above zero")
+        require_positive("cycles", self.cycles, "give the number of cycles")
+        require_ramp(self.ramp_cycles, self.frequency_hz, self.duration)
 
     @property
     def duration(self) -> float:
@@ -249,7 +159,7 @@ class Dwell:
     def acceleration(self, time: npt.ArrayLike) -> FloatArray:
         """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64)
-        return self.amplitude * _ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
+        return self.amplitude * ramp(t, self.ramp_cycles / self.frequency_hz) * np.sin(self.phase(t))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Times 0, dt, ... (s) up to or just beyond `duration`, and base accelerations (m/s^2) at these times, (n,).
@@ -259,7 +169,7 @@ class Dwell:
         InputError
             If `dt` is not positive.
         """
-        return _samples(self, dt)
+        return samples_of(self, dt)
 
 
 def sweep_rate_limit(f_n: float, zeta: float) -> float:
@@ -278,20 +188,3 @@ def sweep_rate_limit(f_n: float, zeta: float) -> float:
     peak; see the table in `wroll_fem.signals.transmissibility`.
     """
     return 78.0 * f_n * (2.0 * zeta) ** 2
-
-
-def chirp_law(dataset: xr.Dataset) -> tuple[float, float] | None:
-    """Start frequency (Hz) and growth rate g (1/s) of a chirp, f(t) = f_start exp(g t); None for other motions.
-
-    The values are read from the attributes `f_start_hz` and `rate_oct_per_min` of results. Without the rate, `f_end_hz`
-    is taken to be reached at the last time.
-    """
-    attrs = dataset.attrs
-    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:
-        return None
-    start = float(attrs["f_start_hz"])
-    if "rate_oct_per_min" in attrs:
-        return start, float(attrs["rate_oct_per_min"]) * log(2.0) / 60.0
-    if "f_end_hz" in attrs:
-        return start, log(float(attrs["f_end_hz"]) / start) / float(dataset["time"].values[-1])
-    return None

@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
 from wroll_fem.results.resonance import RISES_AGAIN
-from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
+from wroll_fem.signals.sweeps import LinearSweep, Sweep
 from wroll_fem.typing import FloatArray
 
 LEAST_PROMINENCE = 0.01
@@ -228,7 +229,7 @@ enough. Friction makes one flank steep, and the sweep lags there first: f_n of r
 (benchmarks/random_rolls.py) differs from that of harmonic balance by 0.3 % below this rate, and by 1.5 % above it."""
 
 
-def sweep_warning(motion: Chirp, read: HalfPower, participation: float | None = None) -> str | None:
+def sweep_warning(motion: Sweep, read: HalfPower, participation: float | None = None) -> str | None:
     """Warning if a sweep is too fast for the resonance that it passes.
 
     Parameters
@@ -256,20 +257,24 @@ def sweep_warning(motion: Chirp, read: HalfPower, participation: float | None = 
         return None
     zeta, origin = likely_damping(read, participation)
     limit = sweep_rate_limit(read.f_n, zeta)
-    share, slow = motion.rate_oct_per_min / limit, SLOW_ENOUGH * limit
+    rate = motion.rate_at(read.f_n)
+    share, slow = rate / limit, SLOW_ENOUGH * limit
     if read.complete:
         flank = min(read.f_n - read.f_low, read.f_high - read.f_n) / read.f_n
         flank_limit = sweep_rate_limit(read.f_n, flank)
         slow = min(slow, FLANK_SLOW_ENOUGH * flank_limit)
         if share <= SLOW_ENOUGH:
-            zeta, share = flank, motion.rate_oct_per_min / flank_limit
+            zeta, share = flank, rate / flank_limit
             origin = " (from the steeper flank of a skewed peak)"
-    if motion.rate_oct_per_min <= slow:
+    if rate <= slow:
         return None
+    remedy = f"set excitation.rate_oct_per_min to {slow:.2g} or less"
+    if isinstance(motion, LinearSweep):
+        remedy = f"set excitation.rate_hz_per_s to {motion.rate_hz_per_s * slow / rate:.2g} or less"
     return (
-        f"sweep of {motion.rate_oct_per_min:.3g} oct/min runs at {100 * share:.0f} % of the ISO 7626-2 limit for "
+        f"sweep of {rate:.3g} oct/min runs at {100 * share:.0f} % of the ISO 7626-2 limit for "
         f"{read.f_n:.1f} Hz and zeta = {100 * zeta:.2f} %{origin}: the peak lags, and zeta and skewness are biased; "
-        f"set excitation.rate_oct_per_min to {slow:.2g} or less"
+        f"{remedy}"
     )
 
 

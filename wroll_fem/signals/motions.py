@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.base_motion import BaseMotion, Chirp, Dwell
+from wroll_fem.signals.base_motion import BaseMotion, Dwell
+from wroll_fem.signals.sweeps import Chirp, LinearSweep, Profile, Sweep
 
 
 def _ramp(excitation: Any) -> dict[str, float]:
@@ -14,8 +15,14 @@ def _ramp(excitation: Any) -> dict[str, float]:
     return {} if ramp is None else {"ramp_cycles": float(ramp)}
 
 
-def _chirp(e: Any) -> Chirp:
-    return Chirp(float(e.amplitude), float(e.f_start), float(e.f_end), float(e.rate_oct_per_min), **_ramp(e))
+def _chirp(e: Any) -> Sweep:
+    rows = getattr(e, "profile", None)
+    profile = Profile() if rows is None else Profile(tuple(rows.frequency), tuple(rows.factor))
+    ends = float(e.amplitude), float(e.f_start), float(e.f_end)
+    linear = getattr(e, "rate_hz_per_s", None)
+    if linear is not None:
+        return LinearSweep(*ends, float(linear), **_ramp(e), profile=profile)
+    return Chirp(*ends, float(e.rate_oct_per_min), **_ramp(e), profile=profile)
 
 
 def _dwell(e: Any) -> Dwell:

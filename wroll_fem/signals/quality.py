@@ -14,10 +14,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy.signal import find_peaks
 
-from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.damping import HEIGHT_FACTOR, SLOW_ENOUGH, HalfPower, half_power, likely_damping, sweep_warning
 from wroll_fem.signals.estimators.curve_damping import CurveDamping
 from wroll_fem.signals.estimators.half_power import METHOD as HALF_POWER
+from wroll_fem.signals.sweeps import Sweep
 from wroll_fem.typing import FloatArray
 
 Grade = Literal["ok", "doubtful", "invalid"]
@@ -104,7 +105,7 @@ class Circumstances:
         |T| of the rigid structure: 1, or 0 if a force excites it.
     """
 
-    motion: Chirp | None = None
+    motion: Sweep | None = None
     participation: float | None = None
     several: tuple[float, float] | None = None
     spectrum: FloatArray | None = None
@@ -175,7 +176,8 @@ class _Curve:
     def sweep_share(self) -> float:
         """Sweep rate relative to the ISO 7626-2 limit for the smaller damping ratio; 0 for steady motions."""
         motion = self.known.motion
-        return 0.0 if motion is None else motion.rate_oct_per_min / sweep_rate_limit(self.shape.f_n, self.least_zeta)
+        f_n = self.shape.f_n
+        return 0.0 if motion is None else motion.rate_at(f_n) / sweep_rate_limit(f_n, self.least_zeta)
 
     @property
     def hasty(self) -> bool:
@@ -253,9 +255,10 @@ def _start(curve: _Curve) -> _Doubts:
     motion, shape = curve.known.motion, curve.shape
     if motion is None or not shape.complete:
         return
-    seconds = 60.0 * np.log2(max(shape.f_low / motion.f_start, 1.0)) / motion.rate_oct_per_min
+    first, flank = (-1, shape.f_high) if motion.downward else (0, shape.f_low)
+    seconds = max(float(motion.time_of_frequency(flank)), 0.0)
     decay = np.exp(-2.0 * np.pi * curve.least_zeta * shape.f_n * seconds)
-    rest = float(curve.magnitude[0] / shape.peak * decay)
+    rest = float(curve.magnitude[first] / shape.peak * decay)
     if rest > START:
         yield _Doubt(
             "doubtful",

@@ -9,9 +9,9 @@ There are two estimates for a swept response:
 `demodulated` (used for f_n and damping)
     The tip acceleration is resampled on a uniform grid of the *phase* phi of the base, multiplied by exp(-i phi) and
     smoothed by a symmetric kernel, so there is no group delay. The base acceleration is treated in the same way, and
-    the ratio is taken. For a geometric chirp the frequency is linear in phase. A kernel of fixed length in cycles
-    therefore has a bandwidth that is a fixed fraction of the instantaneous frequency, and the curve is obtained on a
-    uniform frequency grid.
+    the ratio is taken. A kernel of fixed length in cycles has a bandwidth that is a fixed fraction of the instantaneous
+    frequency. For a geometric chirp the frequency is linear in phase, and the curve is obtained on a uniform frequency
+    grid; for a linear sweep it is interpolated. A downward sweep gives a curve over rising frequency, too.
 `spectrum_ratio`
     Ratio of the Fourier transforms over the whole run. It is free of the lag of the sweep for a linear system whose
     response has decayed at the end of the record. For a nonlinear roll it mixes the response at one frequency with the
@@ -61,7 +61,8 @@ from scipy.signal import CZT, fftconvolve
 
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.base_motion import TWO_PI, Chirp, Dwell
+from wroll_fem.signals.base_motion import TWO_PI, Dwell
+from wroll_fem.signals.sweeps import Sweep
 from wroll_fem.signals.tip import absolute_tip
 from wroll_fem.typing import ComplexArray, FloatArray
 
@@ -185,7 +186,7 @@ def _kernel(window: int) -> FloatArray:
 def demodulated(
     time: npt.ArrayLike,
     absolute_tip: npt.ArrayLike,
-    motion: Chirp,
+    motion: Sweep,
     *,
     points: int = 1001,
     window_cycles: int = 3,
@@ -231,7 +232,7 @@ def demodulated(
     coarsest = float(np.diff(phase).max()) / TWO_PI
     if coarsest > 0.125 + 1e-9:
         raise InputError(
-            f"{1.0 / coarsest:.3g} samples per cycle at the end of the sweep are too few", remedy="use 8 or more"
+            f"{1.0 / coarsest:.3g} samples per cycle at the highest frequency are too few", remedy="use 8 or more"
         )
     if phase[0] < -1e-9:
         raise InputError(
@@ -254,12 +255,14 @@ def demodulated(
     ratio = tip_envelope / base_envelope
     half = kernel.size // 2
     swept = motion.frequency(resampled_time[half : half + ratio.size])
+    if motion.downward:
+        swept, ratio = swept[::-1], ratio[::-1]
     frequency = np.linspace(swept[0], swept[-1], points)
     smooth = CubicSpline(swept, ratio)(frequency)
     return _as_dataset(frequency, smooth, "transmissibility", demodulation_window_cycles=window_cycles)
 
 
-def transmissibility(history: xr.Dataset, motion: Chirp, *, points: int = 1001) -> xr.Dataset:
+def transmissibility(history: xr.Dataset, motion: Sweep, *, points: int = 1001) -> xr.Dataset:
     """Transmissibility of a simulated sweep by demodulation and by the ratio of spectra, on one frequency grid.
 
     Parameters

@@ -99,7 +99,7 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
         return []
     low = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
     high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
-    start, end = case.excitation.f_start, case.excitation.f_end
+    start, end = sorted((case.excitation.f_start, case.excitation.f_end))
     if start < 1.05 * high and end > 0.95 * low:
         return []
     lowest = "open" if case.coil.rubs else "frictionless"

@@ -19,9 +19,10 @@ from wroll_fem.dynamics.time_stepping.step_error import (
     without_ripple,
 )
 from wroll_fem.numerics.time_grid import LEAST_STEPS, TimeGrid
-from wroll_fem.signals.base_motion import Chirp, sweep_rate_limit
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
 from wroll_fem.signals.motions import base_motion
+from wroll_fem.signals.sweeps import Sweep
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,19 +96,22 @@ def time_grid(case: HistoryCase, main_mode: float | None) -> TimeGrid | None:
     if not case.integrator.follow_frequency:
         return None
     motion, dt = base_motion(case.excitation), time_step(case)
-    assert isinstance(motion, Chirp)  # checked with the case
+    assert isinstance(motion, Sweep)  # checked with the case
+    low, high = motion.band
     if main_mode is None:
-        main_mode = beam_frequency(case, bonded=True) if isinstance(case, OnRoll) else motion.f_end
-    longest = min(motion.f_end / motion.f_start, 1.0 / (LEAST_STEPS * main_mode * dt))
-    levels = np.arange(int(np.log2(max(longest, 1.0)) + 1e-9), 0, -1)
-    return TimeGrid.of_levels(motion.duration, dt, motion.time_of_frequency(motion.f_end / 2.0**levels))
+        main_mode = beam_frequency(case, bonded=True) if isinstance(case, OnRoll) else high
+    longest = min(high / low, 1.0 / (LEAST_STEPS * main_mode * dt))
+    levels = np.arange(int(np.log2(max(longest, 1.0)) + 1e-9), -1, -1)
+    changes = motion.time_of_frequency(high / 2.0 ** levels[:-1])
+    if motion.downward:
+        levels, changes = levels[::-1], changes[::-1]
+    return TimeGrid.of_levels(motion.duration, dt, [int(level) for level in levels], changes)
 
 
 def step_at(history: xr.Dataset, frequency: float) -> float:
     """Time step of a sweep where it passes ``frequency`` (Hz), s."""
-    time = history["time"].values
-    place = int(np.searchsorted(history["instantaneous_frequency"].values[:-2], frequency))
-    return float(time[place + 1] - time[place])
+    place = int(np.abs(history["instantaneous_frequency"].values[:-1] - frequency).argmin())
+    return float(np.diff(history["time"].values[place : place + 2])[0])
 
 
 def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
@@ -140,7 +144,9 @@ def sweep_step_error(
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), dt or time_step(case)
     oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
     frequency, height = curve
-    if case.excitation.rate_oct_per_min <= sweep_rate_limit(read.f_n, oscillator.zeta):
+    motion = base_motion(case.excitation)
+    assert isinstance(motion, Sweep)
+    if motion.rate_at(read.f_n) <= sweep_rate_limit(read.f_n, oscillator.zeta):
         height = without_ripple(height)
     error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator, dt)

@@ -8,41 +8,76 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from wroll_fem.case.base import Real, TaggedSection, validation_error
+from wroll_fem.case.base import Real, Section, TaggedSection, validation_error
 from wroll_fem.case.excitation.shared import STANDARD_GRAVITY, AmplitudeSection, Direction, positive
 
 
-class ChirpExcitation(AmplitudeSection):
-    """Geometric (exponential) chirp of constant acceleration amplitude."""
+class ProfileSection(Section):
+    """Factor of the amplitude of a sweep over its frequency, as in notched test specifications."""
 
-    kind: Literal["chirp"] = Field(default="chirp", description="chirp: geometric sine sweep upwards in frequency")
-    f_start: Real = Field(gt=0, description="first frequency, Hz")
-    f_end: Real = Field(gt=0, description="last frequency, Hz")
-    rate_oct_per_min: Real = Field(gt=0, description="sweep rate, octaves per minute")
-    ramp_cycles: Real = Field(default=0.0, ge=0, description="length of the smooth start, cycles")
+    frequency: list[Real] = Field(min_length=2, description="ascending frequencies, Hz")
+    factor: list[Real] = Field(
+        min_length=2, description="factors of the amplitude, dimensionless, log-log between the frequencies; the first "
+        "and the last one hold outside"
+    )  # fmt: skip
 
     @model_validator(mode="after")
-    def _upwards(self) -> Self:
-        if self.f_end <= self.f_start:
+    def _rows(self) -> Self:
+        rising = all(b > a for a, b in pairwise(self.frequency)) and min(*self.frequency, *self.factor) > 0.0
+        if len(self.frequency) != len(self.factor) or not rising:
             raise validation_error(
-                f"must be above excitation.f_start = {self.f_start:g} Hz", key="f_end", value=self.f_end,
-                remedy="give f_end > f_start, in Hz",
+                f"{len(self.frequency)} frequencies and {len(self.factor)} factors, which have to be as many, above "
+                "zero, and sorted by frequency", show_value=False,
+                remedy="write for example {frequency: [20, 90, 110, 200], factor: [1, 1, 0.5, 0.5]}",
+            )  # fmt: skip
+        return self
+
+
+class ChirpExcitation(AmplitudeSection):
+    """Sine sweep, geometric (exponential) or linear in time, upward or downward."""
+
+    kind: Literal["chirp"] = Field(default="chirp", description="chirp: sine sweep")
+    f_start: Real = Field(gt=0, description="first frequency, Hz")
+    f_end: Real = Field(gt=0, description="last frequency, Hz; below f_start for a downward sweep (analysis: sweep)")
+    rate_oct_per_min: Real | None = Field(
+        default=None, gt=0, description="sweep rate of a geometric sweep, octaves per minute"
+    )
+    rate_hz_per_s: Real | None = Field(
+        default=None, gt=0, description="sweep rate of a linear sweep, Hz/s: in place of rate_oct_per_min"
+    )
+    ramp_cycles: Real = Field(default=0.0, ge=0, description="length of the smooth start, cycles")
+    profile: ProfileSection | None = Field(default=None, description="factor of the amplitude over the frequency")
+
+    @model_validator(mode="after")
+    def _one_rate(self) -> Self:
+        if self.f_end == self.f_start:
+            raise validation_error(
+                f"is excitation.f_start = {self.f_start:g} Hz", key="f_end", value=self.f_end,
+                remedy="give two different frequencies, in Hz, or use kind: dwell",
+            )  # fmt: skip
+        if self.rate_oct_per_min is not None and self.rate_hz_per_s is not None:
+            raise validation_error(
+                f"the rate is given twice: rate_oct_per_min = {self.rate_oct_per_min:g}", key="rate_hz_per_s",
+                value=self.rate_hz_per_s, remedy="give only one of them",
+            )  # fmt: skip
+        if self.rate_oct_per_min is None and self.rate_hz_per_s is None:
+            raise validation_error(
+                "required key is missing", key="rate_oct_per_min", show_value=False,
+                remedy="add it (sweep rate, octaves per minute), or rate_hz_per_s for a linear sweep",
             )  # fmt: skip
         return self
 
     @property
     def highest_frequency_hz(self) -> float:
         """Highest frequency of the base motion, Hz."""
-        return self.f_end
+        return max(self.f_start, self.f_end)
 
     @property
     def attributes(self) -> dict[str, float]:
         """Attributes of results that describe the motion."""
-        rate = self.rate_oct_per_min
-        return {
-            "f_start_hz": self.f_start, "f_end_hz": self.f_end, "rate_oct_per_min": rate,
-            "amplitude_m_s2": self.amplitude,
-        }  # fmt: skip
+        linear, geometric = self.rate_hz_per_s, self.rate_oct_per_min
+        rate = {"rate_hz_per_s": linear} if linear is not None else {"rate_oct_per_min": geometric or 0.0}
+        return {"f_start_hz": self.f_start, "f_end_hz": self.f_end, **rate, "amplitude_m_s2": self.amplitude}
 
 
 class DwellExcitation(AmplitudeSection):

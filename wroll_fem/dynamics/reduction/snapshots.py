@@ -20,7 +20,7 @@ from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.signals.base_motion import Chirp
+from wroll_fem.signals.sweeps import Chirp
 from wroll_fem.typing import FloatArray
 
 BAND = 0.5, 1.15
