@@ -87,9 +87,8 @@ def test_a_fast_linear_sweep_gets_its_own_remedy():
     text = sweep_warning(motion, read)
     assert "set excitation.rate_hz_per_s to" in text
     slow = float(text.split("rate_hz_per_s to ")[1].split()[0])
-    assert slow == pytest.approx(
-        0.25 * 20.0 * sweep_rate_limit(read.f_n, read.zeta) / motion.rate_at(read.f_n), rel=0.02
-    )
+    quarter = 0.25 * sweep_rate_limit(read.f_n, read.zeta) / motion.rate_at(read.f_n)
+    assert slow == pytest.approx(quarter * motion.rate_hz_per_s, rel=0.02)
 
 
 def test_the_amplitude_follows_its_profile():

@@ -13,9 +13,9 @@ with g = R ln 2 / 60 for R octaves per minute, and c in Hz/s; both are negative 
 geometric sweep is a linear function of the phase, that of a linear sweep of its square root.
 
 A steady response to a varying amplitude needs a constant amplitude within the half-power width of a resonance: it lags
-behind the amplitude by some 1 / (2 pi zeta f_n). A factor that falls from 1 to 0.3 between 145 and 155 Hz makes the peak
-of an oscillator with 150 Hz and zeta = 2 % 1.8 % too high upward, and 2.2 % too low downward, at a tenth of the ISO
-limit.
+behind the amplitude by some 1 / (2 pi zeta f_n). A factor that falls from 1 to 0.3 between 145 and 155 Hz makes the
+peak of an oscillator with 150 Hz and zeta = 2 % too high by 1.8 % upward, too low by 2.2 % downward, at a tenth of the
+ISO limit.
 """
 
 from __future__ import annotations
