@@ -2,7 +2,8 @@ r"""Part of its steady peak that a swept resonance reaches, and the lag of the s
 
 Near its resonance an oscillator follows the envelope equation
 :math:`\dot A = -(\sigma + i (\omega_n - \omega(t))) A + F` with :math:`\sigma = \zeta \omega_n`. For
-:math:`\omega(t) = \omega_n + \dot\omega t`, with the time in 1 / sigma and the dimensionless rate :math:`p = \dot\omega / \sigma^2`, the envelope relative to the steady peak is
+:math:`\omega(t) = \omega_n + \dot\omega t`, with the time in 1 / sigma and the dimensionless rate
+:math:`p = \dot\omega / \sigma^2`, the envelope relative to the steady peak is
 
 .. math::
 
