@@ -21,7 +21,7 @@ __version__ = "0.2.0"
 select_kernels()  # before numpy is imported
 
 if TYPE_CHECKING:
-    from wroll_fem import two_dof
+    from wroll_fem import signals, two_dof
     from wroll_fem.analyses import case_warnings, estimate
     from wroll_fem.analyses.slip_model import SlipModel
     from wroll_fem.api import (
@@ -117,6 +117,7 @@ _MODULES = {
     "plot": "plotting.names",
     "two_dof": "two_dof",
     "estimators": "signals.estimators",
+    "signals": "signals",
 }
 """Public name -> module."""
 
@@ -134,8 +135,8 @@ __all__ = [
     "Roll", "Sine", "SlipModel", "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding",
     "WrollError", "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case",
     "half_power", "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run",
-    "run_grid", "run_series", "save_result", "slip_model", "structure", "summarise", "transmissibility", "two_dof",
-    "write_report",
+    "run_grid", "run_series", "save_result", "signals", "slip_model", "structure", "summarise", "transmissibility",
+    "two_dof", "write_report",
 ]  # fmt: skip
 
 

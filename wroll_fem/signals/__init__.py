@@ -1,1 +1,41 @@
-"""Signals: base motions, transmissibility and damping estimates."""
+"""Signals: base motions, random records, spectra, transmissibility and damping estimates.
+
+`wf.signals` has the functions of `_HOMES`, for use without a case; the modules of the folder have the rest.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wroll_fem.signals.psd import PsdTable
+    from wroll_fem.signals.random_motion import random_record
+    from wroll_fem.signals.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
+
+_HOMES = {
+    "PsdTable": "psd",
+    "random_record": "random_motion",
+    "Spectra": "welch",
+    "averaged_spectra": "welch",
+    "rms_error": "welch",
+    "wanted_duration": "welch",
+    "wanted_resolution": "welch",
+}
+"""Public name -> module, imported on first use."""
+
+__all__ = [
+    "PsdTable", "Spectra", "averaged_spectra", "random_record", "rms_error", "wanted_duration", "wanted_resolution",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__
