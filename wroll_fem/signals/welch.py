@@ -10,15 +10,16 @@ Segments of length 1 / df with Hann windows overlap by half. With the averaged s
 H1 is free of bias by noise in the response, and Hv, the geometric mean of H1 and H2, by equal relative noise in both.
 
 Errors [1]_: the standard deviation of a PSD is 1 / sqrt(n), and that of :math:`|H_1|` is
-:math:`\sqrt{(1 - \gamma^2) / (2 n \gamma^2)}`, both relative, with n independent averages [2]_. The Hann window averages
-a spectrum over frequencies with a variance of df^2 / 3. This lowers a resonance peak of half-power width B_r by
-:math:`(4/3) (df / B_r)^2`, to first order.
+:math:`\sqrt{(1 - \gamma^2) / (2 n \gamma^2)}`, both relative, with n independent averages [2]_. The Hann window
+averages a spectrum over frequencies with a variance of df^2 / 3. This lowers a resonance peak of half-power width B_r
+by the part :math:`(4/3) (df / B_r)^2`, and widens it. To this order the average of H is H + (df^2 / 6) H''; with second
+differences the correction is H_k - (H_{k+1} - 2 H_k + H_{k-1}) / 6 (`Spectra.h1_corrected`).
 
 References
 ----------
 .. [1] J. S. Bendat, A. G. Piersol, Random Data, 4th edition, Wiley 2010, chapters 8 and 9, doi:10.1002/9781118032428.
-.. [2] P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Transactions on Audio and
-   Electroacoustics 15 (1967) 70-73, doi:10.1109/TAU.1967.1161901.
+.. [2] P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Transactions on Audio
+   and Electroacoustics 15 (1967) 70-73, doi:10.1109/TAU.1967.1161901.
 """
 
 from __future__ import annotations
@@ -76,6 +77,13 @@ class Spectra:
     def h1(self) -> ComplexArray:
         """(m,) response over base, from cross spectrum and base PSD."""
         return np.asarray(self.cross / self.base)
+
+    @property
+    def h1_corrected(self) -> ComplexArray:
+        """(m,) H1 without the bias of the resolution to second order; the first and last value are those of H1."""
+        found = self.h1.copy()
+        found[1:-1] -= np.diff(self.h1, 2) / 6.0
+        return found
 
     @property
     def hv(self) -> ComplexArray:
