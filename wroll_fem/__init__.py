@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from wroll_fem.case.design_map import DesignMap
     from wroll_fem.case.excitation import ChirpExcitation as Chirp
     from wroll_fem.case.excitation import DwellExcitation as Dwell
+    from wroll_fem.case.excitation import Psd
+    from wroll_fem.case.excitation import RandomExcitation as Random
     from wroll_fem.case.excitation import SineExcitation as Sine
     from wroll_fem.case.geometry import Geometry
     from wroll_fem.case.harmonic import Backbone, Harmonic
@@ -89,7 +91,7 @@ _HOMES = {
     "case.preload": "Preload",
     "case.probes": "ProbePoint",
     "case.winding": "Winding",
-    "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation Sine=SineExcitation",
+    "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation Psd Random=RandomExcitation Sine=SineExcitation",
     "case.integrator": "Integrator",
     "case.solver": "Solver",
     "case.mesh": "Mesh",
@@ -131,12 +133,12 @@ __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
     "FrictionLaw", "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "LawParameter",
     "Mandrel", "Mesh", "Modal", "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "OwnStructure",
-    "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result",
-    "Roll", "Sine", "SlipModel", "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding",
-    "WrollError", "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case",
-    "half_power", "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run",
-    "run_grid", "run_series", "save_result", "signals", "slip_model", "structure", "summarise", "transmissibility",
-    "two_dof", "write_report",
+    "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint", "Psd", "Random", "RateCoulomb", "RateFriction",
+    "RateTable", "Result", "Roll", "Sine", "SlipModel", "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase",
+    "System", "Winding", "WrollError", "__version__", "batch_table", "case_of", "case_warnings", "estimate",
+    "estimators", "example_case", "half_power", "joints", "load_case", "load_grid", "load_result", "load_series",
+    "plot", "register_law", "run", "run_grid", "run_series", "save_result", "signals", "slip_model", "structure",
+    "summarise", "transmissibility", "two_dof", "write_report",
 ]  # fmt: skip
 
 

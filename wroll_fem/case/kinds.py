@@ -31,6 +31,7 @@ from wroll_fem.case.excitation import (
     DwellExcitation,
     Excitation,
     HistoryExcitation,
+    RandomExcitation,
     SineExcitation,
 )
 from wroll_fem.case.geometry import Geometry
@@ -39,6 +40,7 @@ from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
+from wroll_fem.case.output import Output
 from wroll_fem.case.preload import Preload
 from wroll_fem.case.sizing import Sizing, SizingMesh
 from wroll_fem.case.solver import Solver
@@ -113,6 +115,38 @@ class RollDwellCase(DwellCase, OnRoll):
 @case_kind
 class StructureDwellCase(DwellCase, OnStructure):
     """Dwell of a structure whose matrices come from a file."""
+
+
+def _by_fit(value: Any) -> Any:
+    """Section `output` with the rational fraction as estimator, unless it names one: H1 has noise, and a phase."""
+    if isinstance(value, Output):
+        given = "damping" in value.model_fields_set
+        return value if given else value.model_copy(update={"damping": "rational_fraction"})
+    return {"damping": "rational_fraction", **value} if isinstance(value, dict) else value
+
+
+def _output_with_fit() -> Output:
+    return Output(damping="rational_fraction")
+
+
+class RandomCase(HistoryCase):
+    """Time history of the response to a random motion of the base, with its spectra."""
+
+    analysis: Literal["random"] = Field(description=ANALYSIS)
+    excitation: Annotated[RandomExcitation, _motion("random", "random")] = Field(description=EXCITATION)
+    output: Annotated[Output, BeforeValidator(_by_fit)] = Field(
+        default_factory=_output_with_fit, description="what a run writes"
+    )
+
+
+@case_kind
+class RollRandomCase(RandomCase, OnRoll):
+    """Random motion of a roll."""
+
+
+@case_kind
+class StructureRandomCase(RandomCase, OnStructure):
+    """Random motion of a structure whose matrices come from a file."""
 
 
 class HarmonicCase(StructuralCase):

@@ -96,6 +96,13 @@ FIELDS: dict[str, Field] = {
     "transmissibility_spectrum_real": Field("1", "transmissibility, real part (spectrum ratio)"),
     "transmissibility_spectrum_imag": Field("1", "transmissibility, imaginary part (spectrum ratio)"),
     "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
+    # averaged spectra of a random motion; its "transmissibility" is H1
+    "base_psd": Field("m2 s-3", "PSD of the base acceleration"),
+    "tip_psd": Field("m2 s-3", "PSD of the absolute tip acceleration"),
+    "coherence": Field("1", "coherence of base and tip acceleration"),
+    "h1_error": Field("1", "relative standard deviation of |H1|"),
+    "hv_real": Field("1", "transmissibility Hv, real part"),
+    "hv_imag": Field("1", "transmissibility Hv, imaginary part"),
     # periodic motions
     "branch_point": Field("1", "point along the branch"),
     "base_shear": Field("N", "force of the roll on its base along the excitation"),

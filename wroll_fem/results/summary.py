@@ -52,7 +52,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "mass_total_kg": Entry("kg", "mass in motion"),
         "warnings": Entry("", "warnings", "before, during and at the end of the run, each with its remedy"),
     },
-    "Resonance of a curve (sweep, harmonic)": {
+    "Resonance of a curve (sweep, random, harmonic)": {
         "f_n_hz": _number(
             "Hz", "resonance frequency f_n", "frequency of the peak; `null` without a maximum in the band", "{:.2f} Hz"
         ),
@@ -103,7 +103,30 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "", "doubt about the steady response", "reason, where drift or residual exceed 2 %; else empty"
         ),
     },
-    "Energy over the whole motion (sweep, dwell)": {
+    "Random motion": {
+        "psd_rms_m_s2": _number("m/s²", "rms of the PSD", "of the case, in closed form, level included"),
+        "base_rms_m_s2": _number("m/s²", "rms of the base acceleration", "of the steady part", "{:.4g} m/s²"),
+        "tip_rms_m_s2": _number("m/s²", "rms of the absolute tip acceleration", "of the steady part", "{:.4g} m/s²"),
+        "tip_3sigma_m_s2": _number("m/s²", "3 sigma of the absolute tip acceleration"),
+        "tip_displacement_rms_m": Entry(
+            "m", "rms of the tip displacement", "relative to the base, steady part", console="{:.4g} m"
+        ),
+        "tip_displacement_3sigma_m": Entry("m", "3 sigma of the tip displacement"),
+        "tip_rms_error": _share(
+            "standard error of the rms of the tip acceleration", "from the length of the record and the width of its PSD"
+        ),
+        "tip_kurtosis": _number("", "kurtosis of the tip acceleration", "3 for a Gaussian response"),
+        "base_shear_rms_n": Entry("N", "rms of the base shear"),
+        "base_shear_3sigma_n": Entry("N", "3 sigma of the base shear"),
+        "base_moment_rms_nm": _number("N m", "rms of the base moment"),
+        "base_moment_3sigma_nm": _number("N m", "3 sigma of the base moment"),
+        "steady_start_s": Entry("s", "start of the steady part"),
+        "psd_resolution_hz": _number("Hz", "distance of the lines of the averaged spectra"),
+        "psd_averages": _number("", "independent averages of the spectra"),
+        "psd_random_error": _share("standard error of the PSDs"),
+        "psd_peak_bias": _share("part of the peak of a PSD that the resolution takes", "H1 is corrected for it"),
+    },
+    "Energy over the whole motion (sweep, dwell, random)": {
         "energy_balance_error": _share(
             "energy balance error",
             "largest residual of the energy balance divided by the largest input; of a period for harmonic and "

@@ -7,6 +7,7 @@ from typing import Any
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import BaseMotion, Chirp, Dwell
+from wroll_fem.signals.random_motion import RandomMotion
 
 
 def _ramp(excitation: Any) -> dict[str, float]:
@@ -22,9 +23,14 @@ def _dwell(e: Any) -> Dwell:
     return Dwell(float(e.amplitude), float(e.frequency), float(e.cycles), **_ramp(e))
 
 
+def _random(e: Any) -> RandomMotion:
+    return RandomMotion(e.psd.table, float(e.duration), int(e.seed), float(e.factor), e.crest_limit)
+
+
 MOTIONS: dict[str, Callable[[Any], BaseMotion]] = {
     "chirp": _chirp,
     "dwell": _dwell,
+    "random": _random,
 }
 """Kind -> function of an object with the attributes of that kind that returns the base motion."""
 

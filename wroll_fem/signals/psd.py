@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import isfinite, sqrt
+from math import ceil, isfinite, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,9 @@ from wroll_fem.typing import FloatArray
 
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of gravity, m/s^2."""
+
+FEWEST_LINES = 20
+"""Smallest number of spectral lines in the band: with fewer a record is not Gaussian (kurtosis below 2.92)."""
 
 NEGLIGIBLE = 1e-4
 """Part of the mean square that may lie above `PsdTable.highest_frequency_hz`."""
@@ -131,6 +134,24 @@ def table_problem(frequency: Sequence[float], density: Sequence[float]) -> tuple
                 "give densities in g^2/Hz; a log-log line has no zero: let the band end there",
             )  # fmt: skip
     return None
+
+
+def line_orders(table: PsdTable, duration: float) -> range:
+    """Numbers k of the spectral lines k / duration inside the band."""
+    low, high = table.band
+    return range(ceil(low * duration - 1e-9), int(high * duration + 1e-9) + 1)
+
+
+def duration_problem(table: PsdTable, duration: float) -> tuple[str, str] | None:
+    """Problem and remedy if a record of ``duration`` seconds has too few spectral lines in the band; None otherwise."""
+    count, (low, high) = len(line_orders(table, duration)), table.band
+    if count >= FEWEST_LINES:
+        return None
+    return (
+        f"a record of this length resolves {count} spectral lines in the band of {low:g} to {high:g} Hz, too few for "
+        f"a random motion ({FEWEST_LINES})",
+        f"give {(FEWEST_LINES + 1) / (high - low):.3g} s or more, or a wider band",
+    )
 
 
 def _power_integral(density: FloatArray, slope: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:

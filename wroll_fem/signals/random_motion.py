@@ -28,12 +28,9 @@ import numpy.typing as npt
 from scipy.fft import irfft, next_fast_len, rfft
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.psd import PsdTable
+from wroll_fem.signals.psd import PsdTable, duration_problem, line_orders
 from wroll_fem.signals.sampled_motion import SampledMotion
 from wroll_fem.typing import ComplexArray, FloatArray
-
-FEWEST_LINES = 20
-"""Smallest number of spectral lines in the band: with fewer a record is not Gaussian (kurtosis below 2.92)."""
 
 LEAST_SAMPLING = 2.5
 """Smallest sampling rate of a record, divided by the highest frequency of the PSD."""
@@ -78,17 +75,14 @@ def random_lines(table: PsdTable, duration: float, seed: int, crest_limit: float
     Raises
     ------
     InputError
-        If the band has fewer than `FEWEST_LINES` lines, or the crest limit is not reached.
+        If the band has too few lines, or the crest limit is not reached.
     """
+    problem = duration_problem(table, duration)
+    if problem is not None:
+        text, remedy = problem
+        raise InputError(f"duration = {duration:g} s: {text}", key="duration", remedy=remedy)
     low, high = table.band
-    order = np.arange(ceil(low * duration - 1e-9), int(high * duration + 1e-9) + 1)
-    if len(order) < FEWEST_LINES:
-        need = FEWEST_LINES / (high - low)
-        raise InputError(
-            f"{duration:g} s resolve {len(order)} lines in the band of {low:g} to {high:g} Hz, too few for a random "
-            "record",
-            key="excitation.duration", remedy=f"give {need:.3g} s or more, or a wider band",
-        )  # fmt: skip
+    order = np.array(line_orders(table, duration), dtype=np.int64)
     edges = np.concatenate([[low], (order[:-1] + 0.5) / duration, [high]])
     amplitude = np.sqrt(2.0 * np.diff(table.mean_square_below(edges)))
     phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(order))

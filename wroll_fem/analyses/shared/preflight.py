@@ -14,10 +14,11 @@ from wroll_fem.analyses.forecasts.closed_forms import (
     shear_lag_length,
 )
 from wroll_fem.analyses.forecasts.slip import slip_warnings
+from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 
 if TYPE_CHECKING:
-    from wroll_fem.case import HarmonicCase, SweepCase
+    from wroll_fem.case import HarmonicCase, RandomCase, SweepCase
     from wroll_fem.case.preload import Preload
 
 
@@ -109,6 +110,31 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     ]
 
 
+def random_warnings(case: RandomCase) -> list[str]:
+    """Warn about a PSD that misses the resonance, or that reaches above the frequencies that the time step resolves."""
+    excitation, warnings = case.excitation, []
+    low, high = excitation.psd.table.band
+    highest = excitation.highest_frequency_hz
+    if isinstance(case, OnRoll):
+        first = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
+        last = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
+        if not (low < 1.05 * last and high > 0.95 * first):
+            lowest = "open" if case.coil.rubs else "frictionless"
+            warnings.append(
+                f"the PSD from {low:g} to {high:g} Hz misses the resonance, expected between {first:.0f} Hz ({lowest}) "
+                f"and {last:.0f} Hz (bonded); extend excitation.psd"
+            )
+    steps = case.integrator.steps * highest / high
+    if steps < FEWEST_STEPS_PER_CYCLE:
+        warnings.append(
+            f"the PSD reaches {high:g} Hz, but nearly all of its energy lies below {highest:.4g} Hz, which the time "
+            f"step resolves: at {high:g} Hz it has {steps:.2g} steps per cycle, and responses there are wrong; end the "
+            f"PSD at {highest:.4g} Hz, or set integrator.steps_per_cycle to "
+            f"{math.ceil(FEWEST_STEPS_PER_CYCLE * high / highest)}"
+        )
+    return warnings
+
+
 def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
     """External pressure on each layer, Pa; `wroll_fem.winding` is imported only for other preloads."""
     if preload.kind == "external_pressure":
@@ -176,6 +202,7 @@ def contact_warnings(case: StructuralCase) -> list[str]:
 CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "sweep": (missed_resonance, contact_warnings, slip_warnings, structure_warnings, scheme_warnings),
     "dwell": (contact_warnings, structure_warnings, scheme_warnings),
+    "random": (random_warnings, contact_warnings, structure_warnings, scheme_warnings),
     "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),

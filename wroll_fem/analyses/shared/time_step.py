@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
+from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.integrator import DEFAULT_STEPS
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
@@ -25,7 +27,7 @@ from wroll_fem.signals.motions import base_motion
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wroll_fem.case import DwellCase, HistoryCase, SweepCase
+    from wroll_fem.case import DwellCase, HistoryCase, RandomCase, SweepCase
     from wroll_fem.dynamics.reduction.condensation import Condensation
     from wroll_fem.typing import FloatArray
 
@@ -63,21 +65,40 @@ def steps_per_cycle(case: HistoryCase) -> int:
     """Number of steps per cycle of the highest excitation frequency, set by the case or chosen by `auto`.
 
     For the dwell of a roll, `auto` takes the smallest of `CHOICES` whose error is at most `WANTED` for all resonance
-    frequencies between the frictionless and the bonded roll. For other histories it takes `DEFAULT_STEPS`.
+    frequencies between the frictionless and the bonded roll. For random motion of a roll it takes the smallest number
+    from `FEWEST_STEPS_PER_CYCLE` on with which the resonance has `DEFAULT_STEPS`. Otherwise it takes `DEFAULT_STEPS`.
     """
-    excitation = case.excitation
-    if case.integrator.steps_per_cycle != "auto" or not isinstance(case, OnRoll) or excitation.kind != "dwell":
+    if case.integrator.steps_per_cycle != "auto" or not isinstance(case, OnRoll):
         return case.integrator.steps
+    choose = _AUTO.get(case.excitation.kind)
+    return case.integrator.steps if choose is None else choose(case)
+
+
+def _resonances(case: OnRoll) -> tuple[float, float]:
+    """Lowest and highest resonance frequency that the first bending mode of a roll can have, Hz."""
     stiff = case.coil.model in ("layers", "bonded", "solid")
-    low = (1.0 - MARGIN) * beam_frequency(case, bonded=False)
-    high = (1.0 + MARGIN) * beam_frequency(case, bonded=stiff)
-    resonances = [*np.linspace(low, high, 5), float(np.clip(excitation.frequency, low, high))]
-    motion, scheme = base_motion(excitation), Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    return (1.0 - MARGIN) * beam_frequency(case, bonded=False), (1.0 + MARGIN) * beam_frequency(case, bonded=stiff)
+
+
+def _of_random(case: Any) -> int:
+    share = _resonances(case)[1] / case.excitation.highest_frequency_hz
+    return int(np.clip(np.ceil(DEFAULT_STEPS * share), FEWEST_STEPS_PER_CYCLE, DEFAULT_STEPS))
+
+
+def _of_dwell(case: Any) -> int:
+    low, high = _resonances(case)
+    frequency = case.excitation.frequency
+    resonances = [*np.linspace(low, high, 5), float(np.clip(frequency, low, high))]
+    motion, scheme = base_motion(case.excitation), Scheme.named(case.integrator.scheme, case.integrator.alpha)
     for steps in CHOICES[:-1]:
-        dt = 1.0 / (excitation.frequency * steps)
+        dt = 1.0 / (frequency * steps)
         if all(history_error(scheme, dt, motion, Oscillator(f, ASSUMED_DAMPING)) <= WANTED for f in resonances):
             return steps
     return CHOICES[-1]
+
+
+_AUTO: dict[str, Callable[[Any], int]] = {"dwell": _of_dwell, "random": _of_random}
+"""Kind of base motion -> number of steps per cycle that `auto` chooses for a roll."""
 
 
 def time_step(case: HistoryCase) -> float:
@@ -118,6 +139,20 @@ def sweep_step_error(
         height = without_ripple(height)
     error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator)
+
+
+def random_step_error(
+    case: RandomCase, curve: tuple[FloatArray, FloatArray], f_n: float, zeta: float
+) -> tuple[float, str]:
+    """Relative error of |H1| of a random motion due to its time step (nan without a damping ratio), and a warning.
+
+    ``curve`` is frequency (n,), Hz, and |H1| (n,).
+    """
+    if not (np.isfinite(f_n) and np.isfinite(zeta) and zeta > 0.0):
+        return np.nan, ""
+    scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    error = curve_error(scheme, time_step(case), *curve, zeta)
+    return error, _warning("|H1| on the flanks of the peak", error, WANTED_CURVE, case, Oscillator(f_n, zeta))
 
 
 def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
