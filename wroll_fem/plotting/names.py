@@ -65,8 +65,8 @@ __all__ = [
     "jupyter_backend", "margin",
     "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "response", "root_section", "root_sections", "save",
     "shear_along", "shear_distribution", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene",
-    "slip_work", "slip_zone", "spectra", "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements",
-    "two_dof_design_space", "two_dof_readings", "winding", "write_slip_vtu",
+    "slip_work", "slip_zone", "spectra", "steady_response", "study_figure", "transmissibility", "two_dof",
+    "two_dof_arrangements", "two_dof_design_space", "two_dof_readings", "winding", "write_slip_vtu",
 ]  # fmt: skip
 globals().update(FIGURES)  # figures of a study, by the names that a grid file gives them
 __all__ += FIGURES

@@ -113,7 +113,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "tip_displacement_3sigma_m": Entry("m", "3 sigma of the tip displacement"),
         "tip_rms_error": _share(
-            "standard error of the rms of the tip acceleration", "from the length of the record and the width of its PSD"
+            "standard error of the rms of the tip acceleration", "from the length of the record and its PSD"
         ),
         "tip_kurtosis": _number("", "kurtosis of the tip acceleration", "3 for a Gaussian response"),
         "base_shear_rms_n": Entry("N", "rms of the base shear"),

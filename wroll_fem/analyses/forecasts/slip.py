@@ -112,7 +112,7 @@ def slip_warnings(case: Any) -> list[str]:
             f"backbone.tip_largest = {backbone.tip_largest:.2g} m: no damping at these amplitudes; raise "
             "backbone.tip_largest"
         ]
-    if excitation is None or excitation.amplitude is None:
+    if excitation is None or excitation.kind == "random":
         return []
     per_metre = (2.0 * math.pi * beam_frequency(case, bonded=True)) ** 2 / excitation.amplitude
     start, gross = (per_metre * tip for tip in forecast)
