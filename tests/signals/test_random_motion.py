@@ -104,7 +104,7 @@ def test_a_motion_is_the_sum_of_its_lines_at_any_time() -> None:
     np.testing.assert_allclose(motion.acceleration(time), exact, atol=1e-6 * 2.0 * table.rms)
 
 
-@pytest.mark.parametrize("per_cycle, error", [(20, 6.5e-8), (10, 4.9e-6), (4, 2.1e-3)])
+@pytest.mark.parametrize(("per_cycle", "error"), [(20, 6.5e-8), (10, 4.9e-6), (4, 2.1e-3)])
 def test_the_spline_through_samples_has_the_stated_error(per_cycle: int, error: float) -> None:
     dt = 1.0 / per_cycle
     motion = SampledMotion(np.sin(2.0 * np.pi * dt * np.arange(40 * per_cycle + 1)), dt)
@@ -123,7 +123,7 @@ def test_the_highest_frequency_has_all_but_a_ten_thousandth_of_the_energy_below(
 
 
 @pytest.mark.parametrize(
-    "arguments, words",
+    ("arguments", "words"),
     [
         (([300.0, 20.0], [0.01, 0.01], 10.0, 1000.0), "the frequencies must rise, but 20 Hz follows 300 Hz"),
         (([20.0, 300.0], [0.01, -0.01], 10.0, 1000.0), "the density at 300 Hz must be above zero, got -0.01"),
@@ -139,7 +139,8 @@ def test_the_highest_frequency_has_all_but_a_ten_thousandth_of_the_energy_below(
 def test_bad_input_is_named(arguments: tuple, words: str) -> None:
     with pytest.raises(InputError, match=words) as caught:
         wf.signals.random_record(*arguments)
-    assert caught.value.remedy and "\n" not in str(caught.value)
+    assert caught.value.remedy
+    assert "\n" not in str(caught.value)
 
 
 def test_a_crest_limit_out_of_reach_is_refused() -> None:

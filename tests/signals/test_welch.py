@@ -42,7 +42,7 @@ def estimated(f_n: float, zeta: float, resolution: float, seed: int, noise: floa
     return averaged_spectra(base, tip, 1.0 / RATE, resolution).within(*BAND)
 
 
-@pytest.mark.parametrize("f_n, zeta", [(150.0, 0.01), (93.0, 0.031)])
+@pytest.mark.parametrize(("f_n", "zeta"), [(150.0, 0.01), (93.0, 0.031)])
 @pytest.mark.parametrize("share", [0.1, 0.2])
 def test_the_bias_of_the_peak_is_that_of_the_hann_window(f_n: float, zeta: float, share: float) -> None:
     resolution = share * 2.0 * zeta * f_n
@@ -118,7 +118,7 @@ def test_the_error_of_an_rms_is_the_scatter_of_gaussian_noise() -> None:
 
 
 @pytest.mark.parametrize(
-    "change, words",
+    ("change", "words"),
     [
         ({"response": np.zeros(99)}, "shapes"),
         ({"resolution": 0.5}, "too few to average"),

@@ -26,7 +26,8 @@ class SampledMotion:
     Notes
     -----
     The largest error of the quintic spline, relative to the amplitude, is 6.5e-8 with 20 samples per cycle, 4.9e-6 with
-    10 and 2.1e-3 with 4 (`tests/signals/test_random_motion.py`). The motion is zero before the first and after the last sample.
+    10 and 2.1e-3 with 4 (`tests/signals/test_random_motion.py`). The motion is zero before the first and after the last
+    sample.
     """
 
     samples: FloatArray
