@@ -53,6 +53,9 @@ WANTED_BIAS, LARGEST_BIAS = 0.0133, 0.05
 FEWEST_AVERAGES, FIRST_SEGMENTS = 8, 16
 """Smallest number of segments with which `auto` still refines the resolution, and number of those of the first pass."""
 
+HANN_REACH = 1.5
+"""Lines next to the ends of the band that are left out: there the Hann window averages over frequencies outside."""
+
 PASSES = 3
 """Number of times that steady part and resolution are chosen; they change little after the second."""
 
@@ -112,10 +115,13 @@ def run_random(
     found = read_spectra(history, case.excitation, case.output.damping)
     frequency, h1 = found.spectra.frequency, found.spectra.h1_corrected
     error, coarse = random_step_error(case, (frequency, np.abs(h1)), *(found.resonance or (np.nan, np.nan)))
-    remarks = (*_shortness(found, history, case.excitation), coarse, numerical_remark(history))
+    short = _shortness(found, history, case.excitation)
+    remarks = (*short, coarse, numerical_remark(history))
     participation = history.attrs.get("tip_participation")
     known = Circumstances(None, participation, remarks=remarks, rigid=rigid_tip(history))
     quality = judge(found.read, frequency, np.abs(h1), known)
+    if not found.read.damping.found:
+        quality = replace(quality, reasons=(*quality.reasons, *short))
     for text in quality.reasons:
         progress.warning(text)
     attrs = quality.as_attrs(found.read.as_attrs("H1"))
@@ -141,9 +147,9 @@ def read_spectra(history: xr.Dataset, excitation: RandomExcitation, method: str)
 
     def read(start: float, resolution: float) -> _Reading:
         keep = time >= start
-        spectra = averaged_spectra(base[keep], tip[keep], dt, resolution).within(*excitation.psd.table.band)
-        estimate = estimate_damping(spectra.frequency, spectra.h1_corrected, method, noise=_noise(spectra))
-        return _Reading(start, spectra, _with_correlated_lines(estimate))
+        spectra = _inside(averaged_spectra(base[keep], tip[keep], dt, resolution), *excitation.psd.table.band)
+        estimate = estimate_damping(spectra.frequency, spectra.h1_corrected, method, noise=_noise(spectra)[0])
+        return _Reading(start, spectra, _with_noise(estimate, spectra))
 
     for _ in range(PASSES):
         coarsest = 0.5 * (FIRST_SEGMENTS + 1) / (end - start)
@@ -158,17 +164,24 @@ def read_spectra(history: xr.Dataset, excitation: RandomExcitation, method: str)
     return found
 
 
-def _noise(spectra: Spectra) -> float:
-    """Standard deviation of |H1| at its peak."""
+def _inside(spectra: Spectra, low: float, high: float) -> Spectra:
+    """Lines of the band without those at its ends, to which the Hann window carries no full energy."""
+    edge = HANN_REACH * spectra.resolution
+    return spectra.within(low + edge, high - edge)
+
+
+def _noise(spectra: Spectra) -> tuple[float, float]:
+    """Standard deviation of |H1| at its peak, and the same relative to the peak."""
     peak = int(np.argmax(np.abs(spectra.h1)))
-    return float(np.abs(spectra.h1[peak]) * spectra.h1_error[peak])
+    relative = float(spectra.h1_error[peak])
+    return float(np.abs(spectra.h1[peak])) * relative, relative
 
 
-def _with_correlated_lines(read: CurveDamping) -> CurveDamping:
-    """Estimate whose standard errors take the correlation of neighbouring lines into account."""
+def _with_noise(read: CurveDamping, spectra: Spectra) -> CurveDamping:
+    """Estimate that knows the noise of H1, and whose standard errors include the correlation of neighbouring lines."""
     found = read.damping
     errors = {name: CORRELATED_LINES * getattr(found, name) for name in ("f_n_error", "zeta_error")}
-    return replace(read, damping=replace(found, **errors))
+    return replace(read, damping=replace(found, **errors), noise=_noise(spectra)[1])
 
 
 def _shortness(found: _Reading, history: xr.Dataset, excitation: RandomExcitation) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
 from wroll_fem.case.analyses import MODULES
 from wroll_fem.case.base import Real
@@ -117,16 +117,17 @@ class StructureDwellCase(DwellCase, OnStructure):
     """Dwell of a structure whose matrices come from a file."""
 
 
-def _by_fit(value: Any) -> Any:
+def _by_fit(output: Output) -> Output:
     """Section `output` with the rational fraction as estimator, unless it names one: H1 has noise, and a phase."""
-    if isinstance(value, Output):
-        given = "damping" in value.model_fields_set
-        return value if given else value.model_copy(update={"damping": "rational_fraction"})
-    return {"damping": "rational_fraction", **value} if isinstance(value, dict) else value
+    if "damping" in output.model_fields_set:
+        return output
+    changed = output.model_copy()
+    changed.__dict__["damping"] = "rational_fraction"  # still counts as left out: another analysis has its own default
+    return changed
 
 
 def _output_with_fit() -> Output:
-    return Output(damping="rational_fraction")
+    return _by_fit(Output())
 
 
 class RandomCase(HistoryCase):
@@ -134,7 +135,7 @@ class RandomCase(HistoryCase):
 
     analysis: Literal["random"] = Field(description=ANALYSIS)
     excitation: Annotated[RandomExcitation, _motion("random", "random")] = Field(description=EXCITATION)
-    output: Annotated[Output, BeforeValidator(_by_fit)] = Field(
+    output: Annotated[Output, AfterValidator(_by_fit)] = Field(
         default_factory=_output_with_fit, description="what a run writes"
     )
 
