@@ -11,9 +11,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wroll_fem.signals.psd import PsdTable
     from wroll_fem.signals.random_motion import random_record
+    from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
+    from wroll_fem.signals.shock.spectrum import shock_spectrum
     from wroll_fem.signals.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
 
 _HOMES = {
+    "HalfSine": "shock.pulses",
+    "Sawtooth": "shock.pulses",
+    "Trapezoid": "shock.pulses",
+    "shock_spectrum": "shock.spectrum",
     "PsdTable": "psd",
     "random_record": "random_motion",
     "Spectra": "welch",
@@ -25,7 +31,8 @@ _HOMES = {
 """Public name -> module, imported on first use."""
 
 __all__ = [
-    "PsdTable", "Spectra", "averaged_spectra", "random_record", "rms_error", "wanted_duration", "wanted_resolution",
+    "HalfSine", "PsdTable", "Sawtooth", "Spectra", "Trapezoid", "averaged_spectra", "random_record", "rms_error",
+    "shock_spectrum", "wanted_duration", "wanted_resolution",
 ]  # fmt: skip
 
 
