@@ -119,10 +119,7 @@ def shock_spectrum(
     zeta = 0.0 if q == inf else 0.5 / q
     of_displacement = quantity != "absolute_acceleration"
     extremes = np.array([_extremes(record, dt, f, zeta, of_displacement) for f in frequencies])
-    if interval != "maximax":
-        found = extremes[:, 0 if interval == "primary" else 1]
-    else:
-        found = extremes.max(axis=1)
+    found = extremes.max(axis=1) if interval == "maximax" else extremes[:, int(interval == "residual")]
     omega = 2.0 * pi * frequencies
     if quantity == "relative_displacement":
         found = found / omega**2
@@ -157,7 +154,7 @@ def _extremes(record: FloatArray, dt: float, f: float, zeta: float, of_displacem
     return primary, _residual(z, v, zeta, of_displacement)
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def _primary(record, parts, theta, zeta, transition, first, last, of_displacement):  # type: ignore[no-untyped-def]
     """Largest response during the record, with the state at its end."""
     z = v = 0.0
@@ -186,7 +183,7 @@ def _primary(record, parts, theta, zeta, transition, first, last, of_displacemen
     return largest, z, v
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def _cubic_extreme(y0, m0, y1, m1):  # type: ignore[no-untyped-def]
     """Largest absolute value at the stationary points in (0, 1) of the cubic with these values and slopes."""
     c2 = 3.0 * (y1 - y0) - 2.0 * m0 - m1
