@@ -5,8 +5,8 @@ Notes
 The absolute accelerations :math:`y_1, y_2` of two systems on the same base are related by a linear system,
 :math:`y_2 = (H_2/H_1)\, y_1` with the transmissibility :math:`H = (2\zeta\omega s + \omega^2)/(s^2 + 2\zeta\omega s +
 \omega^2)`. It is stable, and it has as many zeros as poles, so that :math:`\sup|y_2| \le g_{12} \sup|y_1|` with
-:math:`g_{12}` the integral of the absolute value of its impulse response. A table whose values at two frequencies have a
-larger ratio is the spectrum of no base motion. :math:`g_{12}` depends on Q and on the ratio of the frequencies alone.
+:math:`g_{12}` the integral of the absolute value of its impulse response. A table whose values at two frequencies have
+a larger ratio is the spectrum of no base motion. :math:`g_{12}` depends on Q and on the ratio of the frequencies.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TOLERANCE_DB = 1.5
 """Tolerance of a synthesised spectrum, dB."""
 
 LARGEST_Q = 1000.0
-"""Largest quality factor of a table: a test with a higher one is told from resonance by nothing."""
+"""Largest quality factor of a table: systems with a higher one need more than a thousand cycles to respond."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,8 @@ class SpectrumTable:
             low, high = where
             raise InputError(
                 f"no shock has this spectrum: from {lines[low]:.4g} to {lines[high]:.4g} Hz it rises by "
-                f"{level[high] - level[low]:.1f} dB, and {level[high] - level[low] - worst:.1f} dB is the most that any "
-                f"motion reaches with Q = {self.q:g} and the tolerance",
+                f"{level[high] - level[low]:.1f} dB, and {level[high] - level[low] - worst:.1f} dB is the most that "
+                f"any motion reaches with Q = {self.q:g} and the tolerance",
                 key="excitation.srs", remedy=f"flatten the table by {worst:.1f} dB or more between them",
             )  # fmt: skip
 
