@@ -67,8 +67,8 @@ def synthesise_shock(table: SpectrumTable, *, seed: int = 1, before: float = 0.0
             f"no motion was found within {TOLERANCE_DB:g} dB of the spectrum: at {lines[worst]:.4g} Hz the best of "
             f"{TRIALS} trials is {error[worst]:+.1f} dB off",
             key="excitation.srs",
-            remedy="flatten the table there (a spectrum rises by 12 dB per octave at most at low frequencies and falls by "
-            "less than 8 dB above its peak), or try another seed",
+            remedy="flatten the table there (spectra rise by 12 dB per octave at most at low frequencies, and fall by "
+            "less than 8 dB above their peak), or try another seed",
         )  # fmt: skip
     return replace(best, before=before, after=after)
 
