@@ -22,6 +22,7 @@ from wroll_fem.case.kinds import (
     ModalTransientCase,
     PreloadCase,
     RandomCase,
+    ShockCase,
     SizingCase,
     SlipDampingCase,
     SweepCase,
@@ -45,7 +46,7 @@ __all__ = [
     "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase", "DwellCase",
     "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "HistoryCase", "Integrator",
     "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
-    "OnStructure", "Output", "Preload", "PreloadCase", "RandomCase", "RollSections", "Section", "SizingCase",
-    "SlipDampingCase", "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case",
-    "example_case", "load_case", "schema_text",
+    "OnStructure", "Output", "Preload", "PreloadCase", "RandomCase", "RollSections", "Section", "ShockCase",
+    "SizingCase", "SlipDampingCase", "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase",
+    "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

@@ -27,11 +27,13 @@ from wroll_fem.case.contact import Contact
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import (
+    SHOCK_KINDS,
     ChirpExcitation,
     DwellExcitation,
     Excitation,
     HistoryExcitation,
     RandomExcitation,
+    ShockExcitation,
     SineExcitation,
 )
 from wroll_fem.case.geometry import Geometry
@@ -148,6 +150,25 @@ class RollRandomCase(RandomCase, OnRoll):
 @case_kind
 class StructureRandomCase(RandomCase, OnStructure):
     """Random motion of a structure whose matrices come from a file."""
+
+
+class ShockCase(HistoryCase):
+    """Time history of the response to a shock of the base, and the free vibration after it."""
+
+    analysis: Literal["shock"] = Field(description=ANALYSIS)
+    excitation: Annotated[Annotated[ShockExcitation, Field(discriminator="kind")], _motion("shock", *SHOCK_KINDS)] = (
+        Field(description=EXCITATION)
+    )
+
+
+@case_kind
+class RollShockCase(ShockCase, OnRoll):
+    """Shock of a roll."""
+
+
+@case_kind
+class StructureShockCase(ShockCase, OnStructure):
+    """Shock of a structure whose matrices come from a file."""
 
 
 class HarmonicCase(StructuralCase):

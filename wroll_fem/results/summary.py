@@ -126,7 +126,26 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "psd_random_error": _share("standard error of the PSDs"),
         "psd_peak_bias": _share("part of the peak of a PSD that the resolution takes", "H1 is corrected for it"),
     },
-    "Energy over the whole motion (sweep, dwell, random)": {
+    "Shock": {
+        "tip_peak_m_s2": _number("m/s²", "largest absolute tip acceleration", console="{:.4g} m/s²"),
+        "tip_displacement_peak_m": Entry("m", "largest tip displacement", "relative to the base"),
+        "base_peak_m_s2": _number("m/s²", "largest base acceleration", "at the time steps"),
+        "shock_end_s": Entry("s", "end of the shock", "the free vibration starts there"),
+        "velocity_change_m_s": _number("m/s", "velocity change of the base"),
+        "srs_q": _number("", "quality factor of the shock response spectra", "Q = 1/(2 zeta)"),
+        "decay_f_hz": _number(
+            "Hz", "frequency of the decay", "of the tip, from its largest amplitude after the shock to half of it",
+            "{:.2f} Hz",
+        ),
+        "decay_zeta": _share(
+            "damping ratio of the decay",
+            "logarithmic decrement of the tip, from its largest amplitude after the shock to half of it; its quality is `zeta_quality`", "{:.4f}",
+        ),
+        "decay_zeta_numerical": _share("part of it due to the integration scheme"),
+        "decay_amplitude_start_m": Entry("m", "largest amplitude of the decay (0-peak)", "where the decay is read"),
+        "decay_amplitude_end_m": Entry("m", "smallest amplitude of the decay (0-peak)"),
+    },
+    "Energy over the whole motion (sweep, dwell, random, shock)": {
         "energy_balance_error": _share(
             "energy balance error",
             "largest residual of the energy balance divided by the largest input; of a period for harmonic and "
@@ -376,12 +395,12 @@ SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name
 """Name in summary.json -> its entry."""
 
 _SUFFIXES = {
-    "m_s2": "m/s²", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m",
-    "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g",
+    "m_s2": "m/s²", "m_s": "m/s", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa",
+    "m": "m", "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g",
 }  # fmt: skip
 """Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 
-_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
+_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1", "m/s": "m s-1"}
 """Unit -> its spelling in NetCDF, where this differs."""
 
 
