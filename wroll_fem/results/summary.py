@@ -139,7 +139,9 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "decay_zeta": _share(
             "damping ratio of the decay",
-            "logarithmic decrement of the tip, from its largest amplitude after the shock to half of it; its quality is `zeta_quality`", "{:.4f}",
+            "logarithmic decrement of the tip, from its largest amplitude after the shock to half of it; its quality "
+            "is `zeta_quality`",
+            "{:.4f}",
         ),
         "decay_zeta_numerical": _share("part of it due to the integration scheme"),
         "decay_amplitude_start_m": Entry("m", "largest amplitude of the decay (0-peak)", "where the decay is read"),

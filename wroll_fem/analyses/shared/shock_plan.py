@@ -27,6 +27,9 @@ ABOVE_RESONANCE = 3.0
 """Least highest frequency of the time steps, relative to the estimated resonance: the second bending mode, at about six
 times the first, then has some 20 steps per cycle."""
 
+STEPS_OF_PULSE = 40
+"""Least number of time steps of a pulse: the area of a half-sine is then 0.05 % off."""
+
 LEAST_SHARE = 0.02
 """Estimated tip acceleration of a mode, relative to that of the largest, above which it has to be resolved."""
 
@@ -54,7 +57,7 @@ def planned(case: C) -> C:
             highest = max(highest, ABOVE_RESONANCE * beam_frequency(case, bonded=stiff))
     if hasattr(excitation, "duration"):
         steps = case.integrator.steps
-        highest = ceil(length * highest * steps - 1e-9) / (length * steps)
+        highest = max(ceil(length * highest * steps - 1e-9), STEPS_OF_PULSE) / (length * steps)
     changed = excitation.model_copy(update={"decay": float(decay), "highest_frequency": float(highest)})
     return case.model_copy(update={"excitation": changed})
 

@@ -92,12 +92,12 @@ def _start(lines: FloatArray, wanted: FloatArray, rng: np.random.Generator) -> W
 
 def _iterated(motion: Wavelets, wanted: FloatArray, q: float) -> tuple[Wavelets, FloatArray]:
     """Best motion of the iteration and its errors (m,), dB."""
-    lines = motion.frequency
+    lines = motion.lines
     dt = 1.0 / (GOOD_SAMPLES * lines[-1])
     time = dt * np.arange(int(np.ceil(motion.length / dt)) + 2)
     shapes = [
         replace(
-            motion, frequency=lines[[k]], level=np.ones(1), half_cycles=motion.half_cycles[[k]],
+            motion, lines=lines[[k]], level=np.ones(1), half_cycles=motion.half_cycles[[k]],
             delay=motion.delay[[k]],
         ).acceleration(time)
         for k in range(len(lines))

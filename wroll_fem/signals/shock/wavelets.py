@@ -34,13 +34,13 @@ class Wavelets:
 
     Attributes
     ----------
-    frequency, level, half_cycles, delay
+    lines, level, half_cycles, delay
         (m,) frequency (Hz), amplitude (m/s^2, with its sign), odd number of half cycles, and start (s) of each.
     before, after
         Time without base acceleration before and after the wavelets, s.
     """
 
-    frequency: FloatArray
+    lines: FloatArray
     level: FloatArray
     half_cycles: IntArray
     delay: FloatArray
@@ -54,7 +54,7 @@ class Wavelets:
     @property
     def length(self) -> float:
         """Time from the first to the end of the last wavelet, s."""
-        return float(np.max(self.delay + 0.5 * self.half_cycles / self.frequency))
+        return float(np.max(self.delay + 0.5 * self.half_cycles / self.lines))
 
     @property
     def duration(self) -> float:
@@ -86,7 +86,7 @@ class Wavelets:
         """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64) - self.before
         found = np.zeros_like(t)
-        for f, a, n, d in zip(self.frequency, self.level, self.half_cycles, self.delay, strict=True):
+        for f, a, n, d in zip(self.lines, self.level, self.half_cycles, self.delay, strict=True):
             inside = (t > d) & (t < d + 0.5 * n / f)
             phase = 2.0 * pi * f * (t[inside] - d)
             found[inside] += a * np.sin(phase / n) * np.sin(phase)
@@ -94,5 +94,5 @@ class Wavelets:
 
     @cached_property
     def _samples(self) -> tuple[float, FloatArray]:
-        dt = 1.0 / (GOOD_SAMPLES * float(self.frequency.max()))
+        dt = 1.0 / (GOOD_SAMPLES * float(self.lines.max()))
         return dt, self.acceleration(self.before + dt * np.arange(int(np.ceil(self.length / dt)) + 1))
