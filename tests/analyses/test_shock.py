@@ -14,8 +14,8 @@ from support.paths import CONFIGS
 
 import wroll_fem as wf
 from wroll_fem.analyses.shared.preflight import motion_remarks
-from wroll_fem.analyses.shared.shock_plan import planned
 from wroll_fem.analyses.shock import run_shock
+from wroll_fem.analyses.shock_plan import planned
 from wroll_fem.dynamics.system.io import save_system
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper

@@ -14,8 +14,8 @@ from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.analyses.shared.shock_plan import unresolved_modes
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_step
+from wroll_fem.analyses.shock_plan import unresolved_modes
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState

@@ -13,7 +13,7 @@ from wroll_fem.analyses.history import FIELDS, FIGURES, PLOTS, SUMMARY, VARIABLE
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
-from wroll_fem.analyses.shared.shock_plan import planned
+from wroll_fem.analyses.shock_plan import planned
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.decay import Decay, free_decay
 from wroll_fem.signals.shock.spectrum import GOOD_SAMPLES, shock_spectrum
