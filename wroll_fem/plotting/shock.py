@@ -6,6 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
@@ -48,6 +49,7 @@ def plot_shock(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.loglog(f, dataset["srs_tip"].values, "-", color=style.BLUE, lw=1.8, label="tip")
     ax.loglog(f, dataset["srs_base"].values, "--", color=style.RED, lw=1.6, label="base")
     ax.set_xlim(f[0], f[-1])
+    _plain(ax)
     ax.set_xlabel("Natural frequency (Hz)")
     ax.set_ylabel("Absolute acceleration\n(m/s², maximax)")
     ax.legend(fontsize=8, framealpha=0.9)
@@ -56,6 +58,13 @@ def plot_shock(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     at = int(np.argmax(dataset["srs_tip"].values))
     style.title(ax, f"Shock response spectra{words}: the tip's is largest at {f[at]:.0f} Hz")
     return ax
+
+
+def _plain(ax: Axes) -> None:
+    """Label the logarithmic horizontal axis with plain numbers at 1, 2 and 5 times the powers of ten."""
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _history(dataset: xr.Dataset, ax: Axes) -> None:
@@ -86,5 +95,6 @@ def _decay(dataset: xr.Dataset, ax: Axes) -> None:
     other.spines["top"].set_visible(False)
     handles += other.plot(amplitude, f, "--", color=style.BLUE, lw=1.6, label="frequency (right)")
     other.set_ylabel("Frequency (Hz)", color=style.BLUE)
-    ax.legend(handles=handles, fontsize=8, framealpha=0.9)
+    _plain(ax)
+    ax.legend(handles=handles, fontsize=8, framealpha=0.9, loc="center left")
     style.title(ax, f"Decay: {f.min():.4g} to {f.max():.4g} Hz, damping ratio {zeta.min():.2g} to {zeta.max():.2g} %")

@@ -73,7 +73,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "zeta_material": _share(
             "zeta due to material damping",
             "work of material damping, divided by 4 pi times the kinetic energy: at the peak (harmonic), between the "
-            "half-power frequencies (sweep), at zeta_max (backbone)",
+            "half-power frequencies (sweep), at zeta_max (backbone); share of the energy lost in the decay (shock)",
             "{:.4f}",
         ),
         "zeta_friction": _share("zeta due to friction", "the rest of zeta", "{:.4f}"),
