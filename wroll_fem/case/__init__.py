@@ -15,20 +15,16 @@ from wroll_fem.case.kinds import (
     ANALYSES,
     BackboneCase,
     DesignMapCase,
-    DwellCase,
     HarmonicCase,
-    HistoryCase,
     ModalCase,
     ModalTransientCase,
     PreloadCase,
-    RandomCase,
-    ShockCase,
     SizingCase,
     SlipDampingCase,
-    SweepCase,
     TwoDofCase,
     WindingCase,
 )
+from wroll_fem.case.kinds_history import DwellCase, HistoryCase, RandomCase, ShockCase, SweepCase
 from wroll_fem.case.loader import build_case, load_case
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.material import IsotropicMaterial

@@ -4,19 +4,27 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, TaggedSection, Whole, _number, validation_error
 from wroll_fem.case.excitation.shared import STANDARD_GRAVITY, AmplitudeSection, Direction, positive
 from wroll_fem.errors import InputError
-from wroll_fem.signals.motions import base_motion
-from wroll_fem.signals.shock.table import SpectrumTable
+
+if TYPE_CHECKING:
+    from wroll_fem.signals.shock.table import SpectrumTable
 
 
 def _auto_or_positive(value: Any) -> Any:
     return value if value == "auto" else positive(value, "write a number above zero, or auto")
+
+
+def _motion_of(excitation: ShockSection) -> Any:
+    """Base motion of a section; imported here, so that loading a case of another kind imports no numpy."""
+    from wroll_fem.signals.motions import base_motion
+
+    return base_motion(excitation)
 
 
 class ShockSection(TaggedSection):
@@ -49,12 +57,12 @@ class ShockSection(TaggedSection):
         """Highest frequency of the base motion that the time steps resolve, Hz."""
         if self.highest_frequency != "auto":
             return float(self.highest_frequency)
-        return float(base_motion(self).highest_frequency_hz)  # type: ignore[attr-defined]
+        return float(_motion_of(self).highest_frequency_hz)
 
     @property
     def attributes(self) -> dict[str, float]:
         """Attributes of results that describe the motion."""
-        motion: Any = base_motion(self)
+        motion = _motion_of(self)
         return {
             "amplitude_m_s2": motion.amplitude, "shock_end_s": motion.end, "srs_q": self.q,
             "velocity_change_m_s": motion.velocity_change,
@@ -121,6 +129,8 @@ class Spectrum(Section):
     @property
     def table(self) -> SpectrumTable:
         """Table of the spectrum, m/s^2."""
+        from wroll_fem.signals.shock.table import SpectrumTable
+
         return SpectrumTable(tuple(self.frequency), tuple(STANDARD_GRAVITY * a for a in self.acceleration_g), self.q)
 
 
@@ -144,11 +154,11 @@ class FileExcitation(ShockSection):
     unit: str = Field(description="unit of the record: m/s^2, g (9.80665 m/s^2) or mm/s^2")
     column: str | int | None = Field(
         default=None,
-        description="column of the base acceleration, by name or by its place counted from 1; needed if there are "
-        "several besides the time",
+        description="column of the base acceleration, by name, or by its place (count, the first is 1); needed if "
+        "there are several besides the time",
     )
     time: str | int | None = Field(
-        default=None, description="column of the time, in s; by default the one called time or t"
+        default=None, description="column of the time, s, by name or by its place; by default the one called time or t"
     )
     sampling_rate: Real | None = Field(
         default=None, gt=0, description="samples per second, Hz, in place of a column of the time"
@@ -193,7 +203,7 @@ class FileExcitation(ShockSection):
     @model_validator(mode="after")
     def _readable(self) -> Self:
         try:
-            base_motion(self)
+            _motion_of(self)
         except InputError as error:
             key = (error.key or "excitation.file").removeprefix("excitation.")
             where = f" ({error.file})" if error.file else ""
