@@ -33,6 +33,9 @@ STEPS_OF_PULSE = 40
 LEAST_SHARE = 0.02
 """Estimated tip acceleration of a mode, relative to that of the largest, above which it has to be resolved."""
 
+FARTHEST = 40.0
+"""Highest natural frequency that is looked at, relative to the band of the shock and to the main mode."""
+
 PERIOD_ERROR = 0.02
 """Relative lengthening of the period of a mode by the time step above which it is not resolved."""
 
@@ -74,11 +77,12 @@ def unresolved_modes(case: HistoryCase, condensation: Condensation, dt: float) -
         return ""
     share = np.abs(condensation.base * condensation.tip)
     natural = np.sqrt(np.maximum(condensation.eigenvalues, 0.0)) / (2.0 * np.pi)
-    counted = (share > 1e-3 * share.max(initial=0.0)) & (natural > 0.0)
+    motion: Any = base_motion(case.excitation)
+    highest = FARTHEST * max(motion.highest_frequency_hz, condensation.main_mode[0])
+    counted = (share > 1e-3 * share.max(initial=0.0)) & (natural > 0.0) & (natural < highest)
     if not counted.any():
         return ""
     share, natural = share[counted], natural[counted]
-    motion: Any = base_motion(case.excitation)
     step = min(dt, 1.0 / (GOOD_SAMPLES * float(natural.max())))
     base = motion.acceleration(step * np.arange(int(np.ceil(motion.end / step)) + 2))
     ringing = share * shock_spectrum(base, step, natural, q=np.inf, interval="residual")
