@@ -11,9 +11,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wroll_fem.signals.psd import PsdTable
     from wroll_fem.signals.random_motion import random_record
+    from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
+    from wroll_fem.signals.shock.spectrum import shock_spectrum
+    from wroll_fem.signals.shock.synthesis import synthesise_shock
+    from wroll_fem.signals.shock.table import SpectrumTable
     from wroll_fem.signals.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
 
 _HOMES = {
+    "HalfSine": "shock.pulses",
+    "Sawtooth": "shock.pulses",
+    "Trapezoid": "shock.pulses",
+    "shock_spectrum": "shock.spectrum",
+    "synthesise_shock": "shock.synthesis",
+    "SpectrumTable": "shock.table",
     "PsdTable": "psd",
     "random_record": "random_motion",
     "Spectra": "welch",
@@ -25,7 +35,8 @@ _HOMES = {
 """Public name -> module, imported on first use."""
 
 __all__ = [
-    "PsdTable", "Spectra", "averaged_spectra", "random_record", "rms_error", "wanted_duration", "wanted_resolution",
+    "HalfSine", "PsdTable", "Sawtooth", "Spectra", "SpectrumTable", "Trapezoid", "averaged_spectra", "random_record",
+    "rms_error", "shock_spectrum", "synthesise_shock", "wanted_duration", "wanted_resolution",
 ]  # fmt: skip
 
 

@@ -16,9 +16,10 @@ from wroll_fem.analyses.forecasts.closed_forms import (
 from wroll_fem.analyses.forecasts.slip import slip_warnings
 from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
+from wroll_fem.signals.motions import base_motion
 
 if TYPE_CHECKING:
-    from wroll_fem.case import HarmonicCase, RandomCase, SweepCase
+    from wroll_fem.case import HarmonicCase, RandomCase, ShockCase, SweepCase
     from wroll_fem.case.preload import Preload
 
 
@@ -53,6 +54,11 @@ def scheme_warnings(case: StructuralCase) -> list[str]:
         f"integrator.scheme {scheme} dissipates a considerable part of the energy numerically; use hht with alpha "
         "-0.05, and compare numerical_dissipation_j with friction_energy_j"
     ]
+
+
+def motion_remarks(case: ShockCase) -> list[str]:
+    """Doubts about the base motion of a shock, such as a clipped record."""
+    return [f"excitation: {text}" for text in getattr(base_motion(case.excitation), "remarks", ())]
 
 
 def structure_warnings(case: StructuralCase) -> list[str]:
@@ -203,6 +209,7 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "sweep": (missed_resonance, contact_warnings, slip_warnings, structure_warnings, scheme_warnings),
     "dwell": (contact_warnings, structure_warnings, scheme_warnings),
     "random": (random_warnings, contact_warnings, structure_warnings, scheme_warnings),
+    "shock": (motion_remarks, contact_warnings, structure_warnings, scheme_warnings),
     "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),
