@@ -21,7 +21,7 @@ __version__ = "0.2.0"
 select_kernels()  # before numpy is imported
 
 if TYPE_CHECKING:
-    from wroll_fem import two_dof
+    from wroll_fem import signals, two_dof
     from wroll_fem.analyses import case_warnings, estimate
     from wroll_fem.analyses.slip_model import SlipModel
     from wroll_fem.api import (
@@ -43,7 +43,14 @@ if TYPE_CHECKING:
     from wroll_fem.case.design_map import DesignMap
     from wroll_fem.case.excitation import ChirpExcitation as Chirp
     from wroll_fem.case.excitation import DwellExcitation as Dwell
+    from wroll_fem.case.excitation import FileExcitation as RecordedMotion
+    from wroll_fem.case.excitation import HalfSineExcitation as HalfSine
+    from wroll_fem.case.excitation import Psd
+    from wroll_fem.case.excitation import RandomExcitation as Random
+    from wroll_fem.case.excitation import SawtoothExcitation as Sawtooth
     from wroll_fem.case.excitation import SineExcitation as Sine
+    from wroll_fem.case.excitation import SrsExcitation as ShockSpectrum
+    from wroll_fem.case.excitation import TrapezoidExcitation as Trapezoid
     from wroll_fem.case.geometry import Geometry
     from wroll_fem.case.harmonic import Backbone, Harmonic
     from wroll_fem.case.integrator import Integrator
@@ -89,7 +96,9 @@ _HOMES = {
     "case.preload": "Preload",
     "case.probes": "ProbePoint",
     "case.winding": "Winding",
-    "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation Sine=SineExcitation",
+    "case.excitation": "Chirp=ChirpExcitation Dwell=DwellExcitation HalfSine=HalfSineExcitation Psd "
+    "Random=RandomExcitation RecordedMotion=FileExcitation Sawtooth=SawtoothExcitation ShockSpectrum=SrsExcitation "
+    "Sine=SineExcitation Trapezoid=TrapezoidExcitation",
     "case.integrator": "Integrator",
     "case.solver": "Solver",
     "case.mesh": "Mesh",
@@ -117,6 +126,7 @@ _MODULES = {
     "plot": "plotting.names",
     "two_dof": "two_dof",
     "estimators": "signals.estimators",
+    "signals": "signals",
 }
 """Public name -> module."""
 
@@ -128,13 +138,14 @@ _WHERE = {
 
 __all__ = [
     "Backbone", "Case", "CaseWarning", "Chirp", "Coil", "Contact", "ConvergenceError", "DesignMap", "Dwell",
-    "FrictionLaw", "Geometry", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial", "LawParameter",
-    "Mandrel", "Mesh", "Modal", "Normal", "NormalPenalty", "OrthotropicMaterial", "Output", "OwnStructure",
-    "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint", "RateCoulomb", "RateFriction", "RateTable", "Result",
-    "Roll", "Sine", "SlipModel", "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Winding",
-    "WrollError", "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case",
-    "half_power", "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run",
-    "run_grid", "run_series", "save_result", "slip_model", "structure", "summarise", "transmissibility", "two_dof",
+    "FrictionLaw", "Geometry", "HalfSine", "Harmonic", "InputError", "Integrator", "Interface", "IsotropicMaterial",
+    "LawParameter", "Mandrel", "Mesh", "Modal", "Normal", "NormalPenalty", "OrthotropicMaterial", "Output",
+    "OwnStructure", "PenaltyCoulomb", "PenaltyFriction", "Preload", "ProbePoint", "Psd", "Random", "RateCoulomb",
+    "RateFriction", "RateTable", "RecordedMotion", "Result", "Roll", "Sawtooth", "ShockSpectrum", "Sine", "SlipModel",
+    "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Trapezoid", "Winding", "WrollError",
+    "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power",
+    "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run", "run_grid",
+    "run_series", "save_result", "signals", "slip_model", "structure", "summarise", "transmissibility", "two_dof",
     "write_report",
 ]  # fmt: skip
 

@@ -111,7 +111,7 @@ def structure(
     Returns
     -------
     OwnStructure
-        With `run_modal`, `run_harmonic`, `run_backbone`, `run_sweep` and `run_dwell`.
+        With `run_modal`, `run_harmonic`, `run_backbone`, `run_sweep`, `run_dwell`, `run_random` and `run_shock`.
 
     Raises
     ------

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wroll_fem.case import Case
-from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation
+from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation, RandomExcitation, ShockExcitation
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.modal import Modal
@@ -100,6 +100,54 @@ class Runs(ABC):
         """
         return self.run(
             "dwell", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
+            progress=progress,
+        )  # fmt: skip
+
+    def run_random(
+        self,
+        excitation: RandomExcitation,
+        *,
+        integrator: Integrator | None = None,
+        solver: Solver | None = None,
+        output: Output | None = None,
+        out: str | Path | None = None,
+        progress: ShowProgress = None,
+    ) -> Result:
+        """Compute the response to a random motion: spectra, H1, f_n, zeta, rms values, slip map, energy ledger.
+
+        Parameters
+        ----------
+        excitation, integrator, solver, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
+        return self.run(
+            "random", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
+            progress=progress,
+        )  # fmt: skip
+
+    def run_shock(
+        self,
+        excitation: ShockExcitation,
+        *,
+        integrator: Integrator | None = None,
+        solver: Solver | None = None,
+        output: Output | None = None,
+        out: str | Path | None = None,
+        progress: ShowProgress = None,
+    ) -> Result:
+        """Compute the response to a shock: peaks, shock response spectra, frequency and damping of the decay.
+
+        Parameters
+        ----------
+        excitation, integrator, solver, output
+            Case sections; None gives the default.
+        out, progress
+            As of `wroll_fem.run`.
+        """
+        return self.run(
+            "shock", excitation=excitation, integrator=integrator, solver=solver, output=output, out=out,
             progress=progress,
         )  # fmt: skip
 

@@ -31,7 +31,8 @@ from wroll_fem.case import (
     schema_text,
 )
 from wroll_fem.case.case import case_kinds
-from wroll_fem.case.kinds import RollDwellCase, RollPreloadCase, RollSweepCase, StructureSweepCase
+from wroll_fem.case.kinds import RollPreloadCase
+from wroll_fem.case.kinds_history import RollDwellCase, RollSweepCase, StructureSweepCase
 
 CASES = sorted(CONFIGS.glob("*.yaml"))
 SWEEP = CONFIGS / "lab_sweep.yaml"
@@ -66,7 +67,7 @@ def test_a_case_is_of_the_class_of_its_analysis(path: Path) -> None:
 def test_every_analysis_has_a_class_and_every_class_an_analysis() -> None:
     assert [analysis for analysis, on_structure in case_kinds() if not on_structure] == list(ANALYSES)
     structural = {analysis for analysis, on_structure in case_kinds() if on_structure}
-    assert structural == {"sweep", "dwell", "harmonic", "backbone", "modal", "preload"}
+    assert structural == {"sweep", "dwell", "random", "shock", "harmonic", "backbone", "modal", "preload"}
 
 
 def test_every_way_to_make_a_case_finds_its_class() -> None:

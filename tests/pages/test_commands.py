@@ -79,6 +79,7 @@ SMALLER: dict[str, list[str]] = {
     "lab_integrators": [*COARSE, *SHORT_CHIRP],
     "lab_mandrel": [*COARSE, "modal.count=4"],
     "lab_modal": [*COARSE, "modal.count=4"],
+    "lab_shock": [*COARSE, "excitation.decay=0.05"],
     "lab_sweep": [*COARSE, *SHORT_CHIRP, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
     "lab_sweep_clamped": [*COARSE, *SHORT_CHIRP],
     "lab_sweep_rate": [*COARSE, *SHORT_CHIRP],

@@ -69,7 +69,9 @@ def test_every_key_is_described_and_every_number_has_a_unit() -> None:
 
 EXAMPLES = {
     "sweep": "lab_sweep", "dwell": "lab_dwell", "harmonic": "lab_harmonic", "backbone": "lab_backbone",
-    "modal": "lab_modal", "modal_transient": "case_study", "winding": "winding_case_study", "design_map": "design_map",
+    "shock": "lab_shock", "random": "lab_random",
+    "modal": "lab_modal", "modal_transient": "case_study", "winding": "winding_case_study",
+    "design_map": "design_map",
     "two_dof": "two_dof", "preload": "lab_dwell", "buckling": "lab_buckling",
     "sizing": "sizing_irosa", "slip_damping": "slipping_coil",
 }  # fmt: skip

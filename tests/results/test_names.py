@@ -32,6 +32,8 @@ CASES: dict[str, tuple[str, list[str]]] = {
             "output.every=20", PROBE, DAMPED, "mandrel.yield_stress=1e8",
         ],
     ),
+    "random": ("lab_random", [*COARSE, "excitation.duration=2", "excitation.psd.frequency=[80, 250]", DAMPED]),
+    "shock": ("lab_shock", [*COARSE, "excitation.decay=0.1", "solver.method=condensed"]),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
     "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED]),
     "harmonic of a roll": (

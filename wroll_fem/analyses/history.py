@@ -15,6 +15,7 @@ from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
+from wroll_fem.analyses.shock_plan import unresolved_modes
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -174,8 +175,9 @@ def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
         frequency, modes = condensation.main_mode[0], len(condensation.eigenvalues)
         progress.info(f"resonance of the sticking roll: {frequency:.2f} Hz; {modes} modes")
     detuned = detuned_harmonic(case, condensation) if stepper.system.interfaces else ""
-    if detuned:
-        progress.warning(detuned)
+    for text in (detuned, unresolved_modes(case, condensation, time_step(case))):
+        if text:
+            progress.warning(text)
     if not condensation.exact:
         progress.warning(
             "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "

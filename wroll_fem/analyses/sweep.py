@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,12 @@ from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import step_at, sweep_step_error
 from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
+from wroll_fem.signals.attainment import swept_peak
+from wroll_fem.signals.damping import HalfPower, likely_damping
 from wroll_fem.signals.estimators import estimate_damping
-from wroll_fem.signals.motions import base_motion
+from wroll_fem.signals.motions import sweep_motion
 from wroll_fem.signals.quality import Circumstances, judge
+from wroll_fem.signals.sweeps import Sweep
 from wroll_fem.signals.tip import rigid_tip
 from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
@@ -47,8 +51,8 @@ def run_sweep(
         If a step does not converge; ``partial`` has the history up to that step.
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
-    motion = base_motion(case.excitation)
-    curve = transmissibility(history, motion)  # type: ignore[arg-type]
+    motion = sweep_motion(case.excitation)
+    curve = transmissibility(history, motion)
     dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
     T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
     read = estimate_damping(curve["frequency"].values, T, case.output.damping)
@@ -57,13 +61,22 @@ def run_sweep(
     error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation, dt)
     spectrum = magnitude(curve, "transmissibility_spectrum").values
     remarks = coarse, numerical_remark(history)
-    known = Circumstances(motion, participation, spectrum=spectrum, remarks=remarks, rigid=rigid_tip(history))  # type: ignore[arg-type]
+    known = Circumstances(motion, participation, spectrum=spectrum, remarks=remarks, rigid=rigid_tip(history))
     quality = judge(read, curve["frequency"].values, np.abs(T), known)
     for text in quality.reasons:
         progress.warning(text)
     attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
     attrs |= parts_of_sweep(dataset, attrs["zeta"], (read.shape.f_low, read.shape.f_high))
-    return dataset.assign_attrs(history.attrs | attrs | {"time_step_error": error})
+    attrs |= {"time_step_error": error, "sweep_attainment": _attainment(motion, read.shape, participation)}
+    return dataset.assign_attrs(history.attrs | attrs)
+
+
+def _attainment(motion: Sweep, read: HalfPower, participation: float | None) -> float:
+    """Part of the steady peak that a linear resonance reaches with the damping read; nan without a resonance."""
+    if not read.resonant:
+        return nan
+    zeta = likely_damping(read, participation)[0]
+    return swept_peak(read.f_n, zeta, motion.rate_at(read.f_n), downward=motion.downward).attainment
 
 
 def numerical_remark(history: xr.Dataset) -> str:

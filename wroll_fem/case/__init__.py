@@ -15,18 +15,16 @@ from wroll_fem.case.kinds import (
     ANALYSES,
     BackboneCase,
     DesignMapCase,
-    DwellCase,
     HarmonicCase,
-    HistoryCase,
     ModalCase,
     ModalTransientCase,
     PreloadCase,
     SizingCase,
     SlipDampingCase,
-    SweepCase,
     TwoDofCase,
     WindingCase,
 )
+from wroll_fem.case.kinds_history import DwellCase, HistoryCase, RandomCase, ShockCase, SweepCase
 from wroll_fem.case.loader import build_case, load_case
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.material import IsotropicMaterial
@@ -44,7 +42,7 @@ __all__ = [
     "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase", "DwellCase",
     "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "HistoryCase", "Integrator",
     "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
-    "OnStructure", "Output", "Preload", "PreloadCase", "RollSections", "Section", "SizingCase", "SlipDampingCase",
-    "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase", "build_case", "example_case",
-    "load_case", "schema_text",
+    "OnStructure", "Output", "Preload", "PreloadCase", "RandomCase", "RollSections", "Section", "ShockCase",
+    "SizingCase", "SlipDampingCase", "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase",
+    "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

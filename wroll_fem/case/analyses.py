@@ -9,6 +9,8 @@ from __future__ import annotations
 MODULES: dict[str, str] = {
     "sweep": "wroll_fem.analyses.sweep",
     "dwell": "wroll_fem.analyses.dwell",
+    "random": "wroll_fem.analyses.random",
+    "shock": "wroll_fem.analyses.shock",
     "harmonic": "wroll_fem.analyses.harmonic",
     "backbone": "wroll_fem.analyses.backbone",
     "modal": "wroll_fem.analyses.modal",

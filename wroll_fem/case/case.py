@@ -249,7 +249,7 @@ class Case(Section):
         if self.output.damping != Output.model_fields["damping"].default:
             data["output"] = {"damping": self.output.damping}
         integrator = data.get("integrator") or {}
-        if integrator.get("steps_per_cycle") == "auto" and self.analysis != "dwell":
+        if integrator.get("steps_per_cycle") == "auto" and self.analysis not in ("dwell", "random"):
             integrator["steps_per_cycle"] = DEFAULT_STEPS  # value of auto there, and the default before auto existed
         for section, key in _OFF_BY_DEFAULT:
             if data.get(section, {}).get(key, True) in (False, None):

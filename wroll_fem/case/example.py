@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wroll_fem.case.kinds import RollDwellCase
+from wroll_fem.case.kinds_history import RollDwellCase
 
 
 def example_case() -> RollDwellCase:

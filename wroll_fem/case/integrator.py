@@ -38,7 +38,7 @@ class Integrator(Section):
         default="auto",
         description="time steps per cycle of the highest excitation frequency (count, 2 or more); auto: 40, and 60 to "
         "160 for a dwell near the resonance of a roll, where HHT's period error would change the response by more "
-        "than 5 %",
+        "than 5 %; for random 20 to 40, with 40 or more per cycle of the resonance of a roll",
     )
 
     follow_frequency: bool = Field(

@@ -1,6 +1,7 @@
 """Case classes, one per analysis; a structural analysis has two: one for a roll, one for matrices from a file.
 
-A roll analysis that has no case section of its own has no class here; its class is created from its name.
+Those of the time histories are in `kinds_history`, imported here first. A roll analysis that has no case section of its
+own has no class here; its class is created from its name.
 """
 
 from __future__ import annotations
@@ -18,8 +19,6 @@ from wroll_fem.case.checks import (
     check_damping_method,
     check_design_map,
     check_layers,
-    check_motion,
-    check_steps,
 )
 from wroll_fem.case.checks_coil import check_resonance, check_solid_coil
 from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
@@ -29,14 +28,13 @@ from wroll_fem.case.damping import Damping
 from wroll_fem.case.design_map import DesignMap
 from wroll_fem.case.excitation import (
     ChirpExcitation,
-    DwellExcitation,
     Excitation,
-    HistoryExcitation,
     SineExcitation,
 )
 from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
+from wroll_fem.case.kinds_history import ANALYSIS, motion
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
@@ -61,66 +59,12 @@ from wroll_fem.case.structural import (
 from wroll_fem.case.two_dof import TwoDof
 from wroll_fem.case.winding import Winding
 
-ANALYSIS = "what to compute"
-
-
-def _motion(analysis: str, *wanted: str) -> BeforeValidator:
-    def check(value: Any) -> Any:
-        check_motion(value, analysis, *wanted)
-        return value
-
-    return BeforeValidator(check)
-
-
-class HistoryCase(StructuralCase):
-    """Time history of the response to a motion of the base."""
-
-    excitation: HistoryExcitation = Field(description=EXCITATION)
-
-    def _checks(self) -> Iterator[Check]:
-        yield from super()._checks()
-        yield lambda: check_steps(self.excitation, self.integrator, self.solver)
-
-
-class SweepCase(HistoryCase):
-    """Time history of the response to a sine sweep of the base."""
-
-    analysis: Literal["sweep"] = Field(description=ANALYSIS)
-    excitation: Annotated[ChirpExcitation, _motion("sweep", "chirp")] = Field(description=EXCITATION)
-
-
-@case_kind
-class RollSweepCase(SweepCase, OnRoll):
-    """Sine sweep of a roll."""
-
-
-@case_kind
-class StructureSweepCase(SweepCase, OnStructure):
-    """Sine sweep of a structure whose matrices come from a file."""
-
-
-class DwellCase(HistoryCase):
-    """Time history of the response to sine motion of the base at one frequency."""
-
-    analysis: Literal["dwell"] = Field(description=ANALYSIS)
-    excitation: Annotated[DwellExcitation, _motion("dwell", "dwell")] = Field(description=EXCITATION)
-
-
-@case_kind
-class RollDwellCase(DwellCase, OnRoll):
-    """Dwell of a roll."""
-
-
-@case_kind
-class StructureDwellCase(DwellCase, OnStructure):
-    """Dwell of a structure whose matrices come from a file."""
-
 
 class HarmonicCase(StructuralCase):
     """Periodic response to sine motion of the base versus frequency, by harmonic balance."""
 
     analysis: Literal["harmonic"] = Field(description=ANALYSIS)
-    excitation: Annotated[ChirpExcitation, _motion("harmonic", "chirp")] = Field(description=EXCITATION)
+    excitation: Annotated[ChirpExcitation, motion("harmonic", "chirp")] = Field(description=EXCITATION)
     harmonic: Harmonic = Field(default_factory=Harmonic, description=HARMONIC)
 
     def _checks(self) -> Iterator[Check]:
@@ -221,7 +165,7 @@ class ModalTransientCase(ShakenCoilCase):
     """Solid coil under steady sine motion of the base: points at which shear exceeds the friction capacity."""
 
     analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
-    excitation: Annotated[SineExcitation, _motion("modal_transient", "sine")] = Field(description=EXCITATION)
+    excitation: Annotated[SineExcitation, motion("modal_transient", "sine")] = Field(description=EXCITATION)
 
 
 @case_kind
@@ -229,7 +173,7 @@ class SlipDampingCase(ShakenCoilCase):
     """Solid coil whose wraps slide: frequency and damping of its resonance versus amplitude."""
 
     analysis: Literal["slip_damping"] = Field(description=ANALYSIS)
-    excitation: Annotated[SineExcitation, _motion("slip_damping", "sine")] = Field(description=EXCITATION)
+    excitation: Annotated[SineExcitation, motion("slip_damping", "sine")] = Field(description=EXCITATION)
 
     def _checks(self) -> Iterator[Check]:
         yield from super()._checks()

@@ -12,7 +12,7 @@ from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 from wroll_fem.results.json_types import json_types
 
-WITH_FILE = ("mesh", "structure")
+WITH_FILE = ("mesh", "structure", "excitation")
 """Sections whose `file` is a path relative to the case file (or, with --set, to the working directory)."""
 
 

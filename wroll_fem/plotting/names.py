@@ -32,11 +32,13 @@ from wroll_fem.plotting.modes import plot_modes as modes
 from wroll_fem.plotting.scene import jupyter_backend, slip_scene
 from wroll_fem.plotting.series import FIGURES
 from wroll_fem.plotting.series import plot_curves as curves
+from wroll_fem.plotting.shock import plot_shock as shock
 from wroll_fem.plotting.slip import plot_peak_slip_vectors as peak_slip_vectors
 from wroll_fem.plotting.slip import plot_pressure_map as pressure_map
 from wroll_fem.plotting.slip import plot_slip_map as slip_map
 from wroll_fem.plotting.slip_damping import plot_slip_damping as slip_damping
 from wroll_fem.plotting.slip_work import plot_slip_work as slip_work
+from wroll_fem.plotting.spectra import plot_spectra as spectra
 from wroll_fem.plotting.style import save_figure as save
 from wroll_fem.plotting.transmissibility import plot_comparison as comparison
 from wroll_fem.plotting.transmissibility import plot_transmissibility as transmissibility
@@ -63,9 +65,9 @@ __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "hysteresis",
     "jupyter_backend", "margin",
     "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "response", "root_section", "root_sections", "save",
-    "shear_along", "shear_distribution", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene",
-    "slip_work", "slip_zone", "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements",
-    "two_dof_design_space", "two_dof_readings", "winding", "write_slip_vtu",
+    "shear_along", "shear_distribution", "shock", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder",
+    "slip_scene", "slip_work", "slip_zone", "spectra", "steady_response", "study_figure", "transmissibility",
+    "two_dof", "two_dof_arrangements", "two_dof_design_space", "two_dof_readings", "winding", "write_slip_vtu",
 ]  # fmt: skip
 globals().update(FIGURES)  # figures of a study, by the names that a grid file gives them
 __all__ += FIGURES

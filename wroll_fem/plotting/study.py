@@ -101,8 +101,9 @@ def friction_work(member: StudyCase) -> float:
 
 
 def is_sweep(member: StudyCase) -> bool:
-    """Whether the results of a case are a sweep: a time history with a transmissibility."""
-    return "time" in member.data.dims and "transmissibility_real" in member.data
+    """Whether the results of a case are a sweep: a time history with a transmissibility, but no coherence."""
+    data = member.data
+    return "time" in data.dims and "transmissibility_real" in data and "coherence" not in data
 
 
 def shown(key: str, value: Any) -> str:

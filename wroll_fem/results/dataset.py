@@ -96,6 +96,21 @@ FIELDS: dict[str, Field] = {
     "transmissibility_spectrum_real": Field("1", "transmissibility, real part (spectrum ratio)"),
     "transmissibility_spectrum_imag": Field("1", "transmissibility, imaginary part (spectrum ratio)"),
     "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
+    # averaged spectra of a random motion; its "transmissibility" is H1
+    "base_psd": Field("m2 s-3", "PSD of the base acceleration"),
+    "tip_psd": Field("m2 s-3", "PSD of the absolute tip acceleration"),
+    "coherence": Field("1", "coherence of base and tip acceleration"),
+    "h1_error": Field("1", "relative standard deviation of |H1|"),
+    "hv_real": Field("1", "transmissibility Hv, real part"),
+    "hv_imag": Field("1", "transmissibility Hv, imaginary part"),
+    # shocks
+    "natural_frequency": Field("Hz", "natural frequency of the system with one degree of freedom"),
+    "srs_base": Field(_ACCELERATION, "shock response spectrum of the base (absolute acceleration, maximax)"),
+    "srs_tip": Field(_ACCELERATION, "shock response spectrum of the tip (absolute acceleration, maximax)"),
+    "decay_amplitude": Field("m", "amplitude of the tip displacement in the decay (0-peak)"),
+    "decay_frequency": Field("Hz", "frequency of the decay at this amplitude"),
+    "decay_damping": Field("1", "damping ratio of the decay at this amplitude"),
+    "decay_time": Field("s", "time at which the decay has this amplitude"),
     # periodic motions
     "branch_point": Field("1", "point along the branch"),
     "base_shear": Field("N", "force of the roll on its base along the excitation"),

@@ -6,41 +6,10 @@ module imports no large library.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from wroll_fem.results.entry import Entry, number, share
+from wroll_fem.results.shock_entries import SHOCK
 
 __all__ = ["EFFORT", "GROUPS", "SUMMARY", "Entry", "label", "netcdf_unit", "split_unit", "unit_of"]
-
-
-class Entry(NamedTuple):
-    """Entry of summary.json.
-
-    Attributes
-    ----------
-    unit
-        Unit as printed; "" if dimensionless.
-    label
-        What it is, in a few words.
-    sentence
-        Further explanation, for the reference page.
-    style
-        "share": shown in per cent; "number": shown unchanged; "si": shown with an SI prefix.
-    console
-        Format in the output at the end of `wroll run`; "" omits the entry there.
-    """
-
-    unit: str
-    label: str
-    sentence: str = ""
-    style: Literal["si", "number", "share"] = "si"
-    console: str = ""
-
-
-def _share(label: str, sentence: str = "", console: str = "") -> Entry:
-    return Entry("", label, sentence, "share", console)
-
-
-def _number(unit: str, label: str, sentence: str = "", console: str = "") -> Entry:
-    return Entry(unit, label, sentence, "number", console)
 
 
 EFFORT = "Size and effort"
@@ -52,11 +21,11 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "mass_total_kg": Entry("kg", "mass in motion"),
         "warnings": Entry("", "warnings", "before, during and at the end of the run, each with its remedy"),
     },
-    "Resonance of a curve (sweep, harmonic)": {
-        "f_n_hz": _number(
+    "Resonance of a curve (sweep, random, harmonic)": {
+        "f_n_hz": number(
             "Hz", "resonance frequency f_n", "frequency of the peak; `null` without a maximum in the band", "{:.2f} Hz"
         ),
-        "zeta": _share(
+        "zeta": share(
             "damping ratio zeta",
             "(f2 - f1)/(2 f_n) by default; `null` where a half-power point lies outside the band", "{:.4f}",
         ),
@@ -64,47 +33,71 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "", "quality of zeta", "`ok`, `doubtful` or `invalid`; zeta is `null` if it is invalid", "si", "{}"
         ),
         "zeta_doubts": Entry("", "reasons for the quality of zeta", "a list, worst first; also among the warnings"),
-        "zeta_apparent": _share("apparent damping ratio", "the estimate, whatever its quality"),
-        "zeta_spread": _share("distance of zeta to that from the spectra of the sweep", "relative"),
+        "zeta_apparent": share("apparent damping ratio", "the estimate, whatever its quality"),
+        "zeta_spread": share("distance of zeta to that from the spectra of the sweep", "relative"),
         "zeta_method": Entry("", "method of zeta", "estimator (`output.damping`) and curve"),
         "half_power_reason": Entry(
             "", "reason for a missing reading", "why f_n or zeta is `null`, or what makes zeta doubtful; else empty"
         ),
-        "zeta_material": _share(
+        "zeta_material": share(
             "zeta due to material damping",
             "work of material damping, divided by 4 pi times the kinetic energy: at the peak (harmonic), between the "
-            "half-power frequencies (sweep), at zeta_max (backbone)",
+            "half-power frequencies (sweep), at zeta_max (backbone); share of the energy lost in the decay (shock)",
             "{:.4f}",
         ),
-        "zeta_friction": _share("zeta due to friction", "the rest of zeta", "{:.4f}"),
-        "zeta_error": _share("standard error of zeta", "of estimators that have one"),
-        "zeta_lower_bound": _share("zeta, lower end of its error bar"),
-        "zeta_misfit": _share("distance of fit and curve, divided by the peak"),
+        "zeta_friction": share("zeta due to friction", "the rest of zeta", "{:.4f}"),
+        "zeta_error": share("standard error of zeta", "of estimators that have one"),
+        "zeta_lower_bound": share("zeta, lower end of its error bar"),
+        "zeta_misfit": share("distance of fit and curve, divided by the peak"),
         "zeta_reason": Entry("", "reason for this method"),
-        "f_n_error_hz": _number("Hz", "standard error of f_n"),
-        "peak_transmissibility": _number(
+        "f_n_error_hz": number("Hz", "standard error of f_n"),
+        "peak_transmissibility": number(
             "", "peak transmissibility", "|A_tip + A_g|/|A_g|; of the displacements with two_dof", "{:.2f}"
         ),
-        "half_power_low_hz": _number("Hz", "lower half-power frequency", "f1, where T is its peak divided by sqrt 2"),
-        "half_power_high_hz": _number("Hz", "upper half-power frequency", "f2"),
-        "stuck_resonance_hz": _number("Hz", "resonance frequency with sticking interfaces", "of the main mode"),
-        "tip_participation": _number(
+        "half_power_low_hz": number("Hz", "lower half-power frequency", "f1, where T is its peak divided by sqrt 2"),
+        "half_power_high_hz": number("Hz", "upper half-power frequency", "f2"),
+        "stuck_resonance_hz": number("Hz", "resonance frequency with sticking interfaces", "of the main mode"),
+        "tip_participation": number(
             "", "participation of the main mode at the tip", "T is this value divided by twice the damping ratio"
         ),
-        "skewness": _number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
+        "skewness": number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
     },
     "Steady response of a dwell": {
-        "steady_magnitude": _number("", "steady transmissibility", "during the last whole cycles"),
-        "steady_phase_rad": _number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
-        "steady_amplitude_m_s2": _number("m/s²", "steady tip acceleration (0-peak)"),
-        "steady_residual": _share("residual harmonics and transients, relative to the fundamental"),
-        "steady_drift": _share("change of the fundamental within the window"),
+        "steady_magnitude": number("", "steady transmissibility", "during the last whole cycles"),
+        "steady_phase_rad": number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
+        "steady_amplitude_m_s2": number("m/s²", "steady tip acceleration (0-peak)"),
+        "steady_residual": share("residual harmonics and transients, relative to the fundamental"),
+        "steady_drift": share("change of the fundamental within the window"),
         "steady_doubt": Entry(
             "", "doubt about the steady response", "reason, where drift or residual exceed 2 %; else empty"
         ),
     },
-    "Energy over the whole motion (sweep, dwell)": {
-        "energy_balance_error": _share(
+    "Random motion": {
+        "psd_rms_m_s2": number("m/s²", "rms of the PSD", "of the case, in closed form, level included"),
+        "base_rms_m_s2": number("m/s²", "rms of the base acceleration", "of the steady part", "{:.4g} m/s²"),
+        "tip_rms_m_s2": number("m/s²", "rms of the absolute tip acceleration", "of the steady part", "{:.4g} m/s²"),
+        "tip_3sigma_m_s2": number("m/s²", "3 sigma of the absolute tip acceleration"),
+        "tip_displacement_rms_m": Entry(
+            "m", "rms of the tip displacement", "relative to the base, steady part", console="{:.4g} m"
+        ),
+        "tip_displacement_3sigma_m": Entry("m", "3 sigma of the tip displacement"),
+        "tip_rms_error": share(
+            "standard error of the rms of the tip acceleration", "from the length of the record and its PSD"
+        ),
+        "tip_kurtosis": number("", "kurtosis of the tip acceleration", "3 for a Gaussian response"),
+        "base_shear_rms_n": Entry("N", "rms of the base shear"),
+        "base_shear_3sigma_n": Entry("N", "3 sigma of the base shear"),
+        "base_moment_rms_nm": number("N m", "rms of the base moment"),
+        "base_moment_3sigma_nm": number("N m", "3 sigma of the base moment"),
+        "steady_start_s": Entry("s", "start of the steady part"),
+        "psd_resolution_hz": number("Hz", "distance of the lines of the averaged spectra"),
+        "psd_averages": number("", "independent averages of the spectra"),
+        "psd_random_error": share("standard error of the PSDs"),
+        "psd_peak_bias": share("part of the peak of a PSD that the resolution takes", "H1 is corrected for it"),
+    },
+    "Shock": SHOCK,
+    "Energy over the whole motion (sweep, dwell, random, shock)": {
+        "energy_balance_error": share(
             "energy balance error",
             "largest residual of the energy balance divided by the largest input; of a period for harmonic and "
             "backbone (input = interface + viscous work) and for two_dof",
@@ -123,20 +116,20 @@ GROUPS: dict[str, dict[str, Entry]] = {
         ),
         "friction_work_per_cycle_j": Entry("J", "energy dissipated by friction per cycle"),
         "modulation_work_per_cycle_j": Entry("J", "work of the pressure-dependent stick stiffness per cycle"),
-        "work_quadrature_error": _share(
+        "work_quadrature_error": share(
             "quadrature error of the friction work",
             "input minus friction, modulation and viscous work, divided by the largest input; decreases with more "
             "`harmonic.samples`",
         ),
         "material_damping_work_per_cycle_j": Entry("J", "energy dissipated by material damping per cycle"),
-        "memory_change": _number("", "change of the elastic slip per cycle, relative to its largest value"),
+        "memory_change": number("", "change of the elastic slip per cycle, relative to its largest value"),
     },
     "Buckling (buckling, modal with geometric stiffness)": {
-        "buckling_load_factor": _number(
+        "buckling_load_factor": number(
             "", "buckling load divided by preload", "lowest factor of the preload at which the roll buckles", "{:.4g}"
         ),
         "buckling_pressure_pa": Entry("Pa", "total external pressure at buckling", console="{:.4g} Pa"),
-        "buckling_wave_number": _number("", "circumferential waves of the buckling mode", console="{:d}"),
+        "buckling_wave_number": number("", "circumferential waves of the buckling mode", console="{:d}"),
     },
     "Stress (sweep, dwell, harmonic)": {
         "von_mises_max_pa": Entry(
@@ -190,28 +183,28 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "m", "largest accumulated slip",
             "length of the plastic slip path during the motion; during one period for harmonic and backbone",
         ),
-        "slipping_area_fraction": _share("area that slipped", "share of the area that slipped at any time"),
-        "open_area_fraction": _share("area that opened", "share of the area that was open at any time of the motion"),
-        "open_time_fraction": _share(
+        "slipping_area_fraction": share("area that slipped", "share of the area that slipped at any time"),
+        "open_area_fraction": share("area that opened", "share of the area that was open at any time of the motion"),
+        "open_time_fraction": share(
             "open longest", "largest share of the time, or of the cycle, that a contact point was open"
         ),
-        "min_pressure_over_preload": _share(
+        "min_pressure_over_preload": share(
             "lowest pressure", "smallest ratio of the pressure in the motion to the preload at the same point"
         ),
     },
     "Modes": {
-        "bending_hz": _number("Hz", "first bending frequency"),
-        "modes_hz": _number("Hz", "frequency", "natural frequencies, rising"),
-        "mode_damping_ratios": _share("damping ratio", "of each mode, due to material damping"),
+        "bending_hz": number("Hz", "first bending frequency"),
+        "modes_hz": number("Hz", "frequency", "natural frequencies, rising"),
+        "mode_damping_ratios": share("damping ratio", "of each mode, due to material damping"),
         "mode_kinds": Entry("", "kind", "bending, torsion, axial, ovalling-n, ..."),
-        "effective_mass_fraction": _share("effective mass", "along the excitation, divided by the total mass"),
+        "effective_mass_fraction": share("effective mass", "along the excitation, divided by the total mass"),
     },
     "Backbone": {
-        "f_stuck_hz": _number("Hz", "resonance frequency with sticking contact"),
-        "f_largest_amplitude_hz": _number("Hz", "resonance frequency at the largest amplitude"),
-        "zeta_max": _share("largest damping ratio"),
+        "f_stuck_hz": number("Hz", "resonance frequency with sticking contact"),
+        "f_largest_amplitude_hz": number("Hz", "resonance frequency at the largest amplitude"),
+        "zeta_max": share("largest damping ratio"),
         "tip_amplitude_at_zeta_max_m": Entry("m", "tip amplitude there (0-peak)"),
-        "base_acceleration_at_zeta_max_m_s2": _number("m/s²", "base acceleration there (0-peak)"),
+        "base_acceleration_at_zeta_max_m_s2": number("m/s²", "base acceleration there (0-peak)"),
     },
     "Wound roll": {
         "pressure_mandrel_pa": Entry("Pa", "pressure at the mandrel", "under the first wrap", console="{:.4g} Pa"),
@@ -223,7 +216,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "mandrel_stiffness_pa": Entry(
             "Pa", "mandrel stiffness", "pressure divided by hoop strain at its surface", console="{:.4g} Pa"
         ),
-        "pressure_mandrel_error_estimate": _share(
+        "pressure_mandrel_error_estimate": share(
             "estimated error of the pressure at the mandrel", "change by extrapolation, divided by the pressure"
         ),
         "hoop_bound_pa": Entry("Pa", "pressure at the mandrel if no wrap relaxed"),
@@ -234,48 +227,48 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "outer_radius_m": Entry("m", "outer radius"),
     },
     "Slip of a solid coil (modal_transient)": {
-        "driven_mode": _number("", "driven mode", "number of the mode excited at its natural frequency"),
-        "excitation_frequency_hz": _number("Hz", "excitation frequency"),
-        "participating_mass_fraction": _share(
+        "driven_mode": number("", "driven mode", "number of the mode excited at its natural frequency"),
+        "excitation_frequency_hz": number("Hz", "excitation frequency"),
+        "participating_mass_fraction": share(
             "participating mass", "share of the mass along the excitation that the modes carry"
         ),
-        "transmissibility": _number("", "transmissibility", "steady, exact", "{:.2f}"),
-        "transmissibility_last_cycle": _number("", "transmissibility of the last simulated cycle"),
-        "steady_cycles": _number("", "cycles until steady", "until the motion repeats"),
-        "amplitude_g": _number("g", "base acceleration (0-peak)", "levels, divided by 9.80665 m/s²"),
+        "transmissibility": number("", "transmissibility", "steady, exact", "{:.2f}"),
+        "transmissibility_last_cycle": number("", "transmissibility of the last simulated cycle"),
+        "steady_cycles": number("", "cycles until steady", "until the motion repeats"),
+        "amplitude_g": number("g", "base acceleration (0-peak)", "levels, divided by 9.80665 m/s²"),
         "shear_resultant_max_pa": Entry("Pa", "largest shear resultant", "per level"),
-        "slipping_volume_fraction": _share("volume that slips", "per level"),
+        "slipping_volume_fraction": share("volume that slips", "per level"),
         "slip_zone_height_m": Entry("m", "slip zone height", "per level, above the base"),
         "slip_zone_depth_m": Entry("m", "slip zone depth", "per level, from the mandrel"),
-        "slip_onset_g": _number(
+        "slip_onset_g": number(
             "g", "base acceleration at which slip starts (0-peak)", "missing if no level causes slip"
         ),
         "slip_onset_radius_m": Entry("m", "slip onset radius"),
         "slip_onset_height_m": Entry("m", "slip onset height"),
-        "slip_onset_theta_rad": _number("rad", "slip onset angle"),
+        "slip_onset_theta_rad": number("rad", "slip onset angle"),
         "slip_statement": Entry("", "coil", "sentence on onset and extent of slip", console="{}"),
     },
     "Coil whose wraps slide (slip_damping)": {
         "tip_at_level_m": Entry("m", "tip displacement at resonance (0-peak)", "per level"),
         "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
-        "frequency_at_level_hz": _number("Hz", "resonance frequency", "per level"),
-        "damping_at_level": _share("damping ratio", "per level, that without slip included"),
+        "frequency_at_level_hz": number("Hz", "resonance frequency", "per level"),
+        "damping_at_level": share("damping ratio", "per level, that without slip included"),
         "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
     },
     "Map of mandrels": {
-        "disparity_hz": _number("Hz", "frequency disparity of this mandrel", "stiffest minus softest coil"),
-        "f_tightest_hz": _number("Hz", "bending frequency of this mandrel, stiffest coil"),
-        "f_loosest_hz": _number("Hz", "bending frequency of this mandrel, softest coil"),
-        "f_mandrel_hz": _number("Hz", "bending frequency of this mandrel, no coil"),
+        "disparity_hz": number("Hz", "frequency disparity of this mandrel", "stiffest minus softest coil"),
+        "f_tightest_hz": number("Hz", "bending frequency of this mandrel, stiffest coil"),
+        "f_loosest_hz": number("Hz", "bending frequency of this mandrel, softest coil"),
+        "f_mandrel_hz": number("Hz", "bending frequency of this mandrel, no coil"),
         "loosest_shear_modulus_pa": Entry("Pa", "shear modulus of the softest coil"),
-        "designs": _number("", "designs", "number of mandrels on the map"),
-        "designs_without_disparity": _number(
+        "designs": number("", "designs", "number of mandrels on the map"),
+        "designs_without_disparity": number(
             "", "designs without disparity", "mandrels whose fundamental mode is not bending"
         ),
-        "disparity_largest_hz": _number("Hz", "largest disparity on the map"),
+        "disparity_largest_hz": number("Hz", "largest disparity on the map"),
         "disparity_largest_mandrel_radius_m": Entry("m", "mandrel radius there"),
         "disparity_largest_mandrel_thickness_m": Entry("m", "mandrel wall there"),
-        "disparity_smallest_hz": _number("Hz", "smallest disparity on the map"),
+        "disparity_smallest_hz": number("Hz", "smallest disparity on the map"),
         "disparity_smallest_mandrel_radius_m": Entry("m", "mandrel radius of the smallest"),
         "disparity_smallest_mandrel_thickness_m": Entry("m", "mandrel wall of the smallest"),
     },
@@ -284,65 +277,70 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "mandrel_material": Entry("", "material of the mandrel", "and which constants are defaults", console="{}"),
         "design_reading": Entry("", "design reading", "reading whose wall the other entries belong to"),
         "design_wall_m": Entry("m", "wall", "of the design reading, or the given one", console="{:.4g} m"),
-        "wall_margins": _share("margins against yield of this wall", "per reading"),
+        "wall_margins": share("margins against yield of this wall", "per reading"),
         "peak_stress_pa": Entry("Pa", "largest von Mises stress", "per reading, with its own wall"),
         "peak_stress_z_m": Entry("m", "height of the largest stress above the base", "per reading"),
-        "peak_stress_theta_rad": _number(
+        "peak_stress_theta_rad": number(
             "rad", "angle of the largest stress", "per reading, from the direction of the inertial load"
         ),
         "peak_stress_surface": Entry("", "surface of the largest stress", "per reading: inner, middle or outer"),
         "end_zone_m": Entry("m", "length of an end zone", "edge bending decays to 1 % in it"),
-        "buckling_waves": _number("", "waves of the buckling mode", "around the circumference, under pressure alone"),
-        "buckling_factor_pressure": _number("", "buckling pressure divided by the pressure", console="{:.3g}"),
-        "buckling_factor_transverse": _number("", "buckling factor of the acceleration", console="{:.3g}"),
-        "buckling_factor_combined": _number(
+        "buckling_waves": number("", "waves of the buckling mode", "around the circumference, under pressure alone"),
+        "buckling_factor_pressure": number("", "buckling pressure divided by the pressure", console="{:.3g}"),
+        "buckling_factor_transverse": number("", "buckling factor of the acceleration", console="{:.3g}"),
+        "buckling_factor_combined": number(
             "", "buckling factor of acceleration and pressure together", console="{:.3g}"
         ),
-        "aspect_ratio": _number("", "aspect ratio AR", "length divided by outer diameter of the mandrel"),
-        "mass_ratio": _number("", "mass ratio MR", "mass of the mandrel's tube divided by that of the coil"),
-        "thickness_ratio": _number("", "thickness ratio TR", "wall divided by the thickness of the coil"),
-        "diameter_ratio": _number("", "diameter ratio DR", "outer diameter of the mandrel divided by that of the coil"),
-        "tip_stiffness_n_per_m": _number(
+        "aspect_ratio": number("", "aspect ratio AR", "length divided by outer diameter of the mandrel"),
+        "mass_ratio": number("", "mass ratio MR", "mass of the mandrel's tube divided by that of the coil"),
+        "thickness_ratio": number("", "thickness ratio TR", "wall divided by the thickness of the coil"),
+        "diameter_ratio": number("", "diameter ratio DR", "outer diameter of the mandrel divided by that of the coil"),
+        "tip_stiffness_n_per_m": number(
             "N/m", "tip stiffness", "transverse force on the tip ring divided by its displacement", "{:.4g} N/m"
         ),
-        "mandrel_hz": _number("Hz", "bending frequency of the mandrel", "with end cap, without coil", "{:.2f} Hz"),
-        "mandrel_with_coil_hz": _number("Hz", "bending frequency with the mass of the coil", "with end cap"),
+        "mandrel_hz": number("Hz", "bending frequency of the mandrel", "with end cap, without coil", "{:.2f} Hz"),
+        "mandrel_with_coil_hz": number("Hz", "bending frequency with the mass of the coil", "with end cap"),
         "mandrel_mass_kg": Entry("kg", "mass of the mandrel", "without end cap"),
         "end_cap_mass_kg": Entry("kg", "mass of the end cap"),
     },
     "Two masses": {
         "friction_capacity_n": Entry("N", "friction capacity", "one curve each"),
-        "omega_peak_rad_s": _number("rad/s", "frequency of the peak", "per capacity"),
+        "omega_peak_rad_s": number("rad/s", "frequency of the peak", "per capacity"),
         "friction_capacity_lowest_peak_n": Entry("N", "friction capacity of the lowest peak"),
         "friction_capacity_at_zeta_max_n": Entry("N", "friction capacity of the largest damping ratio"),
-        "zeta_max_over_design": _share("largest damping ratio in the design space"),
+        "zeta_max_over_design": share("largest damping ratio in the design space"),
         "m2_at_zeta_max_kg": Entry("kg", "secondary mass there"),
-        "k2_at_zeta_max_n_m": _number("N/m", "secondary stiffness there"),
+        "k2_at_zeta_max_n_m": number("N/m", "secondary stiffness there"),
     },
     EFFORT: {
         "method": Entry("", "method", "method of time integration or of the periodic solution"),
-        "dofs": _number("", "degrees of freedom", "of the solved structure (half a roll under symmetry)", "{:d}"),
-        "interface_points": _number("", "contact points"),
-        "reduced_coordinates": _number("", "reduced coordinates", "basis vectors of the reduced model at the end"),
-        "reduction_error_estimate": _share(
+        "dofs": number("", "degrees of freedom", "of the solved structure (half a roll under symmetry)", "{:d}"),
+        "interface_points": number("", "contact points"),
+        "reduced_coordinates": number("", "reduced coordinates", "basis vectors of the reduced model at the end"),
+        "reduction_error_estimate": share(
             "estimated error of the reduction", "relative root mean square of the projection error"
         ),
-        "reduction_tip_error_estimate": _share(
+        "reduction_tip_error_estimate": share(
             "estimated error of the reduction at the tip", "projection error at the tip (harmonic, backbone)"
         ),
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
-        "steps": _number("", "time steps", console="{:d}"),
-        "steps_per_cycle": _number("", "steps per cycle of the highest excitation frequency"),
-        "time_step_error": _share(
+        "steps": number("", "time steps", console="{:d}"),
+        "steps_per_cycle": number("", "steps per cycle of the highest excitation frequency"),
+        "time_step_error": share(
             "estimated error by the time step",
             "of a dwell: largest error of the tip's history divided by its largest displacement; of a sweep: error of "
             "|T| divided by its peak; `null` if no oscillator describes the history",
             "{:.2%}",
         ),
-        "step_cuts": _number("", "step cuts", "halvings of steps that did not converge at once"),
-        "newton_iterations_mean": _number("", "Newton iterations per step (mean)"),
-        "branch_points": _number("", "branch points", "points of the curve"),
-        "folds": _number("", "folds", "turning points of the curve"),
+        "sweep_attainment": share(
+            "part of the steady peak that the sweep reaches",
+            "for a linear resonance with the damping read from the sweep; `null` without a resonance",
+            "{:.1%}",
+        ),
+        "step_cuts": number("", "step cuts", "halvings of steps that did not converge at once"),
+        "newton_iterations_mean": number("", "Newton iterations per step (mean)"),
+        "branch_points": number("", "branch points", "points of the curve"),
+        "folds": number("", "folds", "turning points of the curve"),
         "solver_time_s": Entry("s", "solver time", "CPU time of the time loop or of the continuation"),
         "wall_time_s": Entry("s", "wall time", console="{:.1f} s"),
     },
@@ -353,12 +351,12 @@ SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name
 """Name in summary.json -> its entry."""
 
 _SUFFIXES = {
-    "m_s2": "m/s²", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa", "m": "m",
-    "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g",
+    "m_s2": "m/s²", "m_s": "m/s", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa",
+    "m": "m", "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g",
 }  # fmt: skip
 """Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 
-_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1"}
+_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1", "m/s": "m s-1"}
 """Unit -> its spelling in NetCDF, where this differs."""
 
 

@@ -1,1 +1,56 @@
-"""Signals: base motions, transmissibility and damping estimates."""
+"""Signals: base motions, random records, spectra, transmissibility and damping estimates.
+
+`wf.signals` has the functions of `_HOMES`, for use without a case; the modules of the folder have the rest.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wroll_fem.signals.attainment import rate_for_attainment, swept_peak
+    from wroll_fem.signals.psd import PsdTable
+    from wroll_fem.signals.random_motion import random_record
+    from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
+    from wroll_fem.signals.shock.spectrum import shock_spectrum
+    from wroll_fem.signals.shock.synthesis import synthesise_shock
+    from wroll_fem.signals.shock.table import SpectrumTable
+    from wroll_fem.signals.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
+
+_HOMES = {
+    "rate_for_attainment": "attainment",
+    "swept_peak": "attainment",
+    "HalfSine": "shock.pulses",
+    "Sawtooth": "shock.pulses",
+    "Trapezoid": "shock.pulses",
+    "shock_spectrum": "shock.spectrum",
+    "synthesise_shock": "shock.synthesis",
+    "SpectrumTable": "shock.table",
+    "PsdTable": "psd",
+    "random_record": "random_motion",
+    "Spectra": "welch",
+    "averaged_spectra": "welch",
+    "rms_error": "welch",
+    "wanted_duration": "welch",
+    "wanted_resolution": "welch",
+}
+"""Public name -> module, imported on first use."""
+
+__all__ = [
+    "HalfSine", "PsdTable", "Sawtooth", "Spectra", "SpectrumTable", "Trapezoid", "averaged_spectra", "random_record",
+    "rate_for_attainment", "rms_error", "shock_spectrum", "swept_peak", "synthesise_shock", "wanted_duration",
+    "wanted_resolution",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

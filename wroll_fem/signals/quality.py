@@ -26,6 +26,10 @@ Grade = Literal["ok", "doubtful", "invalid"]
 SECOND_PEAK, PROMINENCE = 0.6, 0.05
 """Height of a second peak, relative to the highest, that makes a damping ratio doubtful, and its least prominence."""
 
+NOISE_OF_PEAK = 5.0
+"""Least prominence of a second peak on a curve with noise, in standard deviations of the noise: two neighbouring points
+differ by this in one of 2000 cases."""
+
 TOO_FAST = 0.5
 """Sweep rate, relative to the ISO 7626-2 limit for the estimated damping ratio, above which this ratio is invalid. It
 is then at least 13 % too high: the limit increases with the estimate, so that this share corresponds to 0.65 of the
@@ -233,7 +237,8 @@ def _height(curve: _Curve) -> _Doubts:
 
 def _second_peak(curve: _Curve) -> _Doubts:
     highest = float(curve.magnitude.max())
-    tops, _ = find_peaks(curve.magnitude, height=SECOND_PEAK * highest, prominence=PROMINENCE * highest)
+    prominence = max(PROMINENCE, NOISE_OF_PEAK * curve.read.noise)
+    tops, _ = find_peaks(curve.magnitude, height=SECOND_PEAK * highest, prominence=prominence * highest)
     others = [k for k in tops if curve.magnitude[k] < highest]
     if others:
         second = max(others, key=lambda k: curve.magnitude[k])

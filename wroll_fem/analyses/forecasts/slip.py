@@ -112,9 +112,10 @@ def slip_warnings(case: Any) -> list[str]:
             f"backbone.tip_largest = {backbone.tip_largest:.2g} m: no damping at these amplitudes; raise "
             "backbone.tip_largest"
         ]
-    if excitation is None or excitation.amplitude is None:
+    amplitude = getattr(excitation, "amplitude", None)
+    if amplitude is None:
         return []
-    per_metre = (2.0 * math.pi * beam_frequency(case, bonded=True)) ** 2 / excitation.amplitude
+    per_metre = (2.0 * math.pi * beam_frequency(case, bonded=True)) ** 2 / amplitude
     start, gross = (per_metre * tip for tip in forecast)
     if start > min(FEW, _highest_peak(case.damping)):
         return [

@@ -14,10 +14,13 @@ from wroll_fem.analyses.forecasts.closed_forms import (
     shear_lag_length,
 )
 from wroll_fem.analyses.forecasts.slip import slip_warnings
+from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
+from wroll_fem.signals.attainment import rate_for_attainment
+from wroll_fem.signals.motions import base_motion, sweep_motion
 
 if TYPE_CHECKING:
-    from wroll_fem.case import HarmonicCase, SweepCase
+    from wroll_fem.case import HarmonicCase, RandomCase, ShockCase, SweepCase
     from wroll_fem.case.preload import Preload
 
 
@@ -25,6 +28,10 @@ HIGHEST_AT_BASE = 1.0
 """Height of the root element of a solid coil that rubs, divided by sqrt(R t) of the mandrel, above which a run warns.
 Of configs/irosa_friction.yaml at 3.4 (0.9) the peak is 10 % (1 %) from that of a mesh with 24 x 5 elements along and
 across, graded by 40."""
+
+WANTED_DAMPING, LARGEST_NEEDED = 0.01, 0.04
+"""Damping ratio for which a warning names the rate of a sweep, and the one needed for 90 % of the steady peak above which
+it warns."""
 
 USUAL_FREQUENCIES = (0.05, 1e5)
 """Usual range of the first bending frequency of a roll, Hz."""
@@ -52,6 +59,11 @@ def scheme_warnings(case: StructuralCase) -> list[str]:
         f"integrator.scheme {scheme} dissipates a considerable part of the energy numerically; use hht with alpha "
         "-0.05, and compare numerical_dissipation_j with friction_energy_j"
     ]
+
+
+def motion_remarks(case: ShockCase) -> list[str]:
+    """Doubts about the base motion of a shock, such as a clipped record."""
+    return [f"excitation: {text}" for text in getattr(base_motion(case.excitation), "remarks", ())]
 
 
 def structure_warnings(case: StructuralCase) -> list[str]:
@@ -107,6 +119,49 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
         f"the chirp of {start:g} to {end:g} Hz misses the resonance, expected between {low:.0f} Hz ({lowest}) and "
         f"{high:.0f} Hz (bonded); set excitation.f_start and f_end around it"
     ]
+
+
+def fast_sweeps(case: SweepCase) -> list[str]:
+    """Warn about a sweep that lightly damped resonances cannot follow (`wroll_fem.signals.attainment`)."""
+    if not isinstance(case, OnRoll):
+        return []
+    motion, f_n = sweep_motion(case.excitation), beam_frequency(case, bonded=False)
+    low, high = motion.band
+    f_n = min(max(f_n, low), high)
+    slow = rate_for_attainment(f_n, WANTED_DAMPING)
+    needed = WANTED_DAMPING * math.sqrt(motion.rate_at(f_n) / slow)
+    if needed <= LARGEST_NEEDED:
+        return []
+    return [
+        f"the sweep passes a resonance at {f_n:.0f} Hz with {motion.rate_at(f_n):.3g} oct/min: its peak reaches 90 % of "
+        f"the steady one only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % "
+        f"sweep with {slow:.2g} oct/min, or use harmonic"
+    ]
+
+
+def random_warnings(case: RandomCase) -> list[str]:
+    """Warn about a PSD that misses the resonance, or that reaches above the frequencies that the time step resolves."""
+    excitation, warnings = case.excitation, []
+    low, high = excitation.psd.table.band
+    highest = excitation.highest_frequency_hz
+    if isinstance(case, OnRoll):
+        first = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
+        last = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
+        if not (low < 1.05 * last and high > 0.95 * first):
+            lowest = "open" if case.coil.rubs else "frictionless"
+            warnings.append(
+                f"the PSD from {low:g} to {high:g} Hz misses the resonance, expected between {first:.0f} Hz ({lowest}) "
+                f"and {last:.0f} Hz (bonded); extend excitation.psd"
+            )
+    steps = case.integrator.steps * highest / high
+    if steps < FEWEST_STEPS_PER_CYCLE:
+        warnings.append(
+            f"the PSD reaches {high:g} Hz, but nearly all of its energy lies below {highest:.4g} Hz, which the time "
+            f"step resolves: at {high:g} Hz it has {steps:.2g} steps per cycle, and responses there are wrong; end the "
+            f"PSD at {highest:.4g} Hz, or set integrator.steps_per_cycle to "
+            f"{math.ceil(FEWEST_STEPS_PER_CYCLE * high / highest)}"
+        )
+    return warnings
 
 
 def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
@@ -174,8 +229,10 @@ def contact_warnings(case: StructuralCase) -> list[str]:
 
 
 CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
-    "sweep": (missed_resonance, contact_warnings, slip_warnings, structure_warnings, scheme_warnings),
+    "sweep": (missed_resonance, fast_sweeps, contact_warnings, slip_warnings, structure_warnings, scheme_warnings),
     "dwell": (contact_warnings, structure_warnings, scheme_warnings),
+    "random": (random_warnings, contact_warnings, structure_warnings, scheme_warnings),
+    "shock": (motion_remarks, contact_warnings, structure_warnings, scheme_warnings),
     "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),

@@ -16,7 +16,7 @@ from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact
 from wroll_fem.analyses.shared.resolution import system_remark
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.stress import ShellStress
-from wroll_fem.case.kinds import HistoryCase
+from wroll_fem.case.kinds_history import HistoryCase
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
+from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.integrator import DEFAULT_STEPS
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
@@ -21,13 +23,12 @@ from wroll_fem.dynamics.time_stepping.step_error import (
 from wroll_fem.numerics.time_grid import LEAST_STEPS, TimeGrid
 from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.damping import HalfPower, likely_damping
-from wroll_fem.signals.motions import base_motion
-from wroll_fem.signals.sweeps import Sweep
+from wroll_fem.signals.motions import base_motion, sweep_motion
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wroll_fem.case import DwellCase, HistoryCase, SweepCase
+    from wroll_fem.case import DwellCase, HistoryCase, RandomCase, SweepCase
     from wroll_fem.dynamics.reduction.condensation import Condensation
     from wroll_fem.typing import FloatArray
 
@@ -65,21 +66,40 @@ def steps_per_cycle(case: HistoryCase) -> int:
     """Number of steps per cycle of the highest excitation frequency, set by the case or chosen by `auto`.
 
     For the dwell of a roll, `auto` takes the smallest of `CHOICES` whose error is at most `WANTED` for all resonance
-    frequencies between the frictionless and the bonded roll. For other histories it takes `DEFAULT_STEPS`.
+    frequencies between the frictionless and the bonded roll. For random motion of a roll it takes the smallest number
+    from `FEWEST_STEPS_PER_CYCLE` on with which the resonance has `DEFAULT_STEPS`. Otherwise it takes `DEFAULT_STEPS`.
     """
-    excitation = case.excitation
-    if case.integrator.steps_per_cycle != "auto" or not isinstance(case, OnRoll) or excitation.kind != "dwell":
+    if case.integrator.steps_per_cycle != "auto" or not isinstance(case, OnRoll):
         return case.integrator.steps
+    choose = _AUTO.get(case.excitation.kind)
+    return case.integrator.steps if choose is None else choose(case)
+
+
+def _resonances(case: OnRoll) -> tuple[float, float]:
+    """Lowest and highest resonance frequency that the first bending mode of a roll can have, Hz."""
     stiff = case.coil.model in ("layers", "bonded", "solid")
-    low = (1.0 - MARGIN) * beam_frequency(case, bonded=False)
-    high = (1.0 + MARGIN) * beam_frequency(case, bonded=stiff)
-    resonances = [*np.linspace(low, high, 5), float(np.clip(excitation.frequency, low, high))]
-    motion, scheme = base_motion(excitation), Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    return (1.0 - MARGIN) * beam_frequency(case, bonded=False), (1.0 + MARGIN) * beam_frequency(case, bonded=stiff)
+
+
+def _of_random(case: Any) -> int:
+    share = _resonances(case)[1] / case.excitation.highest_frequency_hz
+    return int(np.clip(np.ceil(DEFAULT_STEPS * share), FEWEST_STEPS_PER_CYCLE, DEFAULT_STEPS))
+
+
+def _of_dwell(case: Any) -> int:
+    low, high = _resonances(case)
+    frequency = case.excitation.frequency
+    resonances = [*np.linspace(low, high, 5), float(np.clip(frequency, low, high))]
+    motion, scheme = base_motion(case.excitation), Scheme.named(case.integrator.scheme, case.integrator.alpha)
     for steps in CHOICES[:-1]:
-        dt = 1.0 / (excitation.frequency * steps)
+        dt = 1.0 / (frequency * steps)
         if all(history_error(scheme, dt, motion, Oscillator(f, ASSUMED_DAMPING)) <= WANTED for f in resonances):
             return steps
     return CHOICES[-1]
+
+
+_AUTO: dict[str, Callable[[Any], int]] = {"dwell": _of_dwell, "random": _of_random}
+"""Kind of base motion -> number of steps per cycle that `auto` chooses for a roll."""
 
 
 def time_step(case: HistoryCase) -> float:
@@ -95,8 +115,7 @@ def time_grid(case: HistoryCase, main_mode: float | None) -> TimeGrid | None:
     """
     if not case.integrator.follow_frequency:
         return None
-    motion, dt = base_motion(case.excitation), time_step(case)
-    assert isinstance(motion, Sweep)  # checked with the case
+    motion, dt = sweep_motion(case.excitation), time_step(case)
     low, high = motion.band
     if main_mode is None:
         main_mode = beam_frequency(case, bonded=True) if isinstance(case, OnRoll) else high
@@ -144,12 +163,25 @@ def sweep_step_error(
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), dt or time_step(case)
     oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
     frequency, height = curve
-    motion = base_motion(case.excitation)
-    assert isinstance(motion, Sweep)
-    if motion.rate_at(read.f_n) <= sweep_rate_limit(read.f_n, oscillator.zeta):
+    if sweep_motion(case.excitation).rate_at(read.f_n) <= sweep_rate_limit(read.f_n, oscillator.zeta):
         height = without_ripple(height)
     error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator, dt)
+
+
+def random_step_error(
+    case: RandomCase, curve: tuple[FloatArray, FloatArray], f_n: float, zeta: float
+) -> tuple[float, str]:
+    """Relative error of |H1| of a random motion due to its time step (nan without a damping ratio), and a warning.
+
+    ``curve`` is frequency (n,), Hz, and |H1| (n,).
+    """
+    if not (np.isfinite(f_n) and np.isfinite(zeta) and zeta > 0.0):
+        return np.nan, ""
+    scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    dt = time_step(case)
+    error = curve_error(scheme, dt, *curve, zeta)
+    return error, _warning("|H1| on the flanks of the peak", error, WANTED_CURVE, case, Oscillator(f_n, zeta), dt)
 
 
 def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:

@@ -49,6 +49,21 @@ def parts_of_sweep(dataset: xr.Dataset, zeta: float, band: tuple[float, float]) 
     return _parts(zeta, lost / moved if moved > 0.0 else np.nan, lost, lost + rubbed)
 
 
+def parts_of_random(dataset: xr.Dataset, zeta: float, start: float) -> dict[str, float]:
+    """Attributes `zeta_material` and `zeta_friction` of a random motion: shares of the energy lost after ``start`` (s).
+
+    Empty without material damping or without a damping ratio.
+    """
+    steady = dataset.isel(time=dataset["time"].values >= start)
+
+    def grown(name: str) -> float:
+        return float(steady[name].values[-1] - steady[name].values[0])
+
+    lost = grown("material_damping")
+    both = lost + sum(grown(name) for name in ("friction_energy", "pressure_modulation_work", "impact_dissipation"))
+    return _parts(zeta, zeta * lost / both if both > 0.0 else np.nan, lost, both)
+
+
 def backbone_parts(zeta: FloatArray, material: FloatArray) -> FloatArray:
     """(p,) parts of the damping ratios ``zeta`` (p,) of a backbone due to friction, without round-off."""
     rest = zeta - material

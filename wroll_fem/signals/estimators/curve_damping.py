@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isfinite, nan
+from math import hypot, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -45,7 +45,8 @@ LARGEST_RIPPLE = 10.0
 a sharp resonance can have any phase. Without damping, |T| exceeds this value only within 5 % of f_n."""
 
 LOOSE_FIT = 0.05
-"""Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve."""
+"""Root mean square misfit, relative to the peak, above which the fitted model does not describe the curve.
+A known noise of the curve is added, times 1.5, as squares."""
 
 
 @dataclass(frozen=True)
@@ -58,10 +59,13 @@ class CurveDamping:
         Peak, half-power points and skewness; the same for every method.
     damping
         Frequency and damping ratio by the chosen method, with error bars.
+    noise
+        Standard deviation of |T| at the peak, relative to it, if the curve has a known noise.
     """
 
     shape: HalfPower
     damping: DampingEstimate
+    noise: float = 0.0
 
     def as_attrs(self, curve: str) -> dict[str, Any]:
         """Values as attributes of a Dataset, named as in summary.json; uncertainties only where they were estimated.
@@ -93,7 +97,7 @@ class CurveDamping:
             return [text for text in ("" if shape.complete else shape.reason, shape.note) if text]
         if not found.found:
             return [f"{found.method} gives no damping: {found.reason}"]
-        if found.misfit > LOOSE_FIT:
+        if found.misfit > hypot(LOOSE_FIT, 1.5 * self.noise):
             return [
                 f"the misfit of the {found.method} is {100 * found.misfit:.0f} % of the peak (zeta_misfit): this is "
                 "not the curve of one linear mode, and zeta depends on the method; compare with output.damping: "

@@ -1,0 +1,277 @@
+r"""Analysis random: linear structures against closed forms, a friction oscillator against an independent integration.
+
+The oscillators have 20 Hz, so that a minute of random motion takes a second of computing.
+"""
+
+from __future__ import annotations
+
+import re
+from math import log10, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import trapezoid
+from support.paths import CONFIGS
+
+import wroll_fem as wf
+from wroll_fem.analyses.random import SETTLED, read_spectra
+from wroll_fem.analyses.shared.preflight import random_warnings
+from wroll_fem.analyses.shared.time_step import steps_per_cycle
+from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
+from wroll_fem.errors import InputError
+from wroll_fem.jobs.run import run_case
+from wroll_fem.progress import SilentProgress
+from wroll_fem.signals.motions import base_motion
+from wroll_fem.typing import ComplexArray, FloatArray
+
+GRAVITY = 9.80665
+PSD = {"frequency": [5.0, 40.0], "g2_per_hz": [0.001, 0.001]}
+STEPS = 40
+"""Steps per cycle of 40 Hz: 80 per cycle of the resonance."""
+
+MASS, SPRING, DASHPOT = 1.0, 1.0e4, 4.0
+STIFFNESS, LIMIT = 5.0e3, 4.0
+"""Mass kg, spring N/m and dashpot N s/m of the friction oscillator; stiffness N/m and limit N of its joint."""
+
+SILENT = SilentProgress()
+
+
+def linear_case(f_n: float, zeta: float, **motion: object) -> wf.Case:
+    """Mass on a spring and a dashpot; half of the spring is a joint that never slips."""
+    omega = 2.0 * pi * f_n
+    stiffness = np.array([[0.5 * omega**2]])
+    stuck = wf.joints.Jenkins(at=0, stiffness=0.5 * omega**2, limit=1.0e6)
+    made = wf.structure(stiffness, np.eye(1), [stuck], damping=np.array([[2.0 * zeta * omega]]))
+    return of(made, **motion)
+
+
+def rubbing_case(limit: float = LIMIT, **motion: object) -> wf.Case:
+    joint = wf.joints.Jenkins(at=0, stiffness=STIFFNESS, limit=limit)
+    return of(wf.structure(SPRING * np.eye(1), MASS * np.eye(1), [joint], damping=DASHPOT * np.eye(1)), **motion)
+
+
+def of(made: wf.OwnStructure, **motion: object) -> wf.Case:
+    excitation = wf.Random(**({"psd": PSD, "duration": 60.0, "seed": 1} | motion))
+    return made.case("random", excitation=excitation, integrator=wf.Integrator(steps_per_cycle=STEPS))
+
+
+def transfer(f: FloatArray, f_n: float, zeta: float) -> ComplexArray:
+    r = f / f_n
+    return (1.0 + 2j * zeta * r) / (1.0 - r**2 + 2j * zeta * r)
+
+
+def closed_form(f_n: float, zeta: float) -> tuple[float, float]:
+    """Rms of the absolute acceleration, m/s^2, and of the relative displacement, m: integrals over the PSD."""
+    f = np.linspace(5.0, 40.0, 200001)
+    density = 0.001 * GRAVITY**2
+    relative = 1.0 / ((2.0 * pi) ** 2 * (f_n**2 - f**2 + 2j * zeta * f_n * f))
+    squares = (np.abs(transfer(f, f_n, zeta)) ** 2, np.abs(relative) ** 2)
+    acceleration, displacement = (float(np.sqrt(density * trapezoid(square, f))) for square in squares)
+    return acceleration, displacement
+
+
+@pytest.mark.parametrize(("f_n", "zeta", "seed", "duration"), [(20.0, 0.02, 1, 60.0), (16.3, 0.034, 7, 30.0)])
+def test_a_linear_structure_has_rms_h1_and_zeta_of_the_closed_form(
+    f_n: float, zeta: float, seed: int, duration: float
+) -> None:
+    result = wf.run(linear_case(f_n, zeta, seed=seed, duration=duration), progress=SILENT)
+    found = wf.summarise(result)
+    acceleration, displacement = closed_form(f_n, zeta)
+    stated = 3.0 * found["tip_rms_error"]
+    assert 0.005 < found["tip_rms_error"] < 0.06
+    assert found["tip_rms_m_s2"] == pytest.approx(acceleration, rel=stated)
+    assert found["tip_displacement_rms_m"] == pytest.approx(displacement, rel=stated)
+    assert found["base_rms_m_s2"] == pytest.approx(found["psd_rms_m_s2"], rel=0.01)  # without the first second
+    longer = numerical_damping(Scheme.hht(-0.05), 2.0 * pi * f_n / (40.0 * STEPS))[1]  # of the time step
+    assert found["f_n_hz"] == pytest.approx(f_n / (1.0 + longer), abs=3.0 * found["f_n_error_hz"] + 1e-4 * f_n)
+    assert found["zeta"] == pytest.approx(zeta, abs=3.0 * found["zeta_error"] + 0.003 * zeta)  # bias left: 0.2 %
+    assert found["zeta_error"] < 0.02 * zeta
+    assert found["zeta_quality"] == "ok"
+    assert found["psd_random_error"] == pytest.approx(found["psd_averages"] ** -0.5, rel=1e-12)
+    f = result["frequency"].values
+    size = np.hypot(result["transmissibility_real"], result["transmissibility_imag"]).values
+    exact = np.abs(transfer(f, f_n / (1.0 + longer), zeta))
+    near = np.abs(f - f_n) < 4.0 * zeta * f_n
+    far = ~near & (result["coherence"].values > 0.999)
+    stated = np.abs(size / exact - 1.0)[near] / result["h1_error"].values[near]  # leakage: coherence of 0.985
+    assert np.sqrt(np.mean(stated**2)) < 1.8  # the correction for the resolution raises the noise by up to 1.4
+    assert stated.max() < 5.0
+    assert np.abs(size / exact - 1.0)[far].max() < 0.03
+    assert result["coherence"].values[near].min() > 0.95
+    assert abs(found["friction_energy_j"]) < 1e-12 * found["input_work_j"]
+
+
+def test_a_linear_structure_has_the_same_damping_at_every_level() -> None:
+    low, high = (wf.run(linear_case(20.0, 0.02, duration=20.0, level_db=db), progress=SILENT) for db in (0.0, 12.0))
+    for name, tolerance in (("f_n_hz", 1e-9), ("zeta", 1e-7)):
+        assert high.attrs[name] == pytest.approx(low.attrs[name], rel=tolerance)
+    assert high.attrs["tip_rms_m_s2"] == pytest.approx(10.0**0.6 * low.attrs["tip_rms_m_s2"], rel=1e-9)
+    assert high.attrs["psd_rms_m_s2"] == pytest.approx(10.0**0.6 * low.attrs["psd_rms_m_s2"], rel=1e-12)
+
+
+def integrated(case: wf.Case, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Relative displacement and absolute acceleration of the friction oscillator, by velocity Verlet with small steps.
+
+    Independent of the package: the force of the joint is that of a spring in series with a slider.
+    """
+    base = base_motion(case.excitation).acceleration(dt * np.arange(round(case.excitation.duration / dt) + 1))
+    x = v = elastic = 0.0
+    acceleration, slip = -base[0], LIMIT / STIFFNESS
+    moved, felt = np.zeros(len(base)), np.zeros(len(base))
+    for n, ground in enumerate(base.tolist()):
+        if n:
+            half = v + 0.5 * dt * acceleration
+            step = dt * half
+            x += step
+            elastic = min(max(elastic + step, -slip), slip)
+            force = SPRING * x + STIFFNESS * elastic
+            acceleration = -ground - (force + DASHPOT * half) / MASS
+            v = half + 0.5 * dt * acceleration
+        moved[n], felt[n] = x, acceleration + ground
+    return moved, felt
+
+
+@pytest.mark.parametrize("seed", [1, 23])
+def test_a_friction_oscillator_has_the_rms_of_an_independent_integration(seed: int) -> None:
+    case = rubbing_case(seed=seed, duration=30.0)
+    result = wf.run(case, progress=SILENT)
+    start, dt = result.attrs["steady_start_s"], 1.0 / (40.0 * STEPS * 8)
+    moved, felt = (values[round(start / dt) :] for values in integrated(case, dt))
+    assert result.attrs["tip_displacement_rms_m"] == pytest.approx(np.sqrt(np.mean(moved**2)), rel=0.01)
+    assert result.attrs["tip_rms_m_s2"] == pytest.approx(np.sqrt(np.mean(felt**2)), rel=0.01)
+    summary = wf.summarise(result)
+    assert summary["friction_energy_j"] > 0.2 * summary["input_work_j"]
+    assert summary["energy_balance_error"] < 1e-6
+    assert summary["zeta"] > 0.02  # of the dashpot alone: 0.016 with the joint sticking
+    assert result["coherence"].values.min() < 0.95
+
+
+def test_level_and_capacity_doubled_double_the_response() -> None:
+    single = wf.run(rubbing_case(duration=10.0), progress=SILENT)
+    double = wf.run(rubbing_case(2.0 * LIMIT, duration=10.0, level_db=20.0 * log10(2.0)), progress=SILENT)
+    for name in ("tip_displacement", "tip_acceleration", "base_acceleration"):
+        largest = np.abs(double[name].values).max()
+        np.testing.assert_allclose(double[name].values, 2.0 * single[name].values, rtol=0.0, atol=1e-9 * largest)
+    np.testing.assert_allclose(double["tip_psd"], 4.0 * single["tip_psd"], rtol=1e-7)
+    np.testing.assert_allclose(double["friction_energy"], 4.0 * single["friction_energy"], rtol=1e-8)
+
+
+def test_the_methods_agree() -> None:
+    case = rubbing_case(duration=3.0)
+    reduced, condensed, full = (
+        wf.run(case.changed(f"solver.method={name}"), progress=SILENT)["tip_displacement"].values
+        for name in ("reduced", "condensed", "full")
+    )
+    for other in (reduced, condensed):
+        np.testing.assert_allclose(other, full, rtol=0.0, atol=1e-7 * np.abs(full).max())  # Newton's tolerance
+
+
+def test_the_transient_of_the_start_is_left_out() -> None:
+    case = rubbing_case(duration=10.0)
+    result = wf.run(case, progress=SILENT)
+    found = read_spectra(result, case.excitation, case.output.damping)
+    f_n, zeta = found.resonance
+    assert found.start == pytest.approx(min(2.5, SETTLED / (2.0 * pi * f_n * zeta)), rel=0.05)
+    assert result.attrs["steady_start_s"] == found.start
+
+
+def test_a_resumed_run_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from wroll_fem.dynamics.time_stepping import simulate
+
+    case = rubbing_case(duration=5.0).changed("solver.checkpoint_seconds=0.001")
+    whole = wf.run(case, progress=SILENT)
+    advance, calls = simulate._Run.advance, []
+
+    def stopped(run: simulate._Run, *arguments: object) -> None:
+        calls.append(1)
+        if len(calls) == 12:
+            raise KeyboardInterrupt
+        advance(run, *arguments)
+
+    monkeypatch.setattr(simulate._Run, "advance", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        wf.run(case, out=tmp_path / "run", progress=SILENT)
+    monkeypatch.undo()
+    again = run_case(case, tmp_path / "run", resume=True, progress=SILENT)
+    assert again.summary["steps"] == 8000
+    with xr.open_dataset(tmp_path / "run" / "results.nc", engine="h5netcdf") as stored:
+        for name in ("tip_displacement", "friction_energy", "tip_psd"):
+            np.testing.assert_array_equal(stored[name].values, whole[name].values)
+
+
+def roll(*overrides: str) -> wf.Case:
+    return wf.load_case(CONFIGS / "lab_random.yaml", list(overrides))
+
+
+def test_the_mandrel_alone_has_rms_and_h1_of_its_modes() -> None:
+    coarse = ["mesh.circumferential=8", "mesh.axial=3", "coil={model: none}", "damping.modal=0.02"]
+    case = roll(*coarse, "excitation.duration=12", "excitation.psd={frequency: [60, 260], g2_per_hz: [0.002, 0.01]}")
+    result = wf.run(case, progress=SILENT)
+    modes = wf.run(case.changed("analysis=modal", "modal.count=20"), progress=SILENT)
+    f, shares = modes["mode_frequency"].values, modes["tip_participation"].values
+    at = np.linspace(60.0, 260.0, 40001)[:, None]
+    ratio = 1.0 + (shares * at**2 / (f**2 - at**2 + 2j * 0.02 * f * at)).sum(axis=1)
+    density = case.excitation.psd.table.density(at[:, 0])
+    exact = np.sqrt(trapezoid(density * np.abs(ratio) ** 2, at[:, 0]))
+    assert result.attrs["tip_rms_m_s2"] == pytest.approx(exact, rel=max(0.02, 3.0 * result.attrs["tip_rms_error"]))
+    assert result.attrs["zeta"] == pytest.approx(0.02, rel=0.03)
+    bending = f[np.argmax(np.abs(shares))]
+    assert result.attrs["f_n_hz"] == pytest.approx(bending, rel=3e-3)  # HHT: 0.23 % at 40 steps per cycle
+    moved = "excitation.direction=y"
+    turned = wf.run(case.changed(moved), progress=SILENT)
+    assert turned.attrs["tip_rms_m_s2"] == pytest.approx(result.attrs["tip_rms_m_s2"], rel=1e-3)  # 8 cells around
+
+
+def test_the_steps_of_auto_follow_resonance_and_highest_frequency() -> None:
+    shipped = roll()
+    assert steps_per_cycle(shipped) == 24
+    assert steps_per_cycle(roll("excitation.psd.frequency=[20, 2000]")) == 20
+    assert steps_per_cycle(roll("excitation.psd.frequency=[20, 160]")) == 40
+    assert steps_per_cycle(roll("integrator.steps_per_cycle=33")) == 33
+    tail = roll("excitation.psd={frequency: [20, 300, 310, 2000], g2_per_hz: [0.01, 0.01, 1e-9, 1e-9]}")
+    assert 295.0 < tail.excitation.highest_frequency_hz < 310.0
+    (text,) = random_warnings(tail)
+    assert "nearly all of its energy lies below" in text
+    (text,) = random_warnings(roll("excitation.psd.frequency=[400, 900]"))
+    assert "misses the resonance" in text
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("excitation.psd.frequency=[300, 20]", "excitation.psd.frequency"),
+        ("excitation.psd.g2_per_hz=[0.01, -0.01]", "got -0.01 g^2/Hz"),
+        ("excitation.psd.g2_per_hz=[0.01, 0.01, 0.01]", "3 densities for 2 frequencies"),
+        ("excitation.psd.frequency=[0, 300]", "above zero"),
+        ("excitation.duration=0.05", "excitation.duration"),
+        ("excitation.crest_limit=1", "excitation.crest_limit"),
+        ("excitation.resolution=-1", "excitation.resolution"),
+        ("excitation.kind=chirp", "analysis random needs a random"),
+        ("integrator.steps_per_cycle=10", "too few steps per cycle"),
+        ("excitation.psdd=1", "psdd"),
+    ],
+)
+def test_bad_input_is_one_line(override: str, words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
+        roll(override)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_record_too_short_for_the_resolution_is_refused_and_a_coarse_one_doubtful() -> None:
+    with pytest.raises(InputError, match="too few to average"):
+        wf.run(linear_case(20.0, 0.02, duration=5.0, resolution=0.5), progress=SILENT)
+    for duration, quality in ((8.0, "invalid"), (25.0, "doubtful")):
+        coarse = wf.run(linear_case(20.0, 0.02, duration=duration), progress=SILENT)
+        assert coarse.attrs["zeta_quality"] == quality
+        assert "set excitation.duration to" in coarse.attrs["zeta_doubts"]
+
+
+def test_the_default_estimator_is_the_rational_fraction_and_is_kept() -> None:
+    case = roll()
+    assert case.output.damping == "rational_fraction"
+    assert roll("output.damping=half_power").output.damping == "half_power"
+    again = wf.load_case(CONFIGS / "lab_random.yaml", ["output={figures: false}"])
+    assert again.output.damping == "rational_fraction"
+    assert again.hash() == case.hash()

@@ -1,0 +1,1 @@
+"""Shocks: pulses, shock response spectra, synthesis of a shock from its spectrum."""
