@@ -30,8 +30,8 @@ Of configs/irosa_friction.yaml at 3.4 (0.9) the peak is 10 % (1 %) from that of 
 across, graded by 40."""
 
 WANTED_DAMPING, LARGEST_NEEDED = 0.01, 0.04
-"""Damping ratio for which a warning names the rate of a sweep, and the one needed for 90 % of the steady peak above which
-it warns."""
+"""Damping ratio for which a warning names the rate of a sweep, and the ratio that 90 % of the steady peak needs, above
+which it warns."""
 
 USUAL_FREQUENCIES = (0.05, 1e5)
 """Usual range of the first bending frequency of a roll, Hz."""
@@ -133,8 +133,8 @@ def fast_sweeps(case: SweepCase) -> list[str]:
     if needed <= LARGEST_NEEDED:
         return []
     return [
-        f"the sweep passes a resonance at {f_n:.0f} Hz with {motion.rate_at(f_n):.3g} oct/min: its peak reaches 90 % of "
-        f"the steady one only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % "
+        f"the sweep passes a resonance at {f_n:.0f} Hz with {motion.rate_at(f_n):.3g} oct/min: its peak reaches 90 % "
+        f"of the steady one only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % "
         f"sweep with {slow:.2g} oct/min, or use harmonic"
     ]
 
