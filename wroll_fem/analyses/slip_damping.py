@@ -14,23 +14,19 @@ from threadpoolctl import threadpool_limits
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
-from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
-from wroll_fem.analyses.slip_dataset import CoilShape
-from wroll_fem.analyses.slip_model import in_wound_roll
+from wroll_fem.analyses.slip_structure import BetweenWraps, WoundCoil, slipping_structure
 from wroll_fem.bodies.body import Body
 from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
-from wroll_fem.coiled_stiff.slipping_coil import slipping_system
+from wroll_fem.coiled_stiff.wrap_stiffness import radial_change
 from wroll_fem.contact.kernels import SLIP
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.statics.modal_path import ModalPath, modal_path
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
-from wroll_fem.winding import wound_roll
 
 if TYPE_CHECKING:
     from wroll_fem.case import SlipDampingCase
-    from wroll_fem.dynamics.statics.contact_state import ContactState
     from wroll_fem.dynamics.system.system import System
     from wroll_fem.progress import Progress
 
@@ -76,9 +72,12 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
             found = found.joined(modal_path(path, mode, levels[-1:], keep=True, after=found))
             stage.update(len(levels), f"{len(path.vectors)} basis vectors")
         stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
+    between = WoundCoil(case).at(points.points[:, 2])
     dataset = slip_dataset(system, points, path, found, mode, case).merge(
-        pressure_change(body, points, path, found, case.coil.solid().stiffness())
+        pressure_change(body, points, path, found, case.coil.solid().stiffness(), between.radial_modulus)
     )
+    if case.coil.wrap_interfaces is not None:
+        dataset = with_moduli(dataset, between)
     _warn_of_pressure(dataset, progress)
     if bool(dataset["tip_at_level"].isnull().any()):
         progress.warning(
@@ -94,29 +93,6 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
         )
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
-
-
-def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System, ContactState]:
-    """Body and points of the coil of a case, its system with friction at these points, and the state at rest.
-
-    Raises
-    ------
-    InputError
-        If a point of the coil has no friction capacity.
-    """
-    (body,) = build_bodies(case)
-    assert body.solid is not None
-    points = ShearPoints.of(body.solid)
-    points = points.half() if body.symmetric else points
-    roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
-    shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
-    pressure = roll.pressure_at(in_wound_roll(points.points[:, 2], shape, roll.radius))
-    assert case.wound.mu is not None
-    system, start = slipping_system(
-        body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,
-        direction=DIRECTIONS[case.direction],
-    )  # fmt: skip
-    return body, points, system, start
 
 
 def main_mode(system: System, path: LoadPath) -> FloatArray:
@@ -218,16 +194,18 @@ def slip_dataset(
 
 
 def pressure_change(
-    body: Body, points: ShearPoints, path: LoadPath, found: ModalPath, stiffness: FloatArray
+    body: Body, points: ShearPoints, path: LoadPath, found: ModalPath, stiffness: FloatArray, modulus: FloatArray
 ) -> xr.Dataset:
     """Radial stress of the motion relative to the pressure between the wraps, where they slide, versus `tip_amplitude`.
 
-    The path takes the pressure as constant. ``stiffness`` (6, 6), Pa, is that of the coil.
+    The path takes the pressure as constant. ``stiffness`` (6, 6), Pa, is that of the coil with the radial modulus of
+    its material, ``modulus`` (n,), Pa, the radial modulus at the points.
     """
     assert body.solid is not None
     rows = radial_stress(body.solid, stiffness)
     rows = rows[points.kept] if points.kept is not None else rows
-    change = np.abs((rows @ (body.solid.expand @ displacements(path, found).T)).T) / path.start.pressure
+    stress = (rows @ (body.solid.expand @ displacements(path, found).T)).T * radial_change(modulus, stiffness)
+    change = np.abs(stress) / path.start.pressure
     slides = np.array([state.status == SLIP for state in found.states])
     strong = (slides & (change > STRONG)) @ points.volumes
     return xr.Dataset(
@@ -238,6 +216,15 @@ def pressure_change(
             ),
         }
     )  # fmt: skip
+
+
+def with_moduli(dataset: xr.Dataset, between: BetweenWraps) -> xr.Dataset:
+    """Dataset with the moduli between the wraps at its points, and the range of the shear modulus as attributes."""
+    shear, radial = between.shear_modulus, between.radial_modulus
+    dataset = dataset.assign(interlayer_shear_modulus=("point", shear), interlayer_radial_modulus=("point", radial))
+    return dataset.assign_attrs(
+        interlayer_shear_modulus_min_pa=float(shear.min()), interlayer_shear_modulus_max_pa=float(shear.max())
+    )
 
 
 def _warn_of_pressure(dataset: xr.Dataset, progress: Progress) -> None:

@@ -7,9 +7,9 @@ The stiffness :math:`K_0` of the coil has no shear between the wraps. The shear 
           \tau = \tau^* \min\left(1, \frac{\mu P}{|\tau^*|}\right), \quad \tau^* = \tau_c + G\, \Delta\gamma
 
 P(r) is the pressure of the wound roll, which stays constant. This is elastic-slip Coulomb friction at contact points of
-area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G/h_k`, the limit
-:math:`\mu P`. The lengths :math:`h_k = \gamma^* G/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same at all
-points; its value does not matter. The interface has no normal displacement.
+area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G_k/h_k`, the
+limit :math:`\mu P`. The lengths :math:`h_k = \gamma^* G_k/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same
+at all points; its value does not matter. The interface has no normal displacement.
 """
 
 from __future__ import annotations
@@ -36,7 +36,13 @@ ELASTIC_SLIP = 1e-6
 
 
 def slipping_system(
-    body: Body, points: ShearPoints, *, shear_modulus: float, pressure: FloatArray, mu: float, direction: int = 0
+    body: Body,
+    points: ShearPoints,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
+    direction: int = 0,
 ) -> tuple[System, ContactState]:
     """System of a mandrel with a slipping coil, and its state at rest, without shear stress.
 
@@ -47,7 +53,7 @@ def slipping_system(
     points
         Points of the coil.
     shear_modulus
-        G, Pa, the same for rt and rz.
+        G, Pa, the same for rt and rz: one value, or that of each point (n,).
     pressure
         (n,) pressure P of the wound roll at the points, Pa.
     mu
@@ -69,7 +75,12 @@ def slipping_system(
 
 
 def shear_interface(
-    points: ShearPoints, strain: sp.csr_matrix, *, shear_modulus: float, pressure: FloatArray, mu: float
+    points: ShearPoints,
+    strain: sp.csr_matrix,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
 ) -> Interface:
     """Friction at ``points`` with the shear strains rt and rz, (2 n, n_dofs) rows ``strain``, as relative displacement.
 

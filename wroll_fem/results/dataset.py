@@ -175,6 +175,8 @@ FIELDS: dict[str, Field] = {
     "pressure_change_volume_fraction": Field("1", "fraction of the sliding volume with a ratio above one half"),
     "tip_amplitude_at_slip": Field("m", "tip displacement at which a point starts to slip"),
     "slip_work_density": Field("J m-3", "energy dissipated per cycle and volume at the largest amplitude"),
+    "interlayer_shear_modulus": Field("Pa", "shear modulus between the wraps"),
+    "interlayer_radial_modulus": Field("Pa", "radial modulus of the stack of wraps"),
     # the wound roll
     "r": Field("m", "radius"),
     "pressure_pa": Field("Pa", "pressure between the wraps"),

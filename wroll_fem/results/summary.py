@@ -260,6 +260,12 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
         "frequency_at_level_hz": _number("Hz", "resonance frequency", "per level"),
         "damping_at_level": _share("damping ratio", "per level, that without slip included"),
+        "interlayer_shear_modulus_min_pa": Entry(
+            "Pa", "smallest shear modulus between the wraps", "with coil.wrap_interfaces", console="{:.4g} Pa"
+        ),
+        "interlayer_shear_modulus_max_pa": Entry(
+            "Pa", "largest shear modulus between the wraps", "with coil.wrap_interfaces", console="{:.4g} Pa"
+        ),
         "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
     },
     "Map of mandrels": {
