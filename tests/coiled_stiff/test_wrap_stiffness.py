@@ -13,9 +13,9 @@ from scipy.integrate import trapezoid
 from support.paths import CONFIGS
 
 import wroll_fem as wf
+from wroll_fem.analyses.followed_mode import main_mode
 from wroll_fem.analyses.shared.assembly import build_bodies
-from wroll_fem.analyses.slip_damping import main_mode, slipping_structure
-from wroll_fem.analyses.slip_structure import WoundCoil
+from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure
 from wroll_fem.bodies.body import Body
 from wroll_fem.case import SlipDampingCase, load_case
 from wroll_fem.coiled_stiff.shear_points import ShearPoints

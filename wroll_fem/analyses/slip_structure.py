@@ -6,15 +6,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
 from wroll_fem.analyses.slip_dataset import CoilShape
 from wroll_fem.analyses.slip_model import in_wound_roll
+from wroll_fem.bodies.base_loads import axial_rotation
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.materials import CylindricalOrthotropic
-from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
 from wroll_fem.coiled_stiff.slipping_coil import slipping_system
-from wroll_fem.coiled_stiff.wrap_stiffness import shear_modulus, with_radial_modulus
+from wroll_fem.coiled_stiff.wrap_stiffness import radial_change, shear_modulus, with_radial_modulus
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
@@ -23,6 +25,10 @@ from wroll_fem.winding import wound_roll
 if TYPE_CHECKING:
     from wroll_fem.case import SlipDampingCase
     from wroll_fem.dynamics.statics.contact_state import ContactState
+
+
+AXIAL = 2
+"""Direction of a base motion along the axis."""
 
 
 class BetweenWraps(NamedTuple):
@@ -94,7 +100,8 @@ def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System
     InputError
         If a point of the coil has no friction capacity.
     """
-    (body,) = build_bodies(case)
+    motion = case.excitation.mode
+    (body,) = build_bodies(case, symmetric=False if motion == "torsion" else None)
     assert body.solid is not None
     points = ShearPoints.of(body.solid)
     points = points.half() if body.symmetric else points
@@ -106,6 +113,40 @@ def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System
         body = replace(body, stiffness=stiffness)
     system, start = slipping_system(
         body, points, shear_modulus=at.shear_modulus, pressure=at.pressure, mu=case.wound.friction_coefficient,
-        direction=DIRECTIONS[case.direction],
+        direction=AXIAL if motion == "axial" else DIRECTIONS[case.direction],
+        varying=case.coil.pressure == "varying",
     )  # fmt: skip
+    if motion == "torsion":
+        system = twisted(system, body, 0.5 * case.geometry.mandrel_outer_diameter)
     return body, points, system, start
+
+
+def stress_rows(body: Body, points: ShearPoints, stiffness: FloatArray, modulus: FloatArray) -> sp.csr_matrix:
+    """(n_points, n_dofs) rows of the radial stress at the points, Pa/m.
+
+    Parameters
+    ----------
+    stiffness
+        (6, 6) stiffness of the coil with the radial modulus of its material, Pa.
+    modulus
+        (n_points,) radial modulus at the points, Pa.
+    """
+    assert body.solid is not None
+    rows = radial_stress(body.solid, stiffness)
+    rows = rows[points.kept] if points.kept is not None else rows
+    return (sp.diags(radial_change(modulus, stiffness)) @ rows @ body.solid.expand).tocsr()
+
+
+def twisted(system: System, body: Body, radius: float) -> System:
+    """System whose base turns about the axis, with the displacement at ``radius``, m, as the motion of base and tip.
+
+    The tip probe is the mean hoop displacement of the tip ring, at this radius.
+    """
+    nodes = body.nodes
+    ring = np.flatnonzero(nodes[:, 2] > nodes[:, 2].max() - 1e-9 * np.ptp(nodes[:, 2]))
+    at = np.hypot(*nodes[ring, :2].T)
+    row = np.zeros(6 * len(nodes))
+    row[6 * ring], row[6 * ring + 1] = -nodes[ring, 1] / at, nodes[ring, 0] / at
+    row[6 * ring] *= radius / at / len(ring)
+    row[6 * ring + 1] *= radius / at / len(ring)
+    return replace(system, influence=axial_rotation(body) / radius, probes={"tip": row @ body.expand})

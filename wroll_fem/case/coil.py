@@ -123,6 +123,11 @@ class Coil(Section):
         description="wraps of a solid coil: stiff (they do not slip), or slipping (they slide where the shear stress "
         "reaches the friction capacity of section winding; slip_damping)",
     )
+    pressure: Literal["fixed", "varying"] = Field(
+        default="fixed",
+        description="pressure between the wraps that slide (inside: slipping): fixed (that of the wound roll at rest), "
+        "or varying (less the radial stress of the motion, and zero where this is the larger one)",
+    )
     wrap_interfaces: WrapInterfaces | None = Field(
         default=None,
         description="shear modulus between the wraps from their interfaces (inside: slipping): G_r_theta of the "
@@ -245,6 +250,11 @@ class Coil(Section):
                 "are for a solid coil whose wraps slide", key="wrap_interfaces", show_value=False,
                 remedy="leave them out, or use inside: slipping and analysis: slip_damping",
             )  # fmt: skip
+        elif self.pressure == "varying":
+            raise validation_error(
+                "is for a solid coil whose wraps slide", key="pressure", value=self.pressure,
+                remedy="leave it out, or use inside: slipping and analysis: slip_damping",
+            )  # fmt: skip
         if self.base_width is None:
             return
         if self.base != "inner_edge" or not self.rubs:
@@ -284,6 +294,7 @@ class Coil(Section):
         unused |= set() if self.base == "guided" else {"base_stiffness"}
         unused |= set() if self.rubs else {"interface"}
         unused |= set() if self.inside == "slipping" else {"inside"}
+        unused |= set() if self.pressure == "varying" else {"pressure"}
         unused |= {key for key in ("base_width", "wrap_interfaces") if getattr(self, key) is None}
         unused |= {"areal_mass"} | (set() if self.margins is not None else {"margins"})
         return {key: value for key, value in data.items() if key not in unused}

@@ -106,7 +106,7 @@ def _share_panel(dataset: xr.Dataset, ax: Axes) -> None:
     rows = (("distance from the mandrel", depth, (1, 2), style.BLUE, "-"), ("height", height, (0, 2), style.RED, "--"))
     for name, faces, others, colour, line in rows:
         share = np.append(0.0, np.cumsum(work.sum(axis=others))) / (total if total > 0.0 else 1.0)
-        all_of_it = float(faces[np.searchsorted(share, 0.999 * share[-1])])
+        all_of_it = float(faces[np.searchsorted(share, 0.999 * share[-1])]) or float(faces[-1])
         half.append(float(np.interp(0.5, share, faces)))
         ax.plot(faces / all_of_it, 100.0 * share, line, color=colour, lw=1.8, label=f"{name} / {all_of_it:.3g} mm")
     ax.set_xlim(0.0, 1.2)

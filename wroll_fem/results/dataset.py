@@ -175,6 +175,10 @@ FIELDS: dict[str, Field] = {
     "pressure_change_volume_fraction": Field("1", "fraction of the sliding volume with a ratio above one half"),
     "tip_amplitude_at_slip": Field("m", "tip displacement at which a point starts to slip"),
     "slip_work_density": Field("J m-3", "energy dissipated per cycle and volume at the largest amplitude"),
+    "slip_work_density_rt": Field("J m-3", "energy dissipated by slip around the roll, per cycle and volume"),
+    "slip_work_density_rz": Field("J m-3", "energy dissipated by slip along the axis, per cycle and volume"),
+    "friction_work_rt_per_cycle": Field(_ENERGY, "energy dissipated by slip around the roll per cycle"),
+    "friction_work_rz_per_cycle": Field(_ENERGY, "energy dissipated by slip along the axis per cycle"),
     "interlayer_shear_modulus": Field("Pa", "shear modulus between the wraps"),
     "interlayer_radial_modulus": Field("Pa", "radial modulus of the stack of wraps"),
     # the wound roll
