@@ -3,9 +3,9 @@
 Usage: python benchmarks/random_coils.py [--count N] [--seed S] [--interfaces]
 
 Drawn are mandrel, coil thickness, shear modulus between the wraps, tension, friction, base, tip, damping, direction and
-levels, on a coarse mesh. With --interfaces, G and E_r follow from the wraps at a random elastic slip. Each row gives the
-frequency without slip, the largest damping ratio, the size of the basis, the number of amplitudes, the error, CPU
-seconds, and the tip motion at three levels relative to that without slip.
+levels, on a coarse mesh; with --interfaces also the elastic slip of the wraps, from which G and E_r follow. Each row
+gives the frequency without slip, the largest damping ratio, the size of the basis, the number of amplitudes, the error,
+CPU seconds, and the tip motion at three levels relative to that without slip.
 """
 
 from __future__ import annotations

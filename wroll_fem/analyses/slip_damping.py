@@ -16,6 +16,8 @@ from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
 from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
 from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure, stress_rows
+from wroll_fem.bodies.levels import levels as levels_of
+from wroll_fem.contact.kernels import STICK
 from wroll_fem.dynamics.statics.cycle_path import cycle_path
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.statics.modal_path import ModalPath, modal_path
@@ -26,10 +28,14 @@ from wroll_fem.typing import FloatArray
 if TYPE_CHECKING:
     from wroll_fem.bodies.body import Body
     from wroll_fem.case import SlipDampingCase
+    from wroll_fem.dynamics.statics.contact_state import ContactState
     from wroll_fem.progress import Progress
 
 JUST_BELOW = 1.0 - 1e-6
 """First load, relative to that of the first slip: nothing slides yet."""
+
+LARGEST_GAP = 0.01
+"""Difference of the ends of a cycle, relative to its amplitude, above which the run warns."""
 
 LEAST_SHARE = 0.4
 """Effective mass of the followed mode, relative to the total mass, below which the run warns; 0.6 for a cantilever."""
@@ -61,7 +67,7 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     with threadpool_limits(1, "blas"):
         path = LoadPath(system, start, stress=stress if case.coil.pressure == "varying" else None)
         mode = (main_mode if case.excitation.mode == "bending" else axisymmetric_mode)(system, path)
-        found = followed_path(case, path, mode, progress)
+        found = followed_path(case, path, mode, points.points[:, 2], progress)
     dataset = slip_dataset(system, points, path, found, mode, case)
     dataset = dataset.merge(pressure_change(stress, points, path, found))
     if case.coil.wrap_interfaces is not None:
@@ -71,8 +77,13 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     return annotate(dataset)
 
 
-def followed_path(case: SlipDampingCase, path: LoadPath, mode: FloatArray, progress: Progress) -> ModalPath:
+def followed_path(
+    case: SlipDampingCase, path: LoadPath, mode: FloatArray, radius: FloatArray, progress: Progress
+) -> ModalPath:
     """Path of growing loads with the shape of the mode, up to the highest level or to the last load with equilibrium.
+
+    In torsion and along the axis friction alone carries the load from wrap to wrap: a cylinder on which every point
+    slides holds no more. ``radius`` (n_points,), m, is that of the points.
 
     Raises
     ------
@@ -87,19 +98,27 @@ def followed_path(case: SlipDampingCase, path: LoadPath, mode: FloatArray, progr
         while len(levels) < MOST_LEVELS:
             if base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest:
                 break
-            levels.append(GROWTH * levels[-1])
             try:
-                found = found.joined(follow(path, mode, levels[-1:], keep=True, after=found))
+                further = found.joined(follow(path, mode, [GROWTH * levels[-1]], keep=True, after=found))
+                sliding = None if case.excitation.mode == "bending" else sliding_cylinder(radius, further.states[-1])
+                reason = "" if sliding is None else f"all wraps at r = {1e3 * sliding:.4g} mm slide (gross slip)"
             except ConvergenceError:
-                levels.pop()
-                progress.warning(
-                    f"a load {GROWTH:g} times the last one, {found.force[-1]:.3g} N/kg^(1/2), has no equilibrium: "
-                    "the friction between the wraps may not hold it (gross slip)"
-                )
+                reason = "no equilibrium was found, the friction between the wraps may not hold it"
+            if reason:
+                progress.warning(f"under a load {GROWTH:g} times the last one of the path {reason}")
                 break
+            levels.append(GROWTH * levels[-1])
+            found = further
             stage.update(len(levels), f"{len(path.vectors)} basis vectors")
         stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
     return found
+
+
+def sliding_cylinder(radius: FloatArray, state: ContactState) -> float | None:
+    """Smallest radius, m, at which no point sticks; None if some point sticks at every radius (n_points,)."""
+    at, which = levels_of(radius)
+    sticks = np.bincount(which, weights=state.status == STICK, minlength=len(at))
+    return float(at[sticks == 0.0][0]) if (sticks == 0.0).any() else None
 
 
 def effective_mass(body: Body, path: LoadPath, mode: FloatArray, case: SlipDampingCase) -> float:
@@ -116,6 +135,12 @@ def _warn(dataset: xr.Dataset, case: SlipDampingCase, share: float, progress: Pr
         progress.warning(
             f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after "
             f"{dataset.sizes['tip_amplitude']} loads: higher levels have no result; lower excitation.amplitude_g"
+        )
+    gap = float(dataset.attrs.get("cycle_closure", 0.0))
+    if gap > LARGEST_GAP:
+        progress.warning(
+            f"cycles close to {100 * gap:.2g} % of their amplitude only: the motion drifts where the pressure varies, "
+            "and frequency and damping are those of a drifting cycle; lower excitation.amplitude_g"
         )
     if share < LEAST_SHARE:
         progress.warning(

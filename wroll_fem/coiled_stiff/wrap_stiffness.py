@@ -44,8 +44,8 @@ def shear_modulus(
     wrap_thickness
         Thickness of the web, m.
     """
-    interface = elastic_slip / np.maximum(mu * np.asarray(pressure, float) * wrap_thickness, _LEAST)
-    return np.asarray(web / (1.0 + web * interface))
+    interface = np.maximum(mu * np.asarray(pressure, float) * wrap_thickness, _LEAST)
+    return np.asarray(web * (interface / (interface + web * elastic_slip)))
 
 
 def radial_change(modulus: FloatArray, stiffness: FloatArray) -> FloatArray:

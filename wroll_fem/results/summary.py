@@ -260,6 +260,10 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
         "frequency_at_level_hz": _number("Hz", "resonance frequency", "per level"),
         "damping_at_level": _share("damping ratio", "per level, that without slip included"),
+        "followed_mode": Entry("", "followed mode", "bending, torsion or axial"),
+        "cycle_closure": _share(
+            "gap of the cycles", "difference of the ends of a cycle over its amplitude, with coil.pressure: varying"
+        ),
         "interlayer_shear_modulus_min_pa": Entry(
             "Pa", "smallest shear modulus between the wraps", "with coil.wrap_interfaces", console="{:.4g} Pa"
         ),

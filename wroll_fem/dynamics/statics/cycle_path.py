@@ -8,8 +8,8 @@ cycle closes; the initial curve then goes on from where it was. With the branche
 .. math:: \omega^2 = \frac{1}{\pi q_0} \int_0^{\pi} \left[\alpha_-(q_m + q_0 \cos\vartheta)
           + \alpha_+(q_m + q_0 \cos\vartheta)\right] \cos\vartheta \, d\vartheta .
 
-The slip work of a step is the slip times the mean friction limit while the point slides, which is a part
-:math:`|\Delta s|/|\Delta g|` of the step.
+The slip work of a step is the slip times the mean friction limit from where the point starts to slide; traction and
+limit are linear in the step.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from wroll_fem.contact.kernels import SLIP, STICK
-from wroll_fem.contact.point import tangentials
+from wroll_fem.contact.point import EVERY, normals, stick_stiffness, tangentials
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.statics.modal_path import ANGLES, ModalPath, modal_path
@@ -112,25 +112,21 @@ def cycle_path(
     ConvergenceError
         If a load has no equilibrium.
     """
-    found = after
+    found, before = None, after
     for level in levels:
-        initial = modal_path(path, shape, [level], after=found)
-        at, force = path.state, float(initial.force[0])
-        cycle = _closed_cycle(path, path.system.mass @ shape, force, steps)
+        initial = modal_path(path, shape, [level], after=before)
+        at = path.state
+        cycle = _closed_cycle(path, path.system.mass @ shape, float(initial.force[0]), steps)
         path.state = at
-        parts = {name: getattr(initial, name) for name in ModalPath.PER_LOAD} | {
-            "amplitude": cycle.per_load["amplitude"]
-        }
-        rest = {name: value for name, value in cycle.per_load.items() if name not in parts}
-        part = CyclePath(
-            **parts, **rest, first_slip=initial.first_slip, point_work=initial.point_work,
-            cycle_point_work=cycle.point_work, states=(cycle.state,) if keep else (),
+        numbers = {name: getattr(initial, name) for name in ModalPath.PER_LOAD} | cycle.per_load
+        before = CyclePath(
+            **numbers, first_slip=initial.first_slip, point_work=initial.point_work, cycle_point_work=cycle.point_work,
+            states=(cycle.state,) if keep else (),
         )  # fmt: skip
-        found = part if found is None else found.joined(part)
-    assert found is not None
-    count = len(levels)
-    new = {name: getattr(found, name)[-count:] for name in CyclePath.PER_LOAD}
-    return replace(found, **new, states=found.states[-count:] if keep else ())
+        found = before if found is None else found.joined(before)
+    if found is None:
+        raise ValueError("cycle_path needs at least one level")
+    return found
 
 
 @dataclass(frozen=True)
@@ -173,14 +169,28 @@ def _closed_cycle(path: LoadPath, inertia: FloatArray, force: float, steps: int)
 
 def _slip_work(path: LoadPath, before: ContactState, state: ContactState) -> FloatArray:
     """(n_points, 2) slip work of a step in the hoop and axial direction, J."""
-    laws = path.system.laws
+    laws, tiny = path.system.laws, np.finfo(float).tiny
     moved = tangentials(state.jump) - tangentials(before.jump)
     slip = moved - (state.elastic_slip - before.elastic_slip).reshape(-1, 2)
-    size, tiny = np.linalg.norm(slip, axis=1), np.finfo(float).tiny
-    part = np.minimum(1.0, size / np.maximum(np.linalg.norm(moved, axis=1), tiny))
-    limit = laws.mu * (state.pressure - 0.5 * part * (state.pressure - before.pressure))
+    size = np.linalg.norm(slip, axis=1)
+    along = slip / np.maximum(size, tiny)[:, None]
+    first, last = (-laws.kn * normals(at.jump) for at in (before, state))  # below zero where a point is open
+    limits = [laws.mu * np.maximum(0.0, pressure) for pressure in (first, last)]
+    spare = limits[0] - (tangentials(before.traction) * along).sum(axis=1)
+    growth = stick_stiffness(EVERY, path.start.pressure, laws) * (moved * along).sum(axis=1) - (limits[1] - limits[0])
+    part = np.divide(spare, growth, out=np.zeros_like(spare), where=growth > spare)
+    sticks = np.clip(part, 0.0, 1.0)  # part of the step
+    mean = laws.mu * _mean_positive(first + sticks * (last - first), last)
     slid = state.status != STICK  # at a point that sticks, slip would be rounding error
-    return np.asarray((slid * laws.area * limit / np.maximum(size, tiny))[:, None] * slip**2)
+    return np.asarray((slid * laws.area * mean * size)[:, None] * along**2)
+
+
+def _mean_positive(first: FloatArray, last: FloatArray) -> FloatArray:
+    """Mean of the positive part of a number that changes linearly from ``first`` to ``last``."""
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    crosses = (low < 0.0) & (high > 0.0)
+    part = np.where(crosses, high / np.where(crosses, high - low, 1.0), 1.0)
+    return np.asarray(0.5 * part * (np.maximum(low, 0.0) + np.maximum(high, 0.0)))
 
 
 def _loop(q: FloatArray, loads: FloatArray, steps: int) -> tuple[float, float]:
