@@ -174,6 +174,11 @@ def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
         "tip_at_level_without_slip_m": linear.tolist(),
         "frequency_at_level_hz": dataset["frequency_at_level"].values.tolist(),
         "damping_at_level": dataset["damping_at_level"].values.tolist(),
+        "zeta_friction": dataset["friction_damping_at_level"].values.tolist(),
+        "slipping_volume_fraction": dataset["slipping_volume_fraction_at_level"].values.tolist(),
+        "slip_work_per_cycle_j": dataset["friction_work_at_level"].values.tolist(),
+        "slip_work_rt_per_cycle_j": dataset["friction_work_rt_at_level"].values.tolist(),
+        "slip_work_rz_per_cycle_j": dataset["friction_work_rz_at_level"].values.tolist(),
         "slip_damping_statement": statement(dataset),
     }
 

@@ -65,6 +65,17 @@ def slip_dataset(
     at = np.where(stuck, linear, _between(0.0, base, 0.0, tip)(GRAVITY * levels))
     frequency = _between(0.0, tip, natural, found.frequency)(at) / (2.0 * np.pi)
     damping = np.where(stuck, zeta, _between(0.0, tip, zeta, total)(at))
+    on_path = {
+        "slipping_volume_fraction_at_level": slides @ points.volumes / points.volumes.sum(),
+        "friction_work_at_level": found.dissipation,
+        "friction_work_rt_at_level": found.dissipation_by_component[:, 0],
+        "friction_work_rz_at_level": found.dissipation_by_component[:, 1],
+        "friction_damping_at_level": found.damping,
+    }
+    at_levels = {
+        name: ("amplitude_g", np.where(stuck, 0.0, _between(0.0, tip, 0.0, values)(at)))
+        for name, values in on_path.items()
+    }
     onset = np.where(slides.any(axis=0), tip[slides.argmax(axis=0)], np.nan)
     most = int(np.argmax(total))
     by_point = found.dissipation_by_point / points.volumes[:, None]
@@ -84,6 +95,7 @@ def slip_dataset(
             "tip_at_level_without_slip": ("amplitude_g", linear),
             "frequency_at_level": ("amplitude_g", frequency),
             "damping_at_level": ("amplitude_g", damping),
+            **at_levels,
             "theta_rad": ("point", points.points[:, 0]),
             "z_m": ("point", points.points[:, 1]),
             "r_m": ("point", points.points[:, 2]),

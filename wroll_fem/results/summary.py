@@ -260,6 +260,9 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
         "frequency_at_level_hz": _number("Hz", "resonance frequency", "per level"),
         "damping_at_level": _share("damping ratio", "per level, that without slip included"),
+        "slip_work_per_cycle_j": Entry("J", "energy dissipated by slip per cycle", "per level"),
+        "slip_work_rt_per_cycle_j": Entry("J", "part of it by slip around the roll", "per level"),
+        "slip_work_rz_per_cycle_j": Entry("J", "part of it by slip along the axis", "per level"),
         "followed_mode": Entry("", "followed mode", "bending, torsion or axial"),
         "cycle_closure": _share(
             "gap of the cycles", "difference of the ends of a cycle over its amplitude, with coil.pressure: varying"
