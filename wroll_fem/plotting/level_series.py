@@ -68,6 +68,7 @@ def plot_damping_over_level(members: Sequence[StudyCase]) -> Axes:
         ax.set_xlim(0.0, 1.03 * far)
     top.set_ylim(0.0)
     low.set_xlabel("Base acceleration (g, 0-peak)")
+    top.plot([], [], "--", color=style.GREY, lw=0.9, label="without slip")
     top.legend(fontsize=8, framealpha=0.9)
     style.title(top, _sentence(grid, axis, far))
     first: Axes = top
