@@ -25,8 +25,8 @@ from wroll_fem.numerics.continuation import StepControl
 
 MESH, RATIO = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}", 0.02
 TOLERANCES = {5.0: (0.015, 1e-3), 20.0: (0.05, 2e-3)}
-"""Level in g: tolerance of tip and damping, and of the frequency. The loads keep the shape of the stuck mode, from which
-torsion moves away further than bending."""
+"""Level in g: tolerance of tip and damping, and of the frequency. The loads keep the shape of the stuck mode; torsion
+moves away from it further than bending."""
 
 
 @pytest.mark.slow  # 40 s: harmonic balance with friction at every point

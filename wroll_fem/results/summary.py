@@ -264,15 +264,9 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "slip_work_rt_per_cycle_j": Entry("J", "part of it by slip around the roll", "per level"),
         "slip_work_rz_per_cycle_j": Entry("J", "part of it by slip along the axis", "per level"),
         "followed_mode": Entry("", "followed mode", "bending, torsion or axial"),
-        "cycle_closure": _share(
-            "gap of the cycles", "difference of the ends of a cycle over its amplitude, with coil.pressure: varying"
-        ),
-        "interlayer_shear_modulus_min_pa": Entry(
-            "Pa", "smallest shear modulus between the wraps", "with coil.wrap_interfaces", console="{:.4g} Pa"
-        ),
-        "interlayer_shear_modulus_max_pa": Entry(
-            "Pa", "largest shear modulus between the wraps", "with coil.wrap_interfaces", console="{:.4g} Pa"
-        ),
+        "cycle_closure": _share("gap of the cycles", "difference of the ends over the amplitude, pressure: varying"),
+        "interlayer_shear_modulus_min_pa": Entry("Pa", "smallest shear modulus between the wraps"),
+        "interlayer_shear_modulus_max_pa": Entry("Pa", "largest shear modulus between the wraps"),
         "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
     },
     "Map of mandrels": {
