@@ -261,6 +261,9 @@ def test_slip_work_is_drawn_where_it_is_done() -> None:
     assert [ax.get_ylabel() for ax in figure.axes[:3]] == [
         "Height above the base (mm)", "Height above the base (mm)", "Share of the slip work (%)"
     ]  # fmt: skip
+    around = 100.0 * found["friction_work_rt_per_cycle"][-1] / found["friction_work_per_cycle"][-1]
+    title = figure.axes[1].get_title(loc="left").replace("\n", " ").replace("\u00a0", " ")
+    assert f"{float(around):.0f} % of the work around the roll" in title
     for line in figure.axes[2].lines:
         share = line.get_ydata()
         assert share[0] == 0.0

@@ -104,7 +104,7 @@ def _directions(dataset: xr.Dataset) -> str:
     around, along = (float((dataset[f"slip_work_density_{name}"] * dataset["volume"]).sum()) for name in ("rt", "rz"))
     if not around + along > 0.0:
         return ""
-    return f", {100.0 * around / (around + along):.0f}\u00a0% of it around the roll, the rest along the axis"
+    return f", {100.0 * around / (around + along):.0f}\u00a0% of the work around the roll, the rest along the axis"
 
 
 def _share_panel(dataset: xr.Dataset, ax: Axes) -> None:
