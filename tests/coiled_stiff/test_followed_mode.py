@@ -150,6 +150,20 @@ def test_a_turning_base_moves_every_free_node_by_the_rotation() -> None:
     assert turned @ (body.mass @ turned) == pytest.approx(polar, rel=0.01)  # the clamped nodes are missing
 
 
+@pytest.mark.parametrize("mode", ["torsion", "axial"])
+def test_base_and_tip_move_by_one_at_the_surface_of_the_mandrel(mode: str) -> None:
+    """A rigid motion of the base by 1 m moves the tip by as much; so it is that of a level in g."""
+    system = followed(mode)[0].system
+    assert float(system.probes["tip"] @ system.influence) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_coil_with_a_clamped_base_is_not_in_gross_slip() -> None:
+    """Its base holds a cylinder on which every point slides."""
+    clamped = wf.run(case("axial", "coil.base=clamped", "winding.mu=1e-5", levels="[2]"), progress=False)
+    assert float(clamped["slipping_volume_fraction"][-1]) > 0.9
+    assert np.isfinite(clamped["tip_at_level"]).all()
+
+
 def test_half_of_the_roll_suffices_for_axial_motion() -> None:
     assert hertz("axial") == pytest.approx(hertz("axial", "solver.symmetry=false"), rel=1e-9)
 

@@ -82,8 +82,8 @@ def followed_path(
 ) -> ModalPath:
     """Path of growing loads with the shape of the mode, up to the highest level or to the last load with equilibrium.
 
-    In torsion and along the axis friction alone carries the load from wrap to wrap: a cylinder on which every point
-    slides holds no more. ``radius`` (n_points,), m, is that of the points.
+    In torsion and along the axis friction alone carries the load from wrap to wrap, if the base of the coil is not
+    clamped: a cylinder on which every point slides holds no more. ``radius`` (n_points,), m, is that of the points.
 
     Raises
     ------
@@ -91,6 +91,7 @@ def followed_path(
         If the first load has no equilibrium.
     """
     follow: Any = cycle_path if path.stress is not None else modal_path
+    held = case.excitation.mode == "bending" or case.coil.base == "clamped"
     highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
     with progress.stage("slip path", MOST_LEVELS) as stage:
         levels = [JUST_BELOW]
@@ -100,7 +101,7 @@ def followed_path(
                 break
             try:
                 further = found.joined(follow(path, mode, [GROWTH * levels[-1]], keep=True, after=found))
-                sliding = None if case.excitation.mode == "bending" else sliding_cylinder(radius, further.states[-1])
+                sliding = None if held else sliding_cylinder(radius, path.state)
                 reason = "" if sliding is None else f"all wraps at r = {1e3 * sliding:.4g} mm slide (gross slip)"
             except ConvergenceError:
                 reason = "no equilibrium was found, the friction between the wraps may not hold it"
