@@ -1,10 +1,11 @@
 """Random coils whose wraps slide, by `slip_damping`: does each end with a response, how long does it take?
 
-Usage: python benchmarks/random_coils.py [--count N] [--seed S]
+Usage: python benchmarks/random_coils.py [--count N] [--seed S] [--interfaces]
 
 Drawn are mandrel, coil thickness, shear modulus between the wraps, tension, friction, base, tip, damping, direction and
-levels, on a coarse mesh. Each row gives the frequency without slip, the largest damping ratio, the size of the basis,
-the number of amplitudes, the error, CPU seconds, and the tip motion at three levels relative to that without slip.
+levels, on a coarse mesh; with --interfaces also the elastic slip of the wraps, from which G and E_r follow. Each row
+gives the frequency without slip, the largest damping ratio, the size of the basis, the number of amplitudes, the error,
+CPU seconds, and the tip motion at three levels relative to that without slip.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ CASE = Path(__file__).parents[1] / "configs" / "slipping_coil.yaml"
 MESH = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
 
 
-def drawn(rng: np.random.Generator) -> list[str]:
+def drawn(rng: np.random.Generator, *, interfaces: bool = False) -> list[str]:
     """Overrides of the shipped case."""
     mandrel = {
         "length": rng.uniform(0.15, 0.5), "mandrel_outer_diameter": 2.0 * rng.uniform(0.008, 0.03),
@@ -44,6 +45,8 @@ def drawn(rng: np.random.Generator) -> list[str]:
         "excitation.amplitude_g": sorted((10.0 ** rng.uniform(-1.0, 2.0, 3)).tolist()),
         "excitation.direction": rng.choice(["x", "y"]),
     }  # fmt: skip
+    if interfaces:
+        keys["coil.wrap_interfaces"] = f"{{elastic_slip: {10.0 ** rng.uniform(-8.0, -5.0)}, radial_modulus: winding}}"
     return [MESH, *(f"{key}={value}" for key, value in keys.items())]
 
 
@@ -51,6 +54,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--count", type=int, default=24)
     parser.add_argument("--seed", type=int, default=11)
+    parser.add_argument("--interfaces", action="store_true")
     chosen = parser.parse_args()
     logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")
@@ -58,7 +62,7 @@ def main() -> None:
     print("| coil | f, Hz | zeta, % | basis | amplitudes | error | CPU s | tip over that without slip |")
     print("|---|---|---|---|---|---|---|---|")
     for number in range(chosen.count):
-        overrides, started = drawn(rng), time.process_time()
+        overrides, started = drawn(rng, interfaces=chosen.interfaces), time.process_time()
         try:
             found = wf.run(wf.load_case(CASE, overrides), progress=False)
         except WrollError as error:

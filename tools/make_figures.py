@@ -26,6 +26,7 @@ STUDIES = {
     "ch4_preload_low_damping_over_frequency": ("preload_low", "damping_over_frequency"),
     "ch4_integrators": ("integrators", "integrators"),
     "ch4_elastic_slip": ("elastic_slip", "elastic_slip"),
+    "slipping_tension": ("slipping_tension", "damping_over_level"),
 }
 """Figure -> study of configs/studies, and the figure's name there."""
 STUDY_MESH = ["mesh.circumferential=24", "mesh.axial=12"]

@@ -194,7 +194,18 @@ def test_analysis_gives_response_per_level_with_the_prediction_without_slip() ->
     np.testing.assert_allclose(found["material_modal_damping"], dashpot, rtol=1e-9)
     np.testing.assert_allclose(found["modal_damping"], found["friction_modal_damping"] + dashpot, rtol=1e-9)
     worked = float((found["slip_work_density"] * found["volume"]).sum())
-    assert worked == pytest.approx(float(found["friction_work_per_cycle"][-1]), rel=0.05)
+    assert worked == pytest.approx(float(found["friction_work_per_cycle"][-1]), rel=1e-9)
+    for name in ("rt", "rz"):
+        at_points = float((found[f"slip_work_density_{name}"] * found["volume"]).sum())
+        assert at_points == pytest.approx(float(found[f"friction_work_{name}_per_cycle"][-1]), rel=1e-9)
+        assert at_points > 0.1 * worked
+    np.testing.assert_allclose(
+        found["friction_work_rt_per_cycle"] + found["friction_work_rz_per_cycle"], found["friction_work_per_cycle"],
+        rtol=1e-9,
+    )  # fmt: skip
+    np.testing.assert_allclose(
+        found["slip_work_density_rt"] + found["slip_work_density_rz"], found["slip_work_density"], rtol=1e-12
+    )
     assert found["volume"].sum() == pytest.approx(np.pi * (0.025**2 - 0.01**2) * 0.3, rel=1e-3)
     slipping = found["slipping_volume_fraction"].values
     assert slipping[0] == 0.0
@@ -209,6 +220,25 @@ def test_levels_between_the_loads_are_interpolated() -> None:
     assert tip[0] < at[0] < tip[0] + 0.5 * (tip[1] - tip[0])
     # rounding of the assembly, 3e-16 from run to run, becomes 2e-7 within the tolerance of the states
     np.testing.assert_allclose(at[1:], tip[[1, 5]], rtol=2e-6)
+
+
+def test_the_summary_has_damping_and_slip_work_per_level() -> None:
+    found = result()
+    told = slip_damping.slip_damping_summary(found)
+    tip, at = found["tip_amplitude"].values, found["tip_at_level"].values
+    work = np.array(told["slip_work_per_cycle_j"])
+    # straight lines between the loads, not near the first slip
+    np.testing.assert_allclose(work[1:], np.interp(at, tip, found["friction_work_per_cycle"])[1:], rtol=0.03)
+    by_direction = np.add(told["slip_work_rt_per_cycle_j"], told["slip_work_rz_per_cycle_j"])
+    np.testing.assert_allclose(by_direction, work, rtol=0.01)
+    # what the dashpot adds grows as the frequency falls
+    dashpot = np.subtract(told["damping_at_level"], told["zeta_friction"])
+    np.testing.assert_allclose(dashpot, 0.02 * found.attrs["f_stuck_hz"] / found["frequency_at_level"], rtol=2e-3)
+    share = np.array(told["slipping_volume_fraction"])
+    assert np.all(np.diff(share) > 0.0)
+    assert share[-1] == pytest.approx(np.interp(at[-1], tip, found["slipping_volume_fraction"]), rel=0.05)
+    still = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.01]"]), progress=False)
+    assert slip_damping.slip_damping_summary(still)["slip_work_per_cycle_j"] == [0.0]
 
 
 def test_low_levels_have_the_response_without_slip() -> None:
@@ -231,6 +261,9 @@ def test_slip_work_is_drawn_where_it_is_done() -> None:
     assert [ax.get_ylabel() for ax in figure.axes[:3]] == [
         "Height above the base (mm)", "Height above the base (mm)", "Share of the slip work (%)"
     ]  # fmt: skip
+    around = 100.0 * found["friction_work_rt_per_cycle"][-1] / found["friction_work_per_cycle"][-1]
+    title = figure.axes[1].get_title(loc="left").replace("\n", " ").replace("\u00a0", " ")
+    assert f"{float(around):.0f} % of the work around the roll" in title
     for line in figure.axes[2].lines:
         share = line.get_ydata()
         assert share[0] == 0.0

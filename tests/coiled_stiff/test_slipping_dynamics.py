@@ -13,7 +13,8 @@ from scipy.constants import g as GRAVITY
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses.slip_damping import main_mode, slipping_structure
+from wroll_fem.analyses.followed_mode import main_mode
+from wroll_fem.analyses.slip_structure import slipping_structure
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve

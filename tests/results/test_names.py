@@ -45,7 +45,13 @@ CASES: dict[str, tuple[str, list[str]]] = {
     ),
     "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE, DAMPED]),
     "modal_transient": ("case_study", ["mesh.discretisation=fourier", "mesh.axial=4", "mesh.radial=1"]),
-    "slip_damping": ("slipping_coil", ["mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[5]"]),
+    "slip_damping": (
+        "slipping_coil",
+        [
+            "mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[5]", "coil.pressure=varying",
+            "coil.wrap_interfaces={elastic_slip: 1e-7}",
+        ],
+    ),
     "preload": ("winding_sweep", [*COARSE, "analysis=preload", "preload.steps=2"]),
     "buckling": ("lab_buckling", [*COARSE, "modal.count=1", "preload.pressure=1e4", "preload.steps=2"]),
     "winding": ("winding_lab", []),

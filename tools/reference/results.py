@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tools.reference.markdown import GENERATED, code, prose, table
-from wroll_fem.results.dataset import AXES, FIELDS
+from wroll_fem.results.fields import AXES, FIELDS
 from wroll_fem.results.summary import GROUPS, Entry, label
 
 _INTRO = """# Results

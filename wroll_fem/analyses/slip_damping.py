@@ -8,41 +8,40 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 from scipy.constants import g as GRAVITY
-from scipy.interpolate import PchipInterpolator
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.analyses.followed_mode import axisymmetric_mode, main_mode
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
-from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
-from wroll_fem.analyses.slip_dataset import CoilShape
-from wroll_fem.analyses.slip_model import in_wound_roll
-from wroll_fem.bodies.body import Body
-from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
-from wroll_fem.coiled_stiff.slipping_coil import slipping_system
-from wroll_fem.contact.kernels import SLIP
-from wroll_fem.contact.point import tangentials
+from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
+from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure, stress_rows
+from wroll_fem.bodies.levels import levels as levels_of
+from wroll_fem.contact.kernels import STICK
+from wroll_fem.dynamics.statics.cycle_path import cycle_path
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.statics.modal_path import ModalPath, modal_path
+from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
-from wroll_fem.winding import wound_roll
 
 if TYPE_CHECKING:
+    from wroll_fem.bodies.body import Body
     from wroll_fem.case import SlipDampingCase
     from wroll_fem.dynamics.statics.contact_state import ContactState
-    from wroll_fem.dynamics.system.system import System
     from wroll_fem.progress import Progress
 
 JUST_BELOW = 1.0 - 1e-6
 """First load, relative to that of the first slip: nothing slides yet."""
 
+LARGEST_GAP = 0.01
+"""Difference of the ends of a cycle, relative to its amplitude, above which the run warns."""
+
 LEAST_SHARE = 0.4
 """Effective mass of the followed mode, relative to the total mass, below which the run warns; 0.6 for a cantilever."""
 
-STRONG, STRONG_SHARE = 0.5, 0.01
-"""Radial stress, relative to the pressure, that counts as a strong change of the pressure; fraction of the sliding
-volume with a strong change above which the run warns."""
+STRONG_SHARE = 0.01
+"""Fraction of the sliding volume with a strong change of the pressure above which the run warns."""
 
 GROWTH, BEYOND, MOST_LEVELS = 1.18, 1.05, 80
 """Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
@@ -50,194 +49,106 @@ of them."""
 
 
 def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset:
-    """Follow the main bending mode from the first slip to the amplitude at the highest base acceleration.
+    """Follow the mode of a case from the first slip to the amplitude at the highest base acceleration.
 
     Raises
     ------
     ConvergenceError
-        If a load has no equilibrium.
+        If the first load has no equilibrium.
     InputError
         If a point of the coil has no friction capacity.
     """
     started = time.process_time()
     with progress.stage("mesh and matrices", 1) as stage:
         body, points, system, start = slipping_structure(case)
+        between = WoundCoil(case).at(points.points[:, 2])
+        stress = stress_rows(body, points, case.coil.solid().stiffness(), between.radial_modulus)
         stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} points")
-    with threadpool_limits(1, "blas"), progress.stage("slip path", MOST_LEVELS) as stage:
-        path = LoadPath(system, start)
-        mode = main_mode(system, path)
-        levels = [JUST_BELOW]
-        found = modal_path(path, mode, levels, keep=True)
-        highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
-        while len(levels) < MOST_LEVELS:
-            if base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest:
-                break
-            levels.append(GROWTH * levels[-1])
-            found = found.joined(modal_path(path, mode, levels[-1:], keep=True, after=found))
-            stage.update(len(levels), f"{len(path.vectors)} basis vectors")
-        stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
-    dataset = slip_dataset(system, points, path, found, mode, case).merge(
-        pressure_change(body, points, path, found, case.coil.solid().stiffness())
-    )
-    _warn_of_pressure(dataset, progress)
-    if bool(dataset["tip_at_level"].isnull().any()):
-        progress.warning(
-            f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after {len(levels)} "
-            "loads: higher levels have no result; lower excitation.amplitude_g"
-        )
-    share = float(mode @ (system.mass @ system.influence)) ** 2 / body.mass_total
-    if share < LEAST_SHARE:
-        progress.warning(
-            f"the lowest mode that the base excites, {dataset.attrs['f_stuck_hz']:.4g} Hz, carries {100 * share:.2g} % "
-            "of the mass, so that bending is not its main motion: other modes matter as much; use a stiffer shear "
-            "modulus between the wraps, or modal_transient"
-        )
+    with threadpool_limits(1, "blas"):
+        path = LoadPath(system, start, stress=stress if case.coil.pressure == "varying" else None)
+        mode = (main_mode if case.excitation.mode == "bending" else axisymmetric_mode)(system, path)
+        found = followed_path(case, path, mode, points.points[:, 2], progress)
+    dataset = slip_dataset(system, points, path, found, mode, case)
+    dataset = dataset.merge(pressure_change(stress, points, path, found))
+    if case.coil.wrap_interfaces is not None:
+        dataset = with_moduli(dataset, between)
+    _warn(dataset, case, effective_mass(body, path, mode, case), progress)
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
 
 
-def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System, ContactState]:
-    """Body and points of the coil of a case, its system with friction at these points, and the state at rest.
+def followed_path(
+    case: SlipDampingCase, path: LoadPath, mode: FloatArray, radius: FloatArray, progress: Progress
+) -> ModalPath:
+    """Path of growing loads with the shape of the mode, up to the highest level or to the last load with equilibrium.
+
+    In torsion and along the axis friction alone carries the load from wrap to wrap, if the base of the coil is not
+    clamped: a cylinder on which every point slides holds no more. ``radius`` (n_points,), m, is that of the points.
 
     Raises
     ------
-    InputError
-        If a point of the coil has no friction capacity.
+    ConvergenceError
+        If the first load has no equilibrium.
     """
-    (body,) = build_bodies(case)
-    assert body.solid is not None
-    points = ShearPoints.of(body.solid)
-    points = points.half() if body.symmetric else points
-    roll, inner = wound_roll(case.wound), 0.5 * case.geometry.mandrel_outer_diameter
-    shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
-    pressure = roll.pressure_at(in_wound_roll(points.points[:, 2], shape, roll.radius))
-    assert case.wound.mu is not None
-    system, start = slipping_system(
-        body, points, shear_modulus=case.coil.solid().G_r_z, pressure=pressure, mu=case.wound.mu,
-        direction=DIRECTIONS[case.direction],
-    )  # fmt: skip
-    return body, points, system, start
+    follow: Any = cycle_path if path.stress is not None else modal_path
+    held = case.excitation.mode == "bending" or case.coil.base == "clamped"
+    highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
+    with progress.stage("slip path", MOST_LEVELS) as stage:
+        levels = [JUST_BELOW]
+        found: ModalPath = follow(path, mode, levels, keep=True)
+        while len(levels) < MOST_LEVELS:
+            if base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest:
+                break
+            try:
+                further = found.joined(follow(path, mode, [GROWTH * levels[-1]], keep=True, after=found))
+                sliding = None if held else sliding_cylinder(radius, path.state)
+                reason = "" if sliding is None else f"all wraps at r = {1e3 * sliding:.4g} mm slide (gross slip)"
+            except ConvergenceError:
+                reason = "no equilibrium was found, the friction between the wraps may not hold it"
+            if reason:
+                progress.warning(f"under a load {GROWTH:g} times the last one of the path {reason}")
+                break
+            levels.append(GROWTH * levels[-1])
+            found = further
+            stage.update(len(levels), f"{len(path.vectors)} basis vectors")
+        stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
+    return found
 
 
-def main_mode(system: System, path: LoadPath) -> FloatArray:
-    """(n,) lowest mode that the base excites, with sticking wraps; unit modal mass. By inverse iteration."""
-    mode, before = path.stuck(system.mass @ system.influence), np.inf
-    while True:
-        mode = path.stuck(system.mass @ mode)
-        mode /= np.sqrt(mode @ (system.mass @ mode))
-        square = float(mode @ (path.stiffness @ mode))
-        if before - square <= 1e-13 * square:
-            return mode
-        before = square
+def sliding_cylinder(radius: FloatArray, state: ContactState) -> float | None:
+    """Smallest radius, m, at which no point sticks; None if some point sticks at every radius (n_points,)."""
+    at, which = levels_of(radius)
+    sticks = np.bincount(which, weights=state.status == STICK, minlength=len(at))
+    return float(at[sticks == 0.0][0]) if (sticks == 0.0).any() else None
 
 
-def viscous_work(path: LoadPath, found: ModalPath, mode: FloatArray, damping_ratio: float) -> FloatArray:
-    """(k,) energy that the dashpot of the mode dissipates in a cycle, J; ``damping_ratio`` is that without slip."""
-    natural = np.sqrt(mode @ (path.stiffness @ mode))
-    return np.asarray(2.0 * np.pi * damping_ratio * natural * found.frequency * found.amplitude**2)
+def effective_mass(body: Body, path: LoadPath, mode: FloatArray, case: SlipDampingCase) -> float:
+    """Effective mass of the mode divided by the total mass; in torsion, of moments of inertia."""
+    inertia = path.system.mass @ path.system.influence
+    total = float(path.system.influence @ inertia) if case.excitation.mode == "torsion" else body.mass_total
+    return float(mode @ inertia) ** 2 / total
 
 
-def displacements(path: LoadPath, found: ModalPath) -> FloatArray:
-    """(k, n) displacement of each state of a path from rest, m."""
-    return np.array([state.displacement - path.start.displacement for state in found.states])
-
-
-def base_acceleration(path: LoadPath, found: ModalPath, mode: FloatArray, damping_ratio: float) -> FloatArray:
-    """(k,) base acceleration, m/s^2, whose work at resonance is the energy dissipated in a cycle of each amplitude."""
-    dissipated = found.dissipation + viscous_work(path, found, mode, damping_ratio)
-    moving = np.abs(displacements(path, found) @ (path.system.mass @ path.system.influence))
-    return np.asarray(dissipated / (np.pi * moving))
-
-
-def slip_dataset(
-    system: System, points: ShearPoints, path: LoadPath, found: ModalPath, mode: FloatArray, case: SlipDampingCase
-) -> xr.Dataset:
-    """Dataset of frequency and damping versus `tip_amplitude`, response versus `amplitude_g`, and slip in the coil."""
-    zeta = case.damping_ratio
-    tip = np.abs(displacements(path, found) @ system.probes["tip"])
-    base = base_acceleration(path, found, mode, zeta)
-    viscous = viscous_work(path, found, mode, zeta)
-    material = viscous / (2.0 * np.pi * (found.frequency * found.amplitude) ** 2)
-    total = found.damping + material
-    laws, start = system.laws, path.start
-    limit = laws.mu * start.pressure
-    slides = np.array([state.status == SLIP for state in found.states])
-    slip = tangentials(found.states[-1].jump) - found.states[-1].elastic_slip.reshape(-1, 2)
-    levels = np.array(case.excitation.amplitude_g)
-    natural = float(np.sqrt(mode @ (path.stiffness @ mode)))
-    participation = float((mode @ (system.mass @ system.influence)) * (system.probes["tip"] @ mode))
-    linear = abs(participation) * GRAVITY * levels / (2.0 * zeta * natural**2)
-    stuck = GRAVITY * levels <= base[0]
-    at = np.where(stuck, linear, _between(0.0, base, 0.0, tip)(GRAVITY * levels))
-    frequency = _between(0.0, tip, natural, found.frequency)(at) / (2.0 * np.pi)
-    damping = np.where(stuck, zeta, _between(0.0, tip, zeta, total)(at))
-    onset = np.where(slides.any(axis=0), tip[slides.argmax(axis=0)], np.nan)
-    most = int(np.argmax(total))
-    area = laws.area / points.volumes
-    dataset = xr.Dataset(
-        {
-            "resonance_frequency": ("tip_amplitude", found.frequency / (2.0 * np.pi)),
-            "modal_damping": ("tip_amplitude", total),
-            "friction_modal_damping": ("tip_amplitude", found.damping),
-            "material_modal_damping": ("tip_amplitude", material),
-            "resonant_base_acceleration": ("tip_amplitude", base),
-            "friction_work_per_cycle": ("tip_amplitude", found.dissipation),
-            "material_damping_work_per_cycle": ("tip_amplitude", viscous),
-            "slipping_volume_fraction": ("tip_amplitude", slides @ points.volumes / points.volumes.sum()),
-            "tip_at_level": ("amplitude_g", at),
-            "tip_at_level_without_slip": ("amplitude_g", linear),
-            "frequency_at_level": ("amplitude_g", frequency),
-            "damping_at_level": ("amplitude_g", damping),
-            "theta_rad": ("point", points.points[:, 0]),
-            "z_m": ("point", points.points[:, 1]),
-            "r_m": ("point", points.points[:, 2]),
-            "volume": ("point", points.volumes),
-            "friction_capacity": ("point", limit),
-            "tip_amplitude_at_slip": ("point", onset),
-            "slip_work_density": ("point", 4.0 * limit * np.linalg.norm(slip, axis=1) * area),
-        },
-        coords={"tip_amplitude": tip, "amplitude_g": levels},
-    )
-    dataset.attrs |= {
-        "f_stuck_hz": natural / (2.0 * np.pi),
-        "f_largest_amplitude_hz": float(found.frequency[-1] / (2.0 * np.pi)),
-        "zeta_max": float(total[most]),
-        "tip_amplitude_at_zeta_max_m": float(tip[most]),
-        "base_acceleration_at_zeta_max_m_s2": float(base[most]),
-        "dofs": system.n_dofs,
-        "interface_points": system.n_points,
-        "reduced_coordinates": len(path.vectors),
-        "reduction_error_estimate": float(found.error.max()),
-        "branch_points": len(tip),
-        "method": "quasi-static modal path, Masing's rule",
-        "mandrel_radius_m": 0.5 * case.geometry.mandrel_outer_diameter,
-        "coil_outer_radius_m": 0.5 * case.geometry.mandrel_outer_diameter + case.coil.total_thickness,
-        "length_m": case.geometry.length,
-    }
-    return dataset
-
-
-def pressure_change(
-    body: Body, points: ShearPoints, path: LoadPath, found: ModalPath, stiffness: FloatArray
-) -> xr.Dataset:
-    """Radial stress of the motion relative to the pressure between the wraps, where they slide, versus `tip_amplitude`.
-
-    The path takes the pressure as constant. ``stiffness`` (6, 6), Pa, is that of the coil.
-    """
-    assert body.solid is not None
-    rows = radial_stress(body.solid, stiffness)
-    rows = rows[points.kept] if points.kept is not None else rows
-    change = np.abs((rows @ (body.solid.expand @ displacements(path, found).T)).T) / path.start.pressure
-    slides = np.array([state.status == SLIP for state in found.states])
-    strong = (slides & (change > STRONG)) @ points.volumes
-    return xr.Dataset(
-        {
-            "pressure_change_max": ("tip_amplitude", np.where(slides, change, 0.0).max(axis=1)),
-            "pressure_change_volume_fraction": (
-                "tip_amplitude", strong / np.maximum(slides @ points.volumes, np.finfo(float).tiny),
-            ),
-        }
-    )  # fmt: skip
+def _warn(dataset: xr.Dataset, case: SlipDampingCase, share: float, progress: Progress) -> None:
+    if case.coil.pressure == "fixed":
+        _warn_of_pressure(dataset, progress)
+    if bool(dataset["tip_at_level"].isnull().any()):
+        progress.warning(
+            f"the path ends at {float(dataset['resonant_base_acceleration'][-1]) / GRAVITY:.3g} g, after "
+            f"{dataset.sizes['tip_amplitude']} loads: higher levels have no result; lower excitation.amplitude_g"
+        )
+    gap = float(dataset.attrs.get("cycle_closure", 0.0))
+    if gap > LARGEST_GAP:
+        progress.warning(
+            f"cycles close to {100 * gap:.2g} % of their amplitude only: the motion drifts where the pressure varies, "
+            "and frequency and damping are those of a drifting cycle; lower excitation.amplitude_g"
+        )
+    if share < LEAST_SHARE:
+        progress.warning(
+            f"the lowest mode that the base excites, {dataset.attrs['f_stuck_hz']:.4g} Hz, carries {100 * share:.2g} % "
+            f"of the mass, so that {case.excitation.mode} is not its main motion: other modes matter as much; use a "
+            "stiffer shear modulus between the wraps, or modal_transient"
+        )
 
 
 def _warn_of_pressure(dataset: xr.Dataset, progress: Progress) -> None:
@@ -249,13 +160,9 @@ def _warn_of_pressure(dataset: xr.Dataset, progress: Progress) -> None:
         progress.warning(
             f"at a tip motion of {1e3 * tip:.3g} mm the radial stress of the motion exceeds {100 * STRONG:g} % of the "
             f"pressure between the wraps in {100 * share:.2g} % of the sliding volume ({100 * most:.0f} % of it at "
-            "most); the pressure is taken as constant, so that friction there changes during a cycle by as much"
+            "most); the pressure is taken as constant, so that friction there changes during a cycle by as much: "
+            "use coil.pressure: varying"
         )
-
-
-def _between(x_0: float, x: FloatArray, y_0: float, y: FloatArray) -> PchipInterpolator:
-    """Function through (x_0, y_0) and the points ``x``, ``y`` (k,); NaN beyond the last one."""
-    return PchipInterpolator(np.append(x_0, x), np.append(y_0, y), extrapolate=False)
 
 
 def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -268,6 +175,11 @@ def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
         "tip_at_level_without_slip_m": linear.tolist(),
         "frequency_at_level_hz": dataset["frequency_at_level"].values.tolist(),
         "damping_at_level": dataset["damping_at_level"].values.tolist(),
+        "zeta_friction": dataset["friction_damping_at_level"].values.tolist(),
+        "slipping_volume_fraction": dataset["slipping_volume_fraction_at_level"].values.tolist(),
+        "slip_work_per_cycle_j": dataset["friction_work_at_level"].values.tolist(),
+        "slip_work_rt_per_cycle_j": dataset["friction_work_rt_at_level"].values.tolist(),
+        "slip_work_rz_per_cycle_j": dataset["friction_work_rz_at_level"].values.tolist(),
         "slip_damping_statement": statement(dataset),
     }
 

@@ -1,8 +1,10 @@
-"""Loads at the base: rigid motions of a body, with which its inertia forces are summed to base shear and moment."""
+"""Rigid motions of a body with its base: for base shear and moment, and for a base that turns about the axis."""
 
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 
 from wroll_fem.bodies.body import Body
 from wroll_fem.typing import FloatArray
@@ -37,3 +39,18 @@ def base_rotation(body: Body, direction: int, length: float) -> FloatArray | Non
     places[node == RIGID_BASE] = 0.0
     moved = np.column_stack([np.cross(axis, places), np.tile(axis, (len(node), 1))])
     return np.asarray(moved[np.arange(len(node)), component])
+
+
+def axial_rotation(body: Body) -> FloatArray:
+    """(n,) displacement of the unknowns under a unit rotation of the base about the axis of the roll, m or rad per rad.
+
+    Clamped nodes move with the base and have no unknowns. The unknowns are those whose nodal displacements are the
+    rotation; a symmetric model has none.
+    """
+    maps = [body.expand] if len(body.nodes) else []
+    turned = [np.column_stack([np.cross(_UP, body.nodes), np.tile(_UP, (len(body.nodes), 1))])] if maps else []
+    if body.solid is not None:
+        maps.append(body.solid.expand)
+        turned.append(np.cross(_UP, body.solid.nodes))
+    expand, moved = sp.vstack(maps, format="csr"), np.concatenate([values.ravel() for values in turned])
+    return np.asarray(spla.spsolve((expand.T @ expand).tocsc(), expand.T @ moved))

@@ -47,6 +47,21 @@ def check_inside(coil: Coil, analysis: str) -> None:
         )  # fmt: skip
 
 
+def check_mode(excitation: SineExcitation, analysis: str) -> None:
+    """Refuse `excitation.mode` torsion and axial for every analysis but slip_damping.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    if excitation.mode != "bending":
+        raise validation_error(
+            f"analysis {analysis} has a base that moves along x or y", key="excitation.mode", value=excitation.mode,
+            remedy="leave it out, or use analysis: slip_damping",
+        )  # fmt: skip
+
+
 def check_resonance(excitation: SineExcitation) -> None:
     """Require `excitation.frequency: resonance` for slip_damping.
 

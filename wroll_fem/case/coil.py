@@ -61,6 +61,22 @@ class Margins(Section):
     tip: Real = Field(default=0.0, ge=0, description="length without coil at the tip, m")
 
 
+class WrapInterfaces(Section):
+    """Interfaces between the wraps, which make a solid coil softer than its web: the more, the lower the pressure."""
+
+    elastic_slip: Real = Field(
+        ge=0,
+        description="elastic slip gamma* of an interface between two wraps at its friction limit, m: with the pressure "
+        "P(r), mu and wrap_thickness h of section winding the shear modulus between the wraps is 1/G = 1/G_r_theta + "
+        "gamma*/(mu P h); 0: that of the web",
+    )
+    radial_modulus: Literal["material", "winding"] = Field(
+        default="material",
+        description="radial modulus of the coil: material (E_r of coil.material), or winding (the law "
+        "winding.web.radial_modulus at the pressure P(r))",
+    )
+
+
 class Coil(Section):
     """Model of the wound web: layers with or without slip, a homogenised solid, mass without stiffness, or no coil."""
 
@@ -106,6 +122,16 @@ class Coil(Section):
         default="stiff",
         description="wraps of a solid coil: stiff (they do not slip), or slipping (they slide where the shear stress "
         "reaches the friction capacity of section winding; slip_damping)",
+    )
+    pressure: Literal["fixed", "varying"] = Field(
+        default="fixed",
+        description="pressure between the wraps that slide (inside: slipping): fixed (that of the wound roll at rest), "
+        "or varying (less the radial stress of the motion, and zero where this is the larger one)",
+    )
+    wrap_interfaces: WrapInterfaces | None = Field(
+        default=None,
+        description="shear modulus between the wraps from their interfaces (inside: slipping): G_r_theta of the "
+        "material is then that of the web alone; left out: G_r_theta is that of the coil",
     )
     base_width: Real | None = Field(
         default=None, ge=0,
@@ -219,6 +245,16 @@ class Coil(Section):
             )  # fmt: skip
         if self.inside == "slipping":
             self._check_inside()
+        elif self.wrap_interfaces is not None:
+            raise validation_error(
+                "are for a solid coil whose wraps slide", key="wrap_interfaces", show_value=False,
+                remedy="leave them out, or use inside: slipping and analysis: slip_damping",
+            )  # fmt: skip
+        elif self.pressure == "varying":
+            raise validation_error(
+                "is for a solid coil whose wraps slide", key="pressure", value=self.pressure,
+                remedy="leave it out, or use inside: slipping and analysis: slip_damping",
+            )  # fmt: skip
         if self.base_width is None:
             return
         if self.base != "inner_edge" or not self.rubs:
@@ -258,7 +294,8 @@ class Coil(Section):
         unused |= set() if self.base == "guided" else {"base_stiffness"}
         unused |= set() if self.rubs else {"interface"}
         unused |= set() if self.inside == "slipping" else {"inside"}
-        unused |= set() if self.base_width is not None else {"base_width"}
+        unused |= set() if self.pressure == "varying" else {"pressure"}
+        unused |= {key for key in ("base_width", "wrap_interfaces") if getattr(self, key) is None}
         unused |= {"areal_mass"} | (set() if self.margins is not None else {"margins"})
         return {key: value for key, value in data.items() if key not in unused}
 

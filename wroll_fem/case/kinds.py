@@ -20,7 +20,7 @@ from wroll_fem.case.checks import (
     check_design_map,
     check_layers,
 )
-from wroll_fem.case.checks_coil import check_resonance, check_solid_coil
+from wroll_fem.case.checks_coil import check_mode, check_resonance, check_solid_coil
 from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact
@@ -166,6 +166,10 @@ class ModalTransientCase(ShakenCoilCase):
 
     analysis: Literal["modal_transient"] = Field(description=ANALYSIS)
     excitation: Annotated[SineExcitation, motion("modal_transient", "sine")] = Field(description=EXCITATION)
+
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_mode(self.excitation, self.analysis)
 
 
 @case_kind

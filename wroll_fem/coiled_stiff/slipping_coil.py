@@ -7,9 +7,9 @@ The stiffness :math:`K_0` of the coil has no shear between the wraps. The shear 
           \tau = \tau^* \min\left(1, \frac{\mu P}{|\tau^*|}\right), \quad \tau^* = \tau_c + G\, \Delta\gamma
 
 P(r) is the pressure of the wound roll, which stays constant. This is elastic-slip Coulomb friction at contact points of
-area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G/h_k`, the limit
-:math:`\mu P`. The lengths :math:`h_k = \gamma^* G/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same at all
-points; its value does not matter. The interface has no normal displacement.
+area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G_k/h_k`, the
+limit :math:`\mu P`. The lengths :math:`h_k = \gamma^* G_k/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same
+at all points; its value does not matter. The interface has no normal displacement.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import scipy.sparse as sp
 
 from wroll_fem.bodies.body import Body
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
+from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -36,7 +37,14 @@ ELASTIC_SLIP = 1e-6
 
 
 def slipping_system(
-    body: Body, points: ShearPoints, *, shear_modulus: float, pressure: FloatArray, mu: float, direction: int = 0
+    body: Body,
+    points: ShearPoints,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
+    direction: int = 0,
+    varying: bool = False,
 ) -> tuple[System, ContactState]:
     """System of a mandrel with a slipping coil, and its state at rest, without shear stress.
 
@@ -47,13 +55,15 @@ def slipping_system(
     points
         Points of the coil.
     shear_modulus
-        G, Pa, the same for rt and rz.
+        G, Pa, the same for rt and rz: one value, or that of each point (n,).
     pressure
         (n,) pressure P of the wound roll at the points, Pa.
     mu
         Coefficient of friction between the wraps.
     direction
         Direction of the base motion: 0 for x, 1 for y.
+    varying
+        The friction limit follows a pressure that varies, see `shear_interface`.
 
     Raises
     ------
@@ -62,18 +72,26 @@ def slipping_system(
     """
     assert body.solid is not None
     interface = shear_interface(
-        points, points.strain @ body.solid.expand, shear_modulus=shear_modulus, pressure=pressure, mu=mu
-    )
+        points, points.strain @ body.solid.expand, shear_modulus=shear_modulus, pressure=pressure, mu=mu,
+        varying=varying,
+    )  # fmt: skip
     system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
     return system, pressed(system, pressure)
 
 
 def shear_interface(
-    points: ShearPoints, strain: sp.csr_matrix, *, shear_modulus: float, pressure: FloatArray, mu: float
+    points: ShearPoints,
+    strain: sp.csr_matrix,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
+    varying: bool = False,
 ) -> Interface:
     """Friction at ``points`` with the shear strains rt and rz, (2 n, n_dofs) rows ``strain``, as relative displacement.
 
-    For the other parameters and the error see `slipping_system`.
+    With ``varying`` the law has a stick stiffness that does not depend on the pressure, and a friction limit that
+    falls to zero with it. For the other parameters and the error see `slipping_system`.
     """
     capacity = mu * np.asarray(pressure, float)
     if not np.all(capacity > 0.0):
@@ -83,13 +101,17 @@ def shear_interface(
             key="winding", remedy="wind all of the coil with tension, and give winding.mu above 0",
         )  # fmt: skip
     n, stiffness = len(points.volumes), capacity / ELASTIC_SLIP  # stick stiffness G / h
+    law: PenaltyCoulomb | ElasticCoulomb = PenaltyCoulomb(mu, ELASTIC_SLIP)
+    if varying:  # the same stick stiffness at all points
+        stiffness = np.full(n, stiffness.mean())
+        law = ElasticCoulomb(mu, ELASTIC_SLIP, float(stiffness[0]))
     length = shear_modulus / stiffness
     tangential = sp.diags(np.repeat(length, 2)) @ strain
     rows = (3 * np.arange(n)[:, None] + [1, 2]).ravel()
     place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))
     return Interface(
         name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / length, points=points.points,
-        friction=PenaltyCoulomb(mu, ELASTIC_SLIP), normal=NormalPenalty(stiffness, False),
+        friction=law, normal=NormalPenalty(stiffness, varying),
     )  # fmt: skip
 
 

@@ -8,4 +8,5 @@ STUDY_FIGURES = (
     "friction_over_preload", "friction_over_damping", "slip_extent", "slip_vectors", "layer_count", "layer_modulus",
     "elastic_slip", "integrators", "mesh_friction", "mesh_frequency", "friction_laws", "transmissibility_over_tension",
     "shear_stiffness", "shear_stiffness_band", "winding_hardness", "winding_tension",
+    "damping_over_level",
 )  # fmt: skip

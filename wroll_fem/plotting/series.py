@@ -20,6 +20,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
 from wroll_fem.plotting.convergence import plot_frequency_convergence, plot_friction_convergence
 from wroll_fem.plotting.history import plot_response
+from wroll_fem.plotting.level_series import plot_damping_over_level
 from wroll_fem.plotting.preload_grid import plot_damping_over_preload
 from wroll_fem.plotting.shear_stiffness import plot_shear_stiffness, plot_shear_stiffness_band
 from wroll_fem.plotting.slip_series import plot_slip_extent, plot_slip_vectors
@@ -385,5 +386,6 @@ FIGURES: dict[str, Callable[[Sequence[StudyCase]], Axes]] = {
     "shear_stiffness_band": plot_shear_stiffness_band,
     "winding_hardness": plot_soft_and_hard,
     "winding_tension": plot_pressure_over_tension,
+    "damping_over_level": plot_damping_over_level,
 }
 """Value of the key `figure` of a grid file -> function that draws this figure from the finished cases."""

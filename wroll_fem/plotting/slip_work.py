@@ -93,7 +93,18 @@ def _work_panel(dataset: xr.Dataset, ax: Axes) -> None:
     ax.set_xlabel("Distance from the mandrel (mm)")
     ax.set_ylabel("Height above the base (mm)")
     tip = 1e3 * float(dataset["tip_amplitude"][-1])
-    style.title(ax, f"Slip work at a tip motion of {tip:.3g} mm: up to {style.engineering(most, 'J/m³')} per cycle", 44)
+    title = f"Slip work at a tip motion of {tip:.3g} mm: up to {style.engineering(most, 'J/m³')} per cycle"
+    style.title(ax, title + _directions(dataset), 44)
+
+
+def _directions(dataset: xr.Dataset) -> str:
+    """Share of the slip work around the roll and along the axis; results before these were stored have none."""
+    if "slip_work_density_rt" not in dataset:
+        return ""
+    around, along = (float((dataset[f"slip_work_density_{name}"] * dataset["volume"]).sum()) for name in ("rt", "rz"))
+    if not around + along > 0.0:
+        return ""
+    return f", {100.0 * around / (around + along):.0f}\u00a0% of the work around the roll, the rest along the axis"
 
 
 def _share_panel(dataset: xr.Dataset, ax: Axes) -> None:
@@ -106,7 +117,7 @@ def _share_panel(dataset: xr.Dataset, ax: Axes) -> None:
     rows = (("distance from the mandrel", depth, (1, 2), style.BLUE, "-"), ("height", height, (0, 2), style.RED, "--"))
     for name, faces, others, colour, line in rows:
         share = np.append(0.0, np.cumsum(work.sum(axis=others))) / (total if total > 0.0 else 1.0)
-        all_of_it = float(faces[np.searchsorted(share, 0.999 * share[-1])])
+        all_of_it = float(faces[np.searchsorted(share, 0.999 * share[-1])]) or float(faces[-1])
         half.append(float(np.interp(0.5, share, faces)))
         ax.plot(faces / all_of_it, 100.0 * share, line, color=colour, lw=1.8, label=f"{name} / {all_of_it:.3g} mm")
     ax.set_xlim(0.0, 1.2)

@@ -253,6 +253,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "tip_at_level_without_slip_m": Entry("m", "tip displacement without slip (0-peak)", "per level"),
         "frequency_at_level_hz": number("Hz", "resonance frequency", "per level"),
         "damping_at_level": share("damping ratio", "per level, that without slip included"),
+        "slip_work_per_cycle_j": Entry("J", "energy dissipated by slip per cycle", "per level"),
+        "slip_work_rt_per_cycle_j": Entry("J", "part of it by slip around the roll", "per level"),
+        "slip_work_rz_per_cycle_j": Entry("J", "part of it by slip along the axis", "per level"),
+        "followed_mode": Entry("", "followed mode", "bending, torsion or axial"),
+        "cycle_closure": share("gap of the cycles", "difference of the ends over the amplitude, pressure: varying"),
+        "interlayer_shear_modulus_min_pa": Entry("Pa", "smallest shear modulus between the wraps"),
+        "interlayer_shear_modulus_max_pa": Entry("Pa", "largest shear modulus between the wraps"),
         "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
     },
     "Map of mandrels": {

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from wroll_fem.case.base import Real, Section, TaggedSection, validation_error
 from wroll_fem.case.excitation.shared import STANDARD_GRAVITY, AmplitudeSection, Direction, positive
@@ -122,6 +122,28 @@ class SineExcitation(TaggedSection):
     amplitude_g: list[float] = Field(
         description="levels of the base acceleration, multiples of 9.80665 m/s^2, 0-peak, ascending"
     )
+
+    mode: Literal["bending", "torsion", "axial"] = Field(
+        default="bending",
+        description="mode that slip_damping follows: bending (the base moves along direction), torsion (the base turns "
+        "about the axis of the roll; levels are the acceleration at the outer surface of the mandrel), axial (the base "
+        "moves along the axis)",
+    )
+
+    @model_validator(mode="after")
+    def _without_direction(self) -> Self:
+        if self.mode != "bending" and "direction" in self.model_fields_set:
+            raise validation_error(
+                f"is the direction of bending; mode: {self.mode} has none", key="direction", value=self.direction,
+                remedy="leave it out, or use mode: bending",
+            )  # fmt: skip
+        return self
+
+    @model_serializer(mode="wrap")
+    def _plain(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Serialise without the mode if it is bending, and without the direction otherwise."""
+        unused = "mode" if self.mode == "bending" else "direction"
+        return {key: value for key, value in dict(plain(self)).items() if key != unused}
 
     @field_validator("frequency", mode="before")
     @classmethod

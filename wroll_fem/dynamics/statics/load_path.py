@@ -12,6 +12,11 @@ Earlier vectors remain, so that a basis serves all further loads of a path: some
 factorisation per iteration.
 
 Friction depends on the path: each load starts from the committed state of the one before.
+
+The normal traction at a point may follow a stress of the structure, :math:`t_n = -P + R v` with given rows R, as inside
+a body: friction feels this pressure, which is no contact force. Its limit then depends on the solution, the rows of the
+friction in Newton's matrix on R: friction is not associated, the matrix not symmetric. Newton's method solves for both
+together; there is no potential, so that steps are damped by the norm of the residual as long as it falls.
 """
 
 from __future__ import annotations
@@ -20,8 +25,10 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 
 from wroll_fem.contact import kernels
+from wroll_fem.contact.point import NORMAL
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
@@ -55,6 +62,9 @@ class LoadPath:
         State at rest. Its displacement is the reference of the loads: a load of zero leaves the structure there.
     tolerance
         Largest error of a state, see `TOLERANCE`.
+    stress
+        (n_points, n_dofs) rows R of the stress that changes the normal traction, Pa/m; None: the relative displacement
+        of the interfaces alone changes it.
 
     Attributes
     ----------
@@ -64,12 +74,24 @@ class LoadPath:
     scale : energy norm of the response with sticking contact to the largest load so far, N^(1/2) m^(1/2)
     """
 
-    def __init__(self, system: System, start: ContactState, *, tolerance: float = TOLERANCE):
+    def __init__(
+        self,
+        system: System,
+        start: ContactState,
+        *,
+        tolerance: float = TOLERANCE,
+        stress: sp.csr_matrix | None = None,
+    ):
         self.system, self.start, self.state, self.tolerance = system, start, start, tolerance
         self.springs = stick_springs(system, start)
         self.stiffness = system.with_interface_springs(self.springs).tocsr()
         self.factor = factorise(self.stiffness)
         self.trial = TrialContact(system)
+        self.stress, self.jump, self.weights = stress, system.jump, system.weights
+        if stress is not None:  # as a normal displacement without a force
+            n = system.n_points
+            self.jump = sp.vstack([system.jump[: 2 * n], sp.diags(1.0 / system.laws.kn) @ stress], format="csr")
+            self.weights = np.concatenate([system.weights[: 2 * n], np.zeros(n)])
         self._count, self._room = 0, [np.empty((0, k)) for k in (system.n_dofs, system.n_dofs, 3 * system.n_points)]
         self.error = self.scale = 0.0
 
@@ -101,7 +123,7 @@ class LoadPath:
         part = part / np.sqrt(part @ force)
         if self._count == len(self._room[0]):
             self._room = [np.concatenate([rows, np.empty((ROOM, rows.shape[1]))]) for rows in self._room]
-        new = (part, self.stiffness @ part, self.system.jump @ part)
+        new = (part, self.stiffness @ part, self.jump @ part)
         for rows, values in zip(self._room, new, strict=True):
             rows[self._count] = values
         self._count += 1
@@ -136,7 +158,7 @@ class LoadPath:
                 break
             x = found
             moved = x @ self.vectors
-            residual = load - x @ self.forces - system.jump.T @ (system.weights * problem.correction)
+            residual = load - x @ self.forces - system.jump.T @ (self.weights * problem.correction)
             response = self.stuck(residual)
             self.error = float(np.sqrt(max(residual @ response, 0.0))) / scale
             history.append(self.error)
@@ -157,7 +179,7 @@ class _InBasis:
     def __init__(self, path: LoadPath, load: FloatArray, limit: float):
         self.path, self.limit = path, limit
         self.load, self.jumps = path.vectors @ load, path.jumps
-        self.weights = path.system.weights
+        self.weights = path.weights
         self.correction = np.zeros(self.jumps.shape[1])
 
     def residual(self, x: FloatArray) -> tuple[FloatArray, float]:
@@ -179,6 +201,8 @@ class _InBasis:
         change = path.trial.tangent.copy()
         springs = np.column_stack([path.springs[: 2 * n].reshape(n, 2), path.springs[2 * n :]])
         change[:, range(3), range(3)] -= springs
+        if path.stress is not None:
+            change[:, NORMAL, :] = 0.0
         points = np.flatnonzero(np.abs(change).max(axis=(1, 2)) > 1e-12 * np.abs(springs).max(axis=1))
         dofs = np.column_stack([2 * points, 2 * points + 1, 2 * n + points])
         jumps = self.jumps[:, dofs.ravel()].reshape(len(x), len(points), 3)

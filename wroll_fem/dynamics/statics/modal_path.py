@@ -7,7 +7,8 @@ unloading branch of a cycle of amplitude q is the initial curve :math:`\alpha(q)
 .. math:: \alpha_u(q_0 \cos\vartheta) = \alpha(q_0) - 2\, \alpha\!\left(\tfrac12 q_0 (1 - \cos\vartheta)\right) .
 
 Its first harmonic gives the frequency. The dissipated energy is four times the slip work of the initial curve, because
-every point slides twice as far at the same friction limit on each of two branches.
+every point slides twice as far at the same friction limit on each of two branches. Where the pressure varies,
+`cycle_path` follows the cycle itself.
 
 References
 ----------
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -46,20 +48,36 @@ class ModalPath:
     slip_work : (k,) slip work from rest, J
     error : (k,) error of the state, see `LoadPath`
     first_slip : modal amplitude at which the first point slides, kg^(1/2) m
+    component_work : (k, 2) slip work from rest in the hoop and axial direction, J
+    point_work : (n_points, 2) slip work from rest to the last load, by point and direction, J
     states : (k,) contact states; empty if they were not kept
     """
+
+    PER_LOAD: ClassVar[tuple[str, ...]] = ("amplitude", "force", "slip_work", "error", "component_work")
 
     amplitude: FloatArray
     force: FloatArray
     slip_work: FloatArray
     error: FloatArray
     first_slip: float
+    component_work: FloatArray
+    point_work: FloatArray
     states: tuple[ContactState, ...] = ()
 
     @property
     def dissipation(self) -> FloatArray:
         """(k,) energy dissipated in a cycle, J."""
         return 4.0 * self.slip_work
+
+    @property
+    def dissipation_by_component(self) -> FloatArray:
+        """(k, 2) energy dissipated in a cycle by slip in the hoop and axial direction, J."""
+        return 4.0 * self.component_work
+
+    @property
+    def dissipation_by_point(self) -> FloatArray:
+        """(n_points, 2) energy dissipated in a cycle of the largest amplitude, by point and direction, J."""
+        return 4.0 * self.point_work
 
     @property
     def loop_area(self) -> FloatArray:
@@ -83,11 +101,10 @@ class ModalPath:
         """(k,) damping ratio: dissipation divided by 4 pi times the energy 1/2 w^2 q^2."""
         return self.dissipation / (2.0 * np.pi * (self.frequency * self.amplitude) ** 2)
 
-    def joined(self, other: ModalPath) -> ModalPath:
-        """Path with the levels of ``other`` after its own."""
-        names = ("amplitude", "force", "slip_work", "error")
-        parts = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
-        return replace(self, **parts, states=self.states + other.states)
+    def joined(self, other: Self) -> Self:
+        """Path with the levels of ``other``, which followed ``self``, after its own."""
+        parts = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in self.PER_LOAD}
+        return replace(other, **parts, states=self.states + other.states)
 
     def curve(self) -> PchipInterpolator:
         """Modal force over amplitude, from rest; up to the first load without slip it is a straight line."""
@@ -98,12 +115,16 @@ class ModalPath:
 
 
 def first_slip(path: LoadPath, load: FloatArray) -> float:
-    """Factor on a ``load`` (n_dofs,), N, at which the first point slides, at the pressure at rest.
+    """Factor on a ``load`` (n_dofs,), N, of either sign at which the first point slides, at the pressure at rest.
 
-    Tractions at rest are left out: the preload leaves some points of a layered roll at their limit.
+    Tractions at rest are left out: the preload leaves some points of a layered roll at their limit. The pressure
+    changes with the load if the path has a stress for it.
     """
-    limit = path.system.laws.mu * path.start.pressure
-    rate = np.linalg.norm(tangentials(path.springs * (path.system.jump @ path.stuck(load))), axis=1)
+    mu, moved = path.system.laws.mu, path.stuck(load)
+    limit = mu * path.start.pressure
+    rate = np.linalg.norm(tangentials(path.springs * (path.system.jump @ moved)), axis=1)
+    if path.stress is not None:
+        rate = rate + mu * np.abs(path.stress @ moved)
     moves = rate > 0.0
     return float(np.min(limit[moves] / rate[moves], initial=np.inf))
 
@@ -133,12 +154,17 @@ def modal_path(
     first = first_slip(path, square * inertia) if after is None else after.first_slip
     amplitude, force, work, error, states = [], [], [], [], []
     done, before = (0.0, path.start) if after is None else (float(after.slip_work[-1]), path.state)
+    at_points = np.zeros((system.n_points, 2)) if after is None else after.point_work.copy()
+    components = []
     for level in levels:
         alpha = level * first * square
         state = path.to(alpha * inertia)
         moved = tangentials(state.jump) - tangentials(before.jump)
         slipped = moved - (state.elastic_slip - before.elastic_slip).reshape(-1, 2)
-        done += float(laws.area @ (tangentials(state.traction) * slipped).sum(axis=1))
+        worked = tangentials(state.traction) * slipped
+        done += float(laws.area @ worked.sum(axis=1))
+        at_points += laws.area[:, None] * worked
+        components.append(at_points.sum(axis=0))
         amplitude.append(float(inertia @ (state.displacement - path.start.displacement)))
         force.append(alpha)
         work.append(done)
@@ -146,4 +172,7 @@ def modal_path(
         if keep:
             states.append(state)
         before = state
-    return ModalPath(np.array(amplitude), np.array(force), np.array(work), np.array(error), first, tuple(states))
+    return ModalPath(
+        np.array(amplitude), np.array(force), np.array(work), np.array(error), first, np.array(components), at_points,
+        tuple(states),
+    )  # fmt: skip

@@ -1,0 +1,152 @@
+"""Solid coil whose wraps slide: its system with friction at every point, and the properties between its wraps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
+from wroll_fem.analyses.slip_dataset import CoilShape
+from wroll_fem.analyses.slip_model import in_wound_roll
+from wroll_fem.bodies.base_loads import axial_rotation
+from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.materials import CylindricalOrthotropic
+from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
+from wroll_fem.coiled_stiff.slipping_coil import slipping_system
+from wroll_fem.coiled_stiff.wrap_stiffness import radial_change, shear_modulus, with_radial_modulus
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.errors import InputError
+from wroll_fem.typing import FloatArray
+from wroll_fem.winding import wound_roll
+
+if TYPE_CHECKING:
+    from wroll_fem.case import SlipDampingCase
+    from wroll_fem.dynamics.statics.contact_state import ContactState
+
+
+AXIAL = 2
+"""Direction of a base motion along the axis."""
+
+
+class BetweenWraps(NamedTuple):
+    """Properties between the wraps at n radii: `pressure`, `shear_modulus` and `radial_modulus`, each (n,) in Pa."""
+
+    pressure: FloatArray
+    shear_modulus: FloatArray
+    radial_modulus: FloatArray
+
+
+class WoundCoil:
+    """Coil of a case with the stress of its wound roll.
+
+    Parameters
+    ----------
+    case
+        Its sections geometry, coil and winding are used.
+    """
+
+    def __init__(self, case: SlipDampingCase):
+        inner = 0.5 * case.geometry.mandrel_outer_diameter
+        self._shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
+        self._wound, self._thickness = wound_roll(case.wound), case.wound.wrap_thickness
+        self._web, self._interfaces, self._mu = case.coil.solid(), case.coil.wrap_interfaces, case.wound.mu or 0.0
+
+    @property
+    def follows(self) -> bool:
+        """Whether the radial modulus follows the pressure."""
+        return self._interfaces is not None and self._interfaces.radial_modulus == "winding"
+
+    def at(self, radius: FloatArray) -> BetweenWraps:
+        """Pressure, shear modulus and radial modulus between the wraps at radii (n,), m.
+
+        Raises
+        ------
+        InputError
+            If the radial modulus of the wound roll and the other constants of the coil are not admissible.
+        """
+        web, interfaces, wound = self._web, self._interfaces, self._wound
+        pressure = wound.pressure_at(in_wound_roll(radius, self._shape, wound.radius))
+        shear, radial = np.full_like(pressure, web.G_r_z), np.full_like(pressure, web.E_r)
+        if interfaces is not None:
+            shear = shear_modulus(
+                web.G_r_z, pressure, mu=self._mu, elastic_slip=interfaces.elastic_slip, wrap_thickness=self._thickness
+            )
+        if self.follows:
+            radial = wound.modulus(pressure)
+            _check_admissible(web, radial)
+        return BetweenWraps(pressure, shear, radial)
+
+
+def _check_admissible(web: CylindricalOrthotropic, radial: FloatArray) -> None:
+    for modulus in (float(radial.min()), float(radial.max())):
+        try:
+            replace(web, E_r=modulus)
+        except InputError as error:
+            raise InputError(
+                f"the law gives {modulus:.4g} Pa in the coil, with which {error.key} {error.problem}",
+                key="winding.web.radial_modulus",
+                remedy="give a law that fits coil.material, or coil.wrap_interfaces.radial_modulus: material",
+            ) from None
+
+
+def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System, ContactState]:
+    """Body and points of the coil of a case, its system with friction at these points, and the state at rest.
+
+    Raises
+    ------
+    InputError
+        If a point of the coil has no friction capacity.
+    """
+    motion = case.excitation.mode
+    (body,) = build_bodies(case, symmetric=False if motion == "torsion" else None)
+    assert body.solid is not None
+    points = ShearPoints.of(body.solid)
+    points = points.half() if body.symmetric else points
+    coil = WoundCoil(case)
+    at = coil.at(points.points[:, 2])
+    if coil.follows:
+        reference = case.coil.solid().stiffness()
+        stiffness = with_radial_modulus(body.stiffness, body.solid, reference, lambda r: coil.at(r).radial_modulus)
+        body = replace(body, stiffness=stiffness)
+    system, start = slipping_system(
+        body, points, shear_modulus=at.shear_modulus, pressure=at.pressure, mu=case.wound.friction_coefficient,
+        direction=AXIAL if motion == "axial" else DIRECTIONS[case.direction],
+        varying=case.coil.pressure == "varying",
+    )  # fmt: skip
+    if motion == "torsion":
+        system = twisted(system, body, 0.5 * case.geometry.mandrel_outer_diameter)
+    return body, points, system, start
+
+
+def stress_rows(body: Body, points: ShearPoints, stiffness: FloatArray, modulus: FloatArray) -> sp.csr_matrix:
+    """(n_points, n_dofs) rows of the radial stress at the points, Pa/m.
+
+    Parameters
+    ----------
+    stiffness
+        (6, 6) stiffness of the coil with the radial modulus of its material, Pa.
+    modulus
+        (n_points,) radial modulus at the points, Pa.
+    """
+    assert body.solid is not None
+    rows = radial_stress(body.solid, stiffness)
+    rows = rows[points.kept] if points.kept is not None else rows
+    return (sp.diags(radial_change(modulus, stiffness)) @ rows @ body.solid.expand).tocsr()
+
+
+def twisted(system: System, body: Body, radius: float) -> System:
+    """System whose base turns about the axis, with the displacement at ``radius``, m, as the motion of base and tip.
+
+    The tip probe is the mean hoop displacement of the tip ring, at this radius.
+    """
+    nodes = body.nodes
+    ring = np.flatnonzero(nodes[:, 2] > nodes[:, 2].max() - 1e-9 * np.ptp(nodes[:, 2]))
+    at = np.hypot(*nodes[ring, :2].T)
+    row = np.zeros(6 * len(nodes))
+    row[6 * ring], row[6 * ring + 1] = -nodes[ring, 1] / at, nodes[ring, 0] / at
+    row[6 * ring] *= radius / at / len(ring)
+    row[6 * ring + 1] *= radius / at / len(ring)
+    return replace(system, influence=axial_rotation(body) / radius, probes={"tip": row @ body.expand})
