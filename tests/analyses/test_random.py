@@ -72,7 +72,7 @@ def closed_form(f_n: float, zeta: float) -> tuple[float, float]:
     return acceleration, displacement
 
 
-@pytest.mark.parametrize(("f_n", "zeta", "seed", "duration"), [(20.0, 0.02, 1, 60.0), (16.3, 0.034, 7, 30.0)])
+@pytest.mark.parametrize(("f_n", "zeta", "seed", "duration"), [(20.0, 0.02, 1, 60.0), (16.3, 0.034, 7, 40.0)])
 def test_a_linear_structure_has_rms_h1_and_zeta_of_the_closed_form(
     f_n: float, zeta: float, seed: int, duration: float
 ) -> None:
@@ -88,7 +88,7 @@ def test_a_linear_structure_has_rms_h1_and_zeta_of_the_closed_form(
     assert found["f_n_hz"] == pytest.approx(f_n / (1.0 + longer), abs=3.0 * found["f_n_error_hz"] + 1e-4 * f_n)
     assert found["zeta"] == pytest.approx(zeta, abs=3.0 * found["zeta_error"] + 0.003 * zeta)  # bias left: 0.2 %
     assert found["zeta_error"] < 0.02 * zeta
-    assert found["zeta_quality"] == "ok"
+    assert found["zeta_quality"] == "ok", found["zeta_doubts"]
     assert found["psd_random_error"] == pytest.approx(found["psd_averages"] ** -0.5, rel=1e-12)
     f = result["frequency"].values
     size = np.hypot(result["transmissibility_real"], result["transmissibility_imag"]).values
@@ -133,9 +133,9 @@ def integrated(case: wf.Case, dt: float) -> tuple[FloatArray, FloatArray]:
     return moved, felt
 
 
-@pytest.mark.parametrize("seed", [1, 23])
-def test_a_friction_oscillator_has_the_rms_of_an_independent_integration(seed: int) -> None:
-    case = rubbing_case(seed=seed, duration=30.0)
+@pytest.mark.parametrize(("seed", "duration"), [(1, 20.0), (23, 10.0)])
+def test_a_friction_oscillator_has_the_rms_of_an_independent_integration(seed: int, duration: float) -> None:
+    case = rubbing_case(seed=seed, duration=duration)
     result = wf.run(case, progress=SILENT)
     start, dt = result.attrs["steady_start_s"], 1.0 / (40.0 * STEPS * 8)
     moved, felt = (values[round(start / dt) :] for values in integrated(case, dt))
@@ -159,7 +159,7 @@ def test_level_and_capacity_doubled_double_the_response() -> None:
 
 
 def test_the_methods_agree() -> None:
-    case = rubbing_case(duration=3.0)
+    case = rubbing_case(duration=4.4).changed("integrator.steps_per_cycle=20")
     reduced, condensed, full = (
         wf.run(case.changed(f"solver.method={name}"), progress=SILENT)["tip_displacement"].values
         for name in ("reduced", "condensed", "full")
@@ -180,7 +180,7 @@ def test_the_transient_of_the_start_is_left_out() -> None:
 def test_a_resumed_run_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from wroll_fem.dynamics.time_stepping import simulate
 
-    case = rubbing_case(duration=5.0).changed("solver.checkpoint_seconds=0.001")
+    case = rubbing_case(duration=4.5).changed("solver.checkpoint_seconds=0.001")
     whole = wf.run(case, progress=SILENT)
     advance, calls = simulate._Run.advance, []
 
@@ -195,7 +195,7 @@ def test_a_resumed_run_equals_one_that_was_not_interrupted(tmp_path: Path, monke
         wf.run(case, out=tmp_path / "run", progress=SILENT)
     monkeypatch.undo()
     again = run_case(case, tmp_path / "run", resume=True, progress=SILENT)
-    assert again.summary["steps"] == 8000
+    assert again.summary["steps"] == 7200
     with xr.open_dataset(tmp_path / "run" / "results.nc", engine="h5netcdf") as stored:
         for name in ("tip_displacement", "friction_energy", "tip_psd"):
             np.testing.assert_array_equal(stored[name].values, whole[name].values)
@@ -207,7 +207,7 @@ def roll(*overrides: str) -> wf.Case:
 
 def test_the_mandrel_alone_has_rms_and_h1_of_its_modes() -> None:
     coarse = ["mesh.circumferential=8", "mesh.axial=3", "coil={model: none}", "damping.modal=0.02"]
-    case = roll(*coarse, "excitation.duration=12", "excitation.psd={frequency: [60, 260], g2_per_hz: [0.002, 0.01]}")
+    case = roll(*coarse, "excitation.duration=6", "excitation.psd={frequency: [60, 260], g2_per_hz: [0.002, 0.01]}")
     result = wf.run(case, progress=SILENT)
     modes = wf.run(case.changed("analysis=modal", "modal.count=20"), progress=SILENT)
     f, shares = modes["mode_frequency"].values, modes["tip_participation"].values
@@ -219,9 +219,11 @@ def test_the_mandrel_alone_has_rms_and_h1_of_its_modes() -> None:
     assert result.attrs["zeta"] == pytest.approx(0.02, rel=0.03)
     bending = f[np.argmax(np.abs(shares))]
     assert result.attrs["f_n_hz"] == pytest.approx(bending, rel=3e-3)  # HHT: 0.23 % at 40 steps per cycle
-    moved = "excitation.direction=y"
-    turned = wf.run(case.changed(moved), progress=SILENT)
-    assert turned.attrs["tip_rms_m_s2"] == pytest.approx(result.attrs["tip_rms_m_s2"], rel=1e-3)  # 8 cells around
+    along_x, along_y = (
+        wf.run(case.changed("excitation.duration=1", f"excitation.direction={axis}"), progress=SILENT) for axis in "xy"
+    )
+    difference = along_y["tip_displacement"].values - along_x["tip_displacement"].values
+    assert np.abs(difference).max() < 1e-6 * np.abs(along_x["tip_displacement"].values).max()  # a roll is round
 
 
 def test_the_steps_of_auto_follow_resonance_and_highest_frequency() -> None:
@@ -245,7 +247,9 @@ def test_the_steps_of_auto_follow_resonance_and_highest_frequency() -> None:
         ("excitation.psd.g2_per_hz=[0.01, -0.01]", "got -0.01 g^2/Hz"),
         ("excitation.psd.g2_per_hz=[0.01, 0.01, 0.01]", "3 densities for 2 frequencies"),
         ("excitation.psd.frequency=[0, 300]", "above zero"),
-        ("excitation.duration=0.05", "excitation.duration"),
+        ("excitation.duration=0.5", "excitation.duration: too short to average spectra"),
+        ("excitation.resolution=0.1", "excitation.resolution: too fine"),
+        ("excitation.resolution=30", "give 0.133 to 14 Hz"),
         ("excitation.crest_limit=1", "excitation.crest_limit"),
         ("excitation.resolution=-1", "excitation.resolution"),
         ("excitation.kind=chirp", "analysis random needs a random"),
@@ -259,9 +263,7 @@ def test_bad_input_is_one_line(override: str, words: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_a_record_too_short_for_the_resolution_is_refused_and_a_coarse_one_doubtful() -> None:
-    with pytest.raises(InputError, match="too few to average"):
-        wf.run(linear_case(20.0, 0.02, duration=5.0, resolution=0.5), progress=SILENT)
+def test_a_record_too_short_for_the_resonance_is_invalid_or_doubtful() -> None:
     for duration, quality in ((8.0, "invalid"), (25.0, "doubtful")):
         coarse = wf.run(linear_case(20.0, 0.02, duration=duration), progress=SILENT)
         assert coarse.attrs["zeta_quality"] == quality

@@ -22,6 +22,7 @@ from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import random_step_error
 from wroll_fem.analyses.shared.zeta_parts import parts_of_random
 from wroll_fem.analyses.sweep import numerical_remark
+from wroll_fem.case.excitation.random import FEWEST_AVERAGED_LINES
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 from wroll_fem.signals.quality import Circumstances, judge
@@ -47,7 +48,7 @@ SETTLED = 5.0
 FIRST_GUESS, LARGEST_SHARE = 0.1, 0.25
 """Part of the record that the first pass leaves out, and the largest part that is ever left out."""
 
-WANTED_BIAS, LARGEST_BIAS = 0.0133, 0.05
+WANTED_BIAS, LARGEST_BIAS = 0.0133, 0.027
 """Part of the peak of a PSD that the resolution may take: wanted by `auto`, and the largest without a warning."""
 
 FEWEST_AVERAGES, FIRST_SEGMENTS = 8, 16
@@ -108,8 +109,6 @@ def run_random(
     ------
     ConvergenceError
         If a step does not converge; ``partial`` has the history up to that step.
-    InputError
-        If the record is too short for `excitation.resolution`.
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
     found = read_spectra(history, case.excitation, case.output.damping)
@@ -133,16 +132,11 @@ def run_random(
 
 
 def read_spectra(history: xr.Dataset, excitation: RandomExcitation, method: str) -> _Reading:
-    """Spectra of the steady part of a history, with the resolution of the case or one that suits the resonance.
-
-    Raises
-    ------
-    InputError
-        If the record is too short for the resolution that is set.
-    """
+    """Spectra of the steady part of a history, with the resolution of the case or one that suits the resonance."""
     time, base, tip = history["time"].values, history["base_acceleration"].values, absolute_tip(history)
     dt, end = float(time[1] - time[0]), float(time[-1])
     given = excitation.resolution
+    low, high = excitation.psd.table.band
     start, resolution = FIRST_GUESS * end, 0.0
 
     def read(start: float, resolution: float) -> _Reading:
@@ -152,15 +146,16 @@ def read_spectra(history: xr.Dataset, excitation: RandomExcitation, method: str)
         return _Reading(start, spectra, _with_noise(estimate, spectra))
 
     for _ in range(PASSES):
-        coarsest = 0.5 * (FIRST_SEGMENTS + 1) / (end - start)
-        resolution = (resolution or coarsest) if isinstance(given, str) else given
+        coarsest = (high - low) / FEWEST_AVERAGED_LINES
+        first = 0.5 * (FIRST_SEGMENTS + 1) / (end - start)
+        resolution = (resolution or first) if isinstance(given, str) else given
         found = read(start, resolution)
         if found.resonance is None:
             break
         f_n, zeta = found.resonance
         start = min(LARGEST_SHARE * end, SETTLED / (2.0 * np.pi * f_n * zeta))
         finest = 0.5 * (FEWEST_AVERAGES + 1) / (end - start)
-        resolution = max(wanted_resolution(f_n, zeta, WANTED_BIAS), finest)
+        resolution = max(min(wanted_resolution(f_n, zeta, WANTED_BIAS), coarsest), finest)
     return found
 
 

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, TaggedSection, Whole, validation_error
 from wroll_fem.case.excitation.shared import Direction, positive
-from wroll_fem.signals.psd import PsdTable, duration_problem, table_problem
+from wroll_fem.signals.psd_rows import table_problem
+
+if TYPE_CHECKING:
+    from wroll_fem.signals.psd import PsdTable
+
+FEWEST_LINES = 150
+"""Smallest product of duration and band: with less, averaged spectra have too few lines for a resonance."""
+
+FEWEST_SEGMENT_LENGTHS, FEWEST_AVERAGED_LINES = 4.0, 20
+"""Smallest duration in units of the length of a segment, of which a quarter may be left out at the start; and smallest
+number of lines of the averaged spectra."""
 
 
 class Psd(Section):
@@ -36,7 +46,9 @@ class Psd(Section):
 
     @property
     def table(self) -> PsdTable:
-        """Table of the density."""
+        """Table of the density; numpy is imported on use."""
+        from wroll_fem.signals.psd import PsdTable
+
         return PsdTable(tuple(self.frequency), tuple(self.g2_per_hz))
 
 
@@ -70,10 +82,26 @@ class RandomExcitation(TaggedSection):
 
     @model_validator(mode="after")
     def _long_enough(self) -> Self:
-        problem = duration_problem(self.psd.table, self.duration)
-        if problem is not None:
-            text, remedy = problem
-            raise validation_error(text, key="duration", value=self.duration, remedy=remedy)
+        low, high = self.psd.frequency[0], self.psd.frequency[-1]
+        if self.duration * (high - low) < FEWEST_LINES:
+            raise validation_error(
+                f"too short to average spectra in the band of {low:g} to {high:g} Hz", key="duration",
+                value=self.duration, remedy=f"give {FEWEST_LINES / (high - low):.3g} s or more, or a wider band",
+            )  # fmt: skip
+        return self
+
+    @model_validator(mode="after")
+    def _resolved(self) -> Self:
+        low, high = self.psd.frequency[0], self.psd.frequency[-1]
+        if self.resolution == "auto":
+            return self
+        finest, coarsest = FEWEST_SEGMENT_LENGTHS / self.duration, (high - low) / FEWEST_AVERAGED_LINES
+        if not finest <= self.resolution <= coarsest:
+            fault = "too fine for the length of the record" if self.resolution < finest else "too coarse for the band"
+            raise validation_error(
+                fault, key="resolution", value=self.resolution,
+                remedy=f"give {finest:.3g} to {coarsest:.3g} Hz, or auto, or a longer record",
+            )  # fmt: skip
         return self
 
     @property
