@@ -38,6 +38,7 @@ def jobs() -> dict[str, list[str]]:
     found["case_study"] = ["configs/case_study.yaml"]
     found["slipping_coil"] = ["configs/slipping_coil.yaml"]
     found["random"] = ["configs/lab_random.yaml"]
+    found["shock"] = ["configs/lab_shock.yaml"]
     found["sizing"] = ["configs/sizing_irosa.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
@@ -164,6 +165,7 @@ def main() -> None:
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
         ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),
         ("random/figures/spectra.png", "random_spectra.png"),
+        ("shock/figures/shock.png", "shock.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
     comparison(FIGURES / "base_free.png", "free")

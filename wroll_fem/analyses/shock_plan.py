@@ -43,7 +43,7 @@ PERIOD_ERROR = 0.02
 def planned(case: C) -> C:
     """Case whose `excitation.decay` and `excitation.highest_frequency` are numbers; other analyses unchanged.
 
-    The time step divides the length of a pulse, so that its corners and its jump fall on steps.
+    The time step divides the length of a pulse, so that its ends, and the jump of a sawtooth, fall on steps.
     """
     excitation: Any = case.excitation
     if excitation.kind not in SHOCK_KINDS:
