@@ -32,11 +32,13 @@ _CONTACT: dict[str, Any] = {
 }
 _MESH: dict[str, Any] = {"mesh": {"circumferential": 24, "axial": 8}}
 _BAND = {"kind": "chirp", "amplitude": "0.5 g", "f_start": "125 Hz", "f_end": "175 Hz", "rate_oct_per_min": 2.0}
+_NOISE = {"kind": "random", "psd": {"frequency": [20.0, 300.0], "g2_per_hz": [0.01, 0.01]}, "duration": 30.0}
 _DWELL = {"kind": "dwell", "amplitude": "0.5 g", "frequency": "150 Hz", "cycles": 40}
 
 STARTERS: dict[str, dict[str, Any]] = {
     "sweep": _ROLL | _CONTACT | {"excitation": _BAND} | _MESH,
     "dwell": _ROLL | _CONTACT | {"excitation": _DWELL} | _MESH,
+    "random": _ROLL | _CONTACT | {"excitation": _NOISE} | _MESH,
     "harmonic": _ROLL | _CONTACT | {"excitation": _BAND} | _MESH,
     "backbone": _ROLL | _CONTACT | {"backbone": {"tip_smallest": "0.1 um", "tip_largest": "0.5 mm"}} | _MESH,
     "modal": _ROLL | _CONTACT | _MESH,
