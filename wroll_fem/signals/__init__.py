@@ -9,6 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from wroll_fem.signals.amplitude_process import AmplitudeDensity, NonlinearMode, amplitude_density
+    from wroll_fem.signals.averaged_spectrum import LinearModes, ResponseSpectra, response_spectra
+    from wroll_fem.signals.notching import factor_at_limit
     from wroll_fem.signals.psd import PsdTable
     from wroll_fem.signals.random_motion import random_record
     from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
@@ -31,12 +34,21 @@ _HOMES = {
     "rms_error": "welch",
     "wanted_duration": "welch",
     "wanted_resolution": "welch",
+    "AmplitudeDensity": "amplitude_process",
+    "NonlinearMode": "amplitude_process",
+    "amplitude_density": "amplitude_process",
+    "LinearModes": "averaged_spectrum",
+    "ResponseSpectra": "averaged_spectrum",
+    "response_spectra": "averaged_spectrum",
+    "factor_at_limit": "notching",
 }
 """Public name -> module, imported on first use."""
 
 __all__ = [
-    "HalfSine", "PsdTable", "Sawtooth", "Spectra", "SpectrumTable", "Trapezoid", "averaged_spectra", "random_record",
-    "rms_error", "shock_spectrum", "synthesise_shock", "wanted_duration", "wanted_resolution",
+    "AmplitudeDensity", "HalfSine", "LinearModes", "NonlinearMode", "PsdTable", "ResponseSpectra", "Sawtooth",
+    "Spectra", "SpectrumTable", "Trapezoid", "amplitude_density", "averaged_spectra", "factor_at_limit",
+    "random_record", "response_spectra", "rms_error", "shock_spectrum", "synthesise_shock", "wanted_duration",
+    "wanted_resolution",
 ]  # fmt: skip
 
 
