@@ -31,14 +31,16 @@ from wroll_fem.dynamics.periodic.datasets import (
     per_motion,
     quadrature_error,
 )
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.training.enrichment import trained_backbone
+from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
-    from wroll_fem.case import BackboneCase
+    from wroll_fem.case import BackboneCase, RandomResponseCase
     from wroll_fem.progress import Progress
 
 
@@ -56,6 +58,8 @@ def backbone_dataset(system: System, curve: BackboneCurve) -> xr.Dataset:
         "resonant_base_acceleration": (dim, base),
         "newton_iterations": (dim, curve.iterations),
     } | per_motion(motions, system, dim)
+    data["kinetic_energy_amplitude"] = (dim, np.array([motion.kinetic for motion in motions]))
+    data["mass_displacement_amplitude"] = (dim, curve.fundamental(curve.balance.model.base))
     # the work done by the negative damping is the work that the base would have to do
     data["input_work_per_cycle"] = (dim, curve.dissipation)
     parts: dict[str, FloatArray] = {}
@@ -130,15 +134,16 @@ def end_remark(curve: BackboneCurve, largest: float) -> str:
     )
 
 
-def run_backbone(
-    case: BackboneCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
-) -> xr.Dataset:
-    """Compute frequency and damping of the main mode versus its amplitude, from sticking to gross slip.
-
-    The main mode contributes most to the tip displacement under a static base acceleration.
+def followed_backbone(
+    case: BackboneCase | RandomResponseCase, system: System, state: ContactState, progress: Progress,
+    checkpoint: Path | None = None, *, resume: bool = False,
+) -> Trained[BackboneCurve]:  # fmt: skip
+    """Backbone of the main mode of a preloaded system, in an adaptive basis.
 
     Parameters
     ----------
+    system, state
+        Structure, and its state under the preload.
     checkpoint
         Checkpoint file; None writes none.
     resume
@@ -149,9 +154,8 @@ def run_backbone(
     ConvergenceError
         If a periodic motion is not found; ``partial`` contains the curve up to that point.
     """
-    system, state = prepare(case, progress)
     condensation = condensed_structure(case, system, state, progress)
-    settings, started = case.harmonic, time.process_time()
+    settings = case.harmonic
     try:
         with (
             threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage,
@@ -172,19 +176,19 @@ def run_backbone(
                 file=file,
             )  # fmt: skip
             stage.update(1)
+            return trained
     except ConvergenceError as stop:
         error = with_cause(stop, condensation, system.laws)
         if isinstance(error.partial, BackboneCurve):
             error.partial = backbone_dataset(system, error.partial)
         raise error from stop
+
+
+def trained_dataset(system: System, trained: Trained[BackboneCurve]) -> xr.Dataset:
+    """`backbone_dataset` of a trained curve, with its errors as attributes."""
     dataset = backbone_dataset(system, trained.curve)
-    end, loose = end_remark(trained.curve, case.backbone.tip_largest), reduction_remark(trained.energy_error, settings)
-    for remark in (memory_remark(dataset), end or undamped_remark(dataset) or range_remark(dataset), loose):
-        if remark:
-            progress.warning(remark)
     return dataset.assign_attrs(
         {
-            "solver_time_s": time.process_time() - started,
             "curves_computed": trained.rounds,
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
@@ -192,6 +196,26 @@ def run_backbone(
             "work_quadrature_error": quadrature_error(dataset),
         }
     )
+
+
+def run_backbone(
+    case: BackboneCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
+) -> xr.Dataset:
+    """Compute frequency and damping of the main mode versus its amplitude, from sticking to gross slip.
+
+    The main mode contributes most to the tip displacement under a static base acceleration. Arguments and errors are
+    those of `followed_backbone`.
+    """
+    system, state = prepare(case, progress)
+    started = time.process_time()
+    trained = followed_backbone(case, system, state, progress, checkpoint, resume=resume)
+    dataset = trained_dataset(system, trained)
+    end = end_remark(trained.curve, case.backbone.tip_largest)
+    loose = reduction_remark(trained.energy_error, case.harmonic)
+    for remark in (memory_remark(dataset), end or undamped_remark(dataset) or range_remark(dataset), loose):
+        if remark:
+            progress.warning(remark)
+    return dataset.assign_attrs({"solver_time_s": time.process_time() - started})
 
 
 ANALYSIS = Analysis(

@@ -11,26 +11,21 @@ import json
 import os
 from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from wroll_fem.errors import InputError
 from wroll_fem.results.atomic import replacing
+from wroll_fem.results.field import Field
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
+from wroll_fem.results.random_response_fields import OF_RANDOM_RESPONSE
 
 __all__ = ["FIELDS", "Field", "annotate", "field", "label", "load_dataset", "provenance", "save_dataset"]
 
 JSON_ATTRS = "json_attrs"  # attribute that lists the attributes stored as JSON text
-
-
-class Field(NamedTuple):
-    """Unit (SI, "1" if dimensionless) and label of a variable or coordinate."""
-
-    units: str
-    long_name: str
 
 
 _ACCELERATION, _ENERGY = "m s-2", "J"
@@ -141,6 +136,8 @@ FIELDS: dict[str, Field] = {
     "loop_displacement": Field("m", "relative displacement of a joint at the peak"),
     "loop_force": Field("N", "force of a joint at the peak"),
     "memory_change": Field("1", "change of the elastic slip per cycle, relative to its largest value"),
+    "kinetic_energy_amplitude": Field(_ENERGY, "amplitude of the kinetic energy, sum of all harmonics"),
+    "mass_displacement_amplitude": Field("kg m", "mass times displacement along the base motion (fundamental, 0-peak)"),
     # margins
     "shell": Field("1", "shell of the roll, innermost first"),
     "von_mises_max": Field("Pa", "largest von Mises stress of the shell"),
@@ -256,6 +253,8 @@ FIELDS: dict[str, Field] = {
     "state_variable": Field("s", "state of rate-and-state friction"),
 }
 
+
+FIELDS |= OF_RANDOM_RESPONSE
 
 AXES: dict[str, Field] = {
     "friction_capacity": Field("N", "friction capacity of the two masses"),

@@ -7,6 +7,7 @@ module imports no large library.
 from __future__ import annotations
 
 from wroll_fem.results.entry import Entry, number, share
+from wroll_fem.results.random_response_entries import RANDOM_RESPONSE
 from wroll_fem.results.shock_entries import SHOCK
 
 __all__ = ["EFFORT", "GROUPS", "SUMMARY", "Entry", "label", "netcdf_unit", "split_unit", "unit_of"]
@@ -95,6 +96,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "psd_random_error": share("standard error of the PSDs"),
         "psd_peak_bias": share("part of the peak of a PSD that the resolution takes", "H1 is corrected for it"),
     },
+    "Random response of a backbone (random_response)": RANDOM_RESPONSE,
     "Shock": SHOCK,
     "Energy over the whole motion (sweep, dwell, random, shock)": {
         "energy_balance_error": share(
