@@ -40,6 +40,7 @@ def jobs() -> dict[str, list[str]]:
     found["random"] = ["configs/lab_random.yaml"]
     found["sizing"] = ["configs/sizing_irosa.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
+    found["random_response"] = ["configs/lab_random_response.yaml"]
     for base, file in (("free", "lab_sweep.yaml"), ("clamped", "lab_sweep_clamped.yaml")):
         for label, pressure in PRESSURES.items():
             sets = [f"preload.pressure={pressure}", *STUDY_MESH, *WIDE, "output.figures=false"]
@@ -160,6 +161,7 @@ def main() -> None:
         ("modes/figures/mode_shapes.png", "mode_shapes.png"),
         ("harmonic/figures/transmissibility.png", "harmonic_response.png"),
         ("backbone/figures/backbone.png", "backbone.png"),
+        ("random_response/figures/random_response.png", "random_response.png"),
         ("sizing/figures/margin.png", "sizing.png"),
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
         ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),

@@ -74,6 +74,7 @@ EXAMPLES = {
     "design_map": "design_map",
     "two_dof": "two_dof", "preload": "lab_dwell", "buckling": "lab_buckling",
     "sizing": "sizing_irosa", "slip_damping": "slipping_coil",
+    "random_response": "lab_random_response",
 }  # fmt: skip
 
 

@@ -36,6 +36,10 @@ CASES: dict[str, tuple[str, list[str]]] = {
     "shock": ("lab_shock", [*COARSE, "excitation.decay=0.1", "solver.method=condensed"]),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
     "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED]),
+    "random_response": (
+        "lab_random_response",
+        [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", DAMPED, "random_response.levels_db=[0]"],
+    ),
     "harmonic of a roll": (
         "lab_harmonic",
         [

@@ -25,6 +25,7 @@ from wroll_fem.case.kinds import (
     WindingCase,
 )
 from wroll_fem.case.kinds_history import DwellCase, HistoryCase, RandomCase, ShockCase, SweepCase
+from wroll_fem.case.kinds_random_response import RandomResponseCase
 from wroll_fem.case.loader import build_case, load_case
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.material import IsotropicMaterial
@@ -39,10 +40,10 @@ from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.case.winding import Winding
 
 __all__ = [
-    "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase", "DwellCase",
-    "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "HistoryCase", "Integrator",
-    "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal", "OnRoll",
-    "OnStructure", "Output", "Preload", "PreloadCase", "RandomCase", "RollSections", "Section", "ShockCase",
-    "SizingCase", "SlipDampingCase", "Solver", "StructuralCase", "SweepCase", "TwoDofCase", "Winding", "WindingCase",
-    "build_case", "example_case", "load_case", "schema_text",
+    "ANALYSES", "Backbone", "BackboneCase", "Case", "ChirpExcitation", "Coil", "Contact", "DesignMapCase",
+    "DwellCase", "DwellExcitation", "Excitation", "Friction", "Geometry", "Harmonic", "HarmonicCase", "HistoryCase",
+    "Integrator", "IsotropicMaterial", "Mandrel", "Mesh", "Modal", "ModalCase", "ModalTransientCase", "Normal",
+    "OnRoll", "OnStructure", "Output", "Preload", "PreloadCase", "RandomCase", "RandomResponseCase", "RollSections",
+    "Section", "ShockCase", "SizingCase", "SlipDampingCase", "Solver", "StructuralCase", "SweepCase", "TwoDofCase",
+    "Winding", "WindingCase", "build_case", "example_case", "load_case", "schema_text",
 ]  # fmt: skip

@@ -13,6 +13,7 @@ MODULES: dict[str, str] = {
     "shock": "wroll_fem.analyses.shock",
     "harmonic": "wroll_fem.analyses.harmonic",
     "backbone": "wroll_fem.analyses.backbone",
+    "random_response": "wroll_fem.analyses.random_response",
     "modal": "wroll_fem.analyses.modal",
     "modal_transient": "wroll_fem.analyses.modal_transient",
     "slip_damping": "wroll_fem.analyses.slip_damping",

@@ -34,8 +34,8 @@ from wroll_fem.errors import InputError
 
 SECTIONS = (
     "analysis", "structure", "geometry", "mandrel", "coil", "contact", "preload", "winding", "excitation", "damping",
-    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "design_map", "two_dof", "sizing",
-    "probes", "output",
+    "damping_ratio", "integrator", "solver", "mesh", "modal", "harmonic", "backbone", "random_response",
+    "design_map", "two_dof", "sizing", "probes", "output",
 )  # fmt: skip
 """Top-level keys of a case file, in the order of serialisation."""
 

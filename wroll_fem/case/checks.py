@@ -29,7 +29,7 @@ FEWEST = 3, "too few to sample the base motion: every sample could be zero"
 FEWEST_OF_KIND = {"chirp": (9, "too few to demodulate the response of a sweep")}
 """Kinds of base motion that need more than `FEWEST`."""
 
-WITH_CURVE = ("sweep", "random", "harmonic", "two_dof")
+WITH_CURVE = ("sweep", "random", "random_response", "harmonic", "two_dof")
 """Analyses that give a response curve versus frequency, from which damping can be estimated."""
 
 FOURIER = ("modal", "modal_transient", "design_map")

@@ -34,10 +34,12 @@ from wroll_fem.case.geometry import Geometry
 from wroll_fem.case.harmonic import Backbone, Harmonic
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.kinds_history import ANALYSIS, motion
+from wroll_fem.case.kinds_random_response import RollRandomResponseCase, StructureRandomResponseCase
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.preload import Preload
+from wroll_fem.case.random_response import RandomResponse
 from wroll_fem.case.sizing import Sizing, SizingMesh
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.structural import (
@@ -49,6 +51,7 @@ from wroll_fem.case.structural import (
     INTEGRATOR,
     MODAL,
     PRELOAD,
+    RANDOM_RESPONSE,
     SOLVER,
     WINDING,
     OnRoll,
@@ -93,6 +96,10 @@ class RollBackboneCase(BackboneCase, OnRoll):
 @case_kind
 class StructureBackboneCase(BackboneCase, OnStructure):
     """Backbone of a structure whose matrices come from a file."""
+
+
+case_kind(RollRandomResponseCase)
+case_kind(StructureRandomResponseCase)
 
 
 def _stuck(value: Any) -> Any:
@@ -237,6 +244,7 @@ class WindingCase(Case):
     modal: Modal | None = Field(default=None, description=MODAL)
     harmonic: Harmonic | None = Field(default=None, description=HARMONIC)
     backbone: Backbone | None = Field(default=None, description=BACKBONE)
+    random_response: RandomResponse | None = Field(default=None, description=RANDOM_RESPONSE)
 
     def _checks(self) -> Iterator[Check]:
         yield lambda: check_winding_friction(self.winding)

@@ -34,6 +34,7 @@ from wroll_fem.case.mesh import Mesh
 from wroll_fem.case.modal import Modal
 from wroll_fem.case.preload import DEFAULT_STEPS, Preload
 from wroll_fem.case.probes import Probes
+from wroll_fem.case.random_response import RandomResponse
 from wroll_fem.case.roll import ROLL, RollSections
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.structure import Structure
@@ -49,6 +50,7 @@ SOLVER = "solution of a step"
 MODAL = "the eigenvalue analysis"
 HARMONIC = "periodic motions by harmonic balance"
 BACKBONE = "range of the backbone"
+RANDOM_RESPONSE = "levels and limits of the random response of a backbone"
 PROBES = "named points whose motion the results contain; the tip is always included"
 
 _OF_ROLL = (*ROLL, "mesh", "preload", "probes")
@@ -70,6 +72,7 @@ class StructuralCase(Case):
     modal: Modal = Field(default_factory=Modal, description=MODAL)
     harmonic: Harmonic | None = Field(default=None, description=HARMONIC)
     backbone: Backbone | None = Field(default=None, description=BACKBONE)
+    random_response: RandomResponse | None = Field(default=None, description=RANDOM_RESPONSE)
 
     ALWAYS_WRITTEN: ClassVar[tuple[str, ...]] = (*Case.ALWAYS_WRITTEN, "integrator", "solver", "modal")
 

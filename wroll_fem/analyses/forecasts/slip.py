@@ -104,7 +104,7 @@ def slip_warnings(case: Any) -> list[str]:
     forecast, excitation, backbone = slip_forecast(case), case.excitation, case.backbone
     if forecast is None:
         return []
-    if case.analysis == "backbone" and backbone is not None:
+    if case.analysis in ("backbone", "random_response") and backbone is not None:
         if forecast.start < 2.0 * backbone.tip_largest:
             return []
         return [

@@ -16,6 +16,7 @@ import xarray as xr
 
 from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.structural import OnRoll
+from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("1", "2", "12")
 """Components of the stress of a ply: along its fibres, across them, and shear."""
+
+PHASES = 8
+"""Times per half period at which the stress of a fundamental is evaluated; its components are nearly in phase."""
 
 SAMPLES = 64
 """Least number of times per period at which the stress of a periodic motion is evaluated."""
@@ -55,6 +59,32 @@ def stress_of_curve(system: System, state: ContactState, progress: Progress, cur
     shapes = model.condensation.displacement(model.vectors)
     found = [shell.resultants(shapes) @ series.T + shell.resultants(state.displacement)[:, None] for shell in shells]
     return _largest(shells, found)
+
+
+def stress_of_backbone(system: System, progress: Progress, curve: BackboneCurve) -> xr.Dataset:
+    """Largest von Mises stress of the fundamental of each motion of a backbone, without the preload; 0-peak.
+
+    Walls without a von Mises stress (orthotropic plies) have nan; without any such wall the result is empty.
+    """
+    shells = _shells(system, progress)
+    model = curve.balance.model
+    if not shells:
+        return xr.Dataset()
+    shapes = model.condensation.displacement(model.vectors)
+    angle = np.linspace(0.0, np.pi, PHASES, endpoint=False)
+    names, rows = [], []
+    for shell in shells:
+        unit = shell.resultants(shapes)
+        found = []
+        for cosine, sine in curve.coefficients[:, 1:3]:
+            waves = np.column_stack([unit @ cosine, unit @ sine]) @ np.array([np.cos(angle), np.sin(angle)])
+            found.append(np.nan_to_num(shell.von_mises(waves), nan=-1.0).max())
+        if min(found) >= 0.0:
+            names.append(shell.name)
+            rows.append(found)
+    if not names:
+        return xr.Dataset()
+    return xr.Dataset({"vibration_von_mises": (("tip_amplitude", "shell"), np.array(rows).T)}, {"shell": names})
 
 
 def _shells(system: System, progress: Progress) -> tuple[ShellStress, ...]:

@@ -212,6 +212,7 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "shock": (motion_remarks, contact_warnings, structure_warnings, scheme_warnings),
     "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
+    "random_response": (contact_warnings, slip_warnings, structure_warnings),
     "modal": (structure_warnings,),
     "modal_transient": (),
     "slip_damping": (),

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from wroll_fem.case.excitation.random import Psd, RandomExcitation
+from wroll_fem.case.excitation.random import Psd, RandomExcitation, RandomSpectrum
 from wroll_fem.case.excitation.shared import STANDARD_GRAVITY, AmplitudeSection, Direction
 from wroll_fem.case.excitation.shocks import (
     SHOCK_KINDS,
@@ -24,7 +24,9 @@ HistoryExcitation = ChirpExcitation | DwellExcitation | RandomExcitation | Shock
 """Motions of which a time history is computed. Each has `highest_frequency_hz` and `attributes`; the functions of time
 are in `signals.motions`."""
 
-Excitation = Annotated[HistoryExcitation | SineExcitation, Field(discriminator="kind")]
+Excitation = Annotated[
+    ChirpExcitation | DwellExcitation | RandomSpectrum | ShockExcitation | SineExcitation, Field(discriminator="kind")
+]
 
 ANALYSIS_OF_MOTION = {
     "chirp": "sweep", "dwell": "dwell", "random": "random", **dict.fromkeys(SHOCK_KINDS, "shock"),
@@ -35,6 +37,6 @@ ANALYSIS_OF_MOTION = {
 __all__ = [
     "ANALYSIS_OF_MOTION", "SHOCK_KINDS", "STANDARD_GRAVITY", "AmplitudeSection", "ChirpExcitation", "Direction",
     "DwellExcitation", "Excitation", "FileExcitation", "HalfSineExcitation", "HistoryExcitation", "Psd",
-    "RandomExcitation", "SawtoothExcitation", "ShockExcitation", "SineExcitation", "Spectrum", "SrsExcitation",
-    "TrapezoidExcitation",
+    "RandomExcitation", "RandomSpectrum", "SawtoothExcitation", "ShockExcitation", "SineExcitation", "Spectrum",
+    "SrsExcitation", "TrapezoidExcitation",
 ]  # fmt: skip

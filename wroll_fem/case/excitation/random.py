@@ -52,12 +52,12 @@ class Psd(Section):
         return PsdTable(tuple(self.frequency), tuple(self.g2_per_hz))
 
 
-class RandomExcitation(TaggedSection):
-    """Gaussian random motion of the base with a given acceleration PSD."""
+class RandomSpectrum(TaggedSection):
+    """Gaussian random motion of the base with a given acceleration PSD; a record of it needs a `duration`."""
 
     kind: Literal["random"] = Field(default="random", description="random: stationary, with the PSD of a table")
     psd: Psd = Field(description="acceleration PSD of the base")
-    duration: Real = Field(gt=0, description="length of the record, s")
+    duration: Real | None = Field(default=None, gt=0, description="length of the record, s; random alone uses it")
     seed: Whole = Field(default=1, ge=0, description="seed of the record (count): another seed, another record")
     level_db: Real = Field(
         default=0.0,
@@ -83,7 +83,7 @@ class RandomExcitation(TaggedSection):
     @model_validator(mode="after")
     def _long_enough(self) -> Self:
         low, high = self.psd.frequency[0], self.psd.frequency[-1]
-        if self.duration * (high - low) < FEWEST_LINES:
+        if self.duration is not None and self.duration * (high - low) < FEWEST_LINES:
             raise validation_error(
                 f"too short to average spectra in the band of {low:g} to {high:g} Hz", key="duration",
                 value=self.duration, remedy=f"give {FEWEST_LINES / (high - low):.3g} s or more, or a wider band",
@@ -93,7 +93,7 @@ class RandomExcitation(TaggedSection):
     @model_validator(mode="after")
     def _resolved(self) -> Self:
         low, high = self.psd.frequency[0], self.psd.frequency[-1]
-        if self.resolution == "auto":
+        if self.resolution == "auto" or self.duration is None:
             return self
         finest, coarsest = FEWEST_SEGMENT_LENGTHS / self.duration, (high - low) / FEWEST_AVERAGED_LINES
         if not finest <= self.resolution <= coarsest:
@@ -113,6 +113,12 @@ class RandomExcitation(TaggedSection):
     def highest_frequency_hz(self) -> float:
         """Highest frequency with energy, Hz."""
         return self.psd.table.highest_frequency_hz
+
+
+class RandomExcitation(RandomSpectrum):
+    """Gaussian random motion of the base with a given acceleration PSD: a record of some length."""
+
+    duration: Real = Field(gt=0, description="length of the record, s")
 
     @property
     def attributes(self) -> dict[str, float]:
