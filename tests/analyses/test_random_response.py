@@ -10,7 +10,7 @@ from support.paths import CONFIGS
 import wroll_fem as wf
 from wroll_fem.analyses.resonant_response import Resonance, Response
 from wroll_fem.progress import SilentProgress
-from wroll_fem.signals.amplitude_process import NonlinearMode, amplitude_density
+from wroll_fem.signals.averaging.amplitude_process import NonlinearMode, amplitude_density
 from wroll_fem.signals.psd import STANDARD_GRAVITY, PsdTable
 
 W0, SLIP, SHARE, ZETA = 2.0 * np.pi * 20.0, 1e-4, 0.3, 0.01

@@ -9,9 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wroll_fem.signals.amplitude_process import AmplitudeDensity, NonlinearMode, amplitude_density
-    from wroll_fem.signals.averaged_spectrum import LinearModes, ResponseSpectra, response_spectra
-    from wroll_fem.signals.notching import factor_at_limit
+    from wroll_fem.signals.averaging.amplitude_process import AmplitudeDensity, NonlinearMode, amplitude_density
+    from wroll_fem.signals.averaging.averaged_spectrum import LinearModes, ResponseSpectra, response_spectra
+    from wroll_fem.signals.averaging.notching import factor_at_limit
     from wroll_fem.signals.psd import PsdTable
     from wroll_fem.signals.random_motion import random_record
     from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
@@ -34,13 +34,13 @@ _HOMES = {
     "rms_error": "welch",
     "wanted_duration": "welch",
     "wanted_resolution": "welch",
-    "AmplitudeDensity": "amplitude_process",
-    "NonlinearMode": "amplitude_process",
-    "amplitude_density": "amplitude_process",
-    "LinearModes": "averaged_spectrum",
-    "ResponseSpectra": "averaged_spectrum",
-    "response_spectra": "averaged_spectrum",
-    "factor_at_limit": "notching",
+    "AmplitudeDensity": "averaging.amplitude_process",
+    "NonlinearMode": "averaging.amplitude_process",
+    "amplitude_density": "averaging.amplitude_process",
+    "LinearModes": "averaging.averaged_spectrum",
+    "ResponseSpectra": "averaging.averaged_spectrum",
+    "response_spectra": "averaging.averaged_spectrum",
+    "factor_at_limit": "averaging.notching",
 }
 """Public name -> module, imported on first use."""
 
