@@ -10,8 +10,8 @@ from support.paths import CONFIGS
 import wroll_fem as wf
 from wroll_fem.analyses.resonant_response import Resonance, Response
 from wroll_fem.progress import SilentProgress
-from wroll_fem.signals.amplitude_process import NonlinearMode, amplitude_density
-from wroll_fem.signals.psd import STANDARD_GRAVITY, PsdTable
+from wroll_fem.signals.averaging.amplitude_process import NonlinearMode, amplitude_density
+from wroll_fem.signals.random.psd import STANDARD_GRAVITY, PsdTable
 
 W0, SLIP, SHARE, ZETA = 2.0 * np.pi * 20.0, 1e-4, 0.3, 0.01
 BAND = {"frequency": [2.0, 80.0], "g2_per_hz": [1e-3, 1e-3]}

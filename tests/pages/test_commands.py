@@ -79,6 +79,10 @@ SMALLER: dict[str, list[str]] = {
     "lab_integrators": [*COARSE, *SHORT_CHIRP],
     "lab_mandrel": [*COARSE, "modal.count=4"],
     "lab_modal": [*COARSE, "modal.count=4"],
+    "lab_random_response": [
+        *COARSE, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1", "random_response.levels_db=[0]",
+        "random_response.limits={}",
+    ],
     "lab_shock": [*COARSE, "excitation.decay=0.05"],
     "lab_sweep": [*COARSE, *SHORT_CHIRP, "harmonic.harmonics=1", "harmonic.reduction_tolerance=0.1"],
     "lab_sweep_clamped": [*COARSE, *SHORT_CHIRP],

@@ -44,7 +44,7 @@ def test_every_variable_leaves_with_unit_and_label(sweep):
 
 
 def test_unknown_name_is_refused_with_the_place_to_add_it():
-    with pytest.raises(InputError, match=r"'friction_enrgy'.*wroll_fem/results/dataset.py"):
+    with pytest.raises(InputError, match=r"'friction_enrgy'.*wroll_fem/results/fields.py"):
         annotate(xr.Dataset({"friction_enrgy": ("time", np.zeros(3))}))
     with pytest.raises(InputError, match="'phase_of_moon'"):
         annotate(xr.Dataset(coords={"phase_of_moon": [1.0, 2.0]}))

@@ -6,8 +6,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.amplitude_process import NonlinearMode, amplitude_density
-from wroll_fem.signals.notching import factor_at_limit
+from wroll_fem.signals.averaging.amplitude_process import NonlinearMode, amplitude_density
+from wroll_fem.signals.averaging.notching import factor_at_limit
 
 
 def flat(level):

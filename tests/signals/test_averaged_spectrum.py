@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import csd, welch
 from support.jenkins import backbone, integrate, random_records
 
-from wroll_fem.signals.amplitude_process import NonlinearMode, amplitude_density
-from wroll_fem.signals.averaged_spectrum import LinearModes, frequency_axis, response_spectra
-from wroll_fem.signals.averaging_limits import averaging_doubts, drift, quality, variation
+from wroll_fem.signals.averaging.amplitude_process import NonlinearMode, amplitude_density
+from wroll_fem.signals.averaging.averaged_spectrum import LinearModes, frequency_axis, response_spectra
+from wroll_fem.signals.averaging.averaging_limits import averaging_doubts, drift, quality, variation
 from wroll_fem.signals.damping import half_power
 
 W0 = 2.0 * np.pi

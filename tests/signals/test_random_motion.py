@@ -9,8 +9,8 @@ from scipy.signal import welch
 
 import wroll_fem as wf
 from wroll_fem.errors import InputError
-from wroll_fem.signals.psd import NEGLIGIBLE, PsdTable
-from wroll_fem.signals.random_motion import RandomMotion, random_lines
+from wroll_fem.signals.random.psd import NEGLIGIBLE, PsdTable
+from wroll_fem.signals.random.random_motion import RandomMotion, random_lines
 from wroll_fem.signals.sampled_motion import SampledMotion
 
 SHIPPED = ([20.0, 300.0], [0.01, 0.01])

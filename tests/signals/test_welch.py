@@ -7,7 +7,7 @@ import pytest
 
 import wroll_fem as wf
 from wroll_fem.errors import InputError
-from wroll_fem.signals.welch import (
+from wroll_fem.signals.random.welch import (
     CORRELATED_LINES,
     Spectra,
     averaged_spectra,

@@ -26,8 +26,7 @@ from wroll_fem.case.excitation.random import FEWEST_AVERAGED_LINES
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 from wroll_fem.signals.quality import Circumstances, judge
-from wroll_fem.signals.tip import absolute_tip, rigid_tip
-from wroll_fem.signals.welch import (
+from wroll_fem.signals.random.welch import (
     CORRELATED_LINES,
     Spectra,
     averaged_spectra,
@@ -35,6 +34,7 @@ from wroll_fem.signals.welch import (
     rms_error,
     wanted_resolution,
 )
+from wroll_fem.signals.tip import absolute_tip, rigid_tip
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

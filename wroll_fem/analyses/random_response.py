@@ -20,11 +20,11 @@ from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.averaging_limits import averaging_doubts, quality
+from wroll_fem.signals.averaging.averaging_limits import averaging_doubts, quality
+from wroll_fem.signals.averaging.notching import factor_at_limit
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping, without_half_power_points
-from wroll_fem.signals.notching import factor_at_limit
-from wroll_fem.signals.psd import PsdTable
 from wroll_fem.signals.quality import Circumstances, judge
+from wroll_fem.signals.random.psd import PsdTable
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import xarray as xr
 
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.signals.amplitude_process import AmplitudeDensity, Density, NonlinearMode, amplitude_density
-from wroll_fem.signals.averaged_spectrum import LinearModes, ResponseSpectra, frequency_axis, response_spectra
-from wroll_fem.signals.psd import PsdTable
+from wroll_fem.signals.averaging.amplitude_process import AmplitudeDensity, Density, NonlinearMode, amplitude_density
+from wroll_fem.signals.averaging.averaged_spectrum import LinearModes, ResponseSpectra, frequency_axis, response_spectra
+from wroll_fem.signals.random.psd import PsdTable
 
 WIDE, LEAST = 10.0, 1e-6
 """Modes up to `WIDE` times the highest frequency of the PSD with a participation at the tip above `LEAST` are kept; the

@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import label
-from wroll_fem.signals.psd import STANDARD_GRAVITY
+from wroll_fem.signals.random.psd import STANDARD_GRAVITY
 
 _NEEDS = (
     "frequency", "base_psd", "tip_psd", "level_db", "base_rms_at_level", "tip_displacement_rms_at_level",

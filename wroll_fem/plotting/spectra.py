@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from wroll_fem.plotting import style
 from wroll_fem.plotting.transmissibility import damping_words
 from wroll_fem.results.resonance import resonance
-from wroll_fem.signals.psd import STANDARD_GRAVITY
+from wroll_fem.signals.random.psd import STANDARD_GRAVITY
 from wroll_fem.signals.transmissibility import magnitude
 
 _NEEDS = ("frequency", "base_psd", "tip_psd", "transmissibility_real", "transmissibility_imag", "coherence", "h1_error")

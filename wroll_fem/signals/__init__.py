@@ -9,17 +9,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wroll_fem.signals.amplitude_process import AmplitudeDensity, NonlinearMode, amplitude_density
     from wroll_fem.signals.attainment import rate_for_attainment, swept_peak
-    from wroll_fem.signals.averaged_spectrum import LinearModes, ResponseSpectra, response_spectra
-    from wroll_fem.signals.notching import factor_at_limit
-    from wroll_fem.signals.psd import PsdTable
-    from wroll_fem.signals.random_motion import random_record
+    from wroll_fem.signals.averaging.amplitude_process import AmplitudeDensity, NonlinearMode, amplitude_density
+    from wroll_fem.signals.averaging.averaged_spectrum import LinearModes, ResponseSpectra, response_spectra
+    from wroll_fem.signals.averaging.notching import factor_at_limit
+    from wroll_fem.signals.random.psd import PsdTable
+    from wroll_fem.signals.random.random_motion import random_record
+    from wroll_fem.signals.random.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
     from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
     from wroll_fem.signals.shock.spectrum import shock_spectrum
     from wroll_fem.signals.shock.synthesis import synthesise_shock
     from wroll_fem.signals.shock.table import SpectrumTable
-    from wroll_fem.signals.welch import Spectra, averaged_spectra, rms_error, wanted_duration, wanted_resolution
 
 _HOMES = {
     "rate_for_attainment": "attainment",
@@ -30,20 +30,20 @@ _HOMES = {
     "shock_spectrum": "shock.spectrum",
     "synthesise_shock": "shock.synthesis",
     "SpectrumTable": "shock.table",
-    "PsdTable": "psd",
-    "random_record": "random_motion",
-    "Spectra": "welch",
-    "averaged_spectra": "welch",
-    "rms_error": "welch",
-    "wanted_duration": "welch",
-    "wanted_resolution": "welch",
-    "AmplitudeDensity": "amplitude_process",
-    "NonlinearMode": "amplitude_process",
-    "amplitude_density": "amplitude_process",
-    "LinearModes": "averaged_spectrum",
-    "ResponseSpectra": "averaged_spectrum",
-    "response_spectra": "averaged_spectrum",
-    "factor_at_limit": "notching",
+    "PsdTable": "random.psd",
+    "random_record": "random.random_motion",
+    "Spectra": "random.welch",
+    "averaged_spectra": "random.welch",
+    "rms_error": "random.welch",
+    "wanted_duration": "random.welch",
+    "wanted_resolution": "random.welch",
+    "AmplitudeDensity": "averaging.amplitude_process",
+    "NonlinearMode": "averaging.amplitude_process",
+    "amplitude_density": "averaging.amplitude_process",
+    "LinearModes": "averaging.averaged_spectrum",
+    "ResponseSpectra": "averaging.averaged_spectrum",
+    "response_spectra": "averaging.averaged_spectrum",
+    "factor_at_limit": "averaging.notching",
 }
 """Public name -> module, imported on first use."""
 

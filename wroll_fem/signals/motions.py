@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.base_motion import BaseMotion, Dwell
-from wroll_fem.signals.random_motion import RandomMotion
+from wroll_fem.signals.random.random_motion import RandomMotion
 from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
 from wroll_fem.signals.sweeps import Chirp, LinearSweep, Profile, Sweep
 

@@ -8,10 +8,10 @@ from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, TaggedSection, Whole, validation_error
 from wroll_fem.case.excitation.shared import Direction, positive
-from wroll_fem.signals.psd_rows import table_problem
+from wroll_fem.signals.random.psd_rows import table_problem
 
 if TYPE_CHECKING:
-    from wroll_fem.signals.psd import PsdTable
+    from wroll_fem.signals.random.psd import PsdTable
 
 FEWEST_LINES = 150
 """Smallest product of duration and band: with less, averaged spectra have too few lines for a resonance."""
@@ -47,7 +47,7 @@ class Psd(Section):
     @property
     def table(self) -> PsdTable:
         """Table of the density; numpy is imported on use."""
-        from wroll_fem.signals.psd import PsdTable
+        from wroll_fem.signals.random.psd import PsdTable
 
         return PsdTable(tuple(self.frequency), tuple(self.g2_per_hz))
 

@@ -35,7 +35,7 @@ import numpy.typing as npt
 from scipy.integrate import trapezoid
 from scipy.linalg import solve_banded
 
-from wroll_fem.signals.amplitude_process import GAUSS_POINTS, AmplitudeDensity, Density
+from wroll_fem.signals.averaging.amplitude_process import GAUSS_POINTS, AmplitudeDensity, Density
 from wroll_fem.typing import FloatArray
 
 ComplexArray = npt.NDArray[np.complex128]

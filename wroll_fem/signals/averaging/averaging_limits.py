@@ -7,8 +7,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.integrate import trapezoid
 
-from wroll_fem.signals.amplitude_process import AmplitudeDensity, Density
-from wroll_fem.signals.averaged_spectrum import LinearModes, ResponseSpectra
+from wroll_fem.signals.averaging.amplitude_process import AmplitudeDensity, Density
+from wroll_fem.signals.averaging.averaged_spectrum import LinearModes, ResponseSpectra
 from wroll_fem.typing import FloatArray
 
 BROAD, TOO_BROAD = 0.10, 0.15

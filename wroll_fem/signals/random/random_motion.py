@@ -28,7 +28,7 @@ import numpy.typing as npt
 from scipy.fft import irfft, next_fast_len, rfft
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.psd import PsdTable, duration_problem, line_orders
+from wroll_fem.signals.random.psd import PsdTable, duration_problem, line_orders
 from wroll_fem.signals.sampled_motion import SampledMotion
 from wroll_fem.typing import ComplexArray, FloatArray
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
-from wroll_fem.signals.psd_rows import table_problem
+from wroll_fem.signals.random.psd_rows import table_problem
 from wroll_fem.typing import FloatArray
 
 STANDARD_GRAVITY = 9.80665

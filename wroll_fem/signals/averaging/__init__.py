@@ -1,0 +1,1 @@
+"""Random vibration of a nonlinear mode by stochastic averaging."""

@@ -1,0 +1,1 @@
+"""Random motions: PSD tables, records, averaged spectra."""
