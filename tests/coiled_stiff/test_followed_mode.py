@@ -28,7 +28,7 @@ from wroll_fem.fem.fourier_roll import AXIAL, TORSION, FourierRoll
 
 CASE = CONFIGS / "slipping_coil.yaml"
 SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
-RIGID = ["mandrel.material.E=1e15", "coil.material.G_r_theta=1e7", "mesh={circumferential: 16, axial: 4, radial: 4}"]
+RIGID = ["mandrel.material.E=1e15", "coil.material.G_r_theta=1e7", "mesh={circumferential: 12, axial: 2, radial: 3}"]
 A, B, LENGTH, RHO = 0.010, 0.025, 0.3, 1600.0  # m, kg/m^3
 
 
@@ -92,7 +92,7 @@ def test_torsion_of_wraps_whose_modulus_follows_the_pressure_is_that_of_its_diff
             G = float(np.interp(r, at, modulus))
             return [y[1] / (r**3 * G), -(w**2) * RHO * r**3 * y[0]]
 
-        return float(solve_ivp(slope, (A, B), [0.0, 1.0], rtol=1e-8, atol=1e-14, max_step=1e-4).y[1, -1])
+        return float(solve_ivp(slope, (A, B), [0.0, 1.0], rtol=1e-8, atol=1e-14, max_step=1e-3).y[1, -1])
 
     w = brentq(moment, 2.0 * np.pi * 500.0, 2.0 * np.pi * 2500.0, xtol=1.0)
     assert hertz("torsion", *changed) == pytest.approx(w / (2.0 * np.pi), rel=3e-3)
@@ -100,7 +100,7 @@ def test_torsion_of_wraps_whose_modulus_follows_the_pressure_is_that_of_its_diff
 
 def test_gross_slip_on_a_rigid_mandrel_is_where_the_torque_reaches_that_of_friction() -> None:
     """The stress is statically determined: a ring of points that slides holds no further load, and the path ends."""
-    coarse = (*RIGID, "mesh={circumferential: 8, axial: 4, radial: 2}")
+    coarse = (*RIGID, "mesh={circumferential: 8, axial: 2, radial: 2}")
     chosen = case("torsion", *coarse, levels="[1e6]")
     with pytest.warns(UserWarning, match=r"all wraps at r = 10.\d+ mm slide \(gross slip\)"):
         found = wf.run(chosen, progress=False)
@@ -159,7 +159,8 @@ def test_base_and_tip_move_by_one_at_the_surface_of_the_mandrel(mode: str) -> No
 
 def test_a_coil_with_a_clamped_base_is_not_in_gross_slip() -> None:
     """Its base holds a cylinder on which every point slides."""
-    clamped = wf.run(case("axial", "coil.base=clamped", "winding.mu=1e-6", levels="[2]"), progress=False)
+    coarse = "mesh={circumferential: 8, axial: 4, grading: 20, radial: 1}"
+    clamped = wf.run(case("axial", coarse, "coil.base=clamped", "winding.mu=1e-6", levels="[2]"), progress=False)
     assert float(clamped["slipping_volume_fraction"][-1]) > 0.9
     assert np.isfinite(clamped["tip_at_level"]).all()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,9 +11,13 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from scipy.constants import g as GRAVITY
 
+from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import MARKERS, StudyCase, shown, values_of
+from wroll_fem.plotting.study import MARKERS, StudyCase, grid_cases, shown, values_of
 from wroll_fem.results.dataset import label
+
+_DESCRIBED = ("coil", "excitation", "mandrel")
+"""Sections whose keys name lines with values that are no numbers too."""
 
 _NEEDED = ("resonant_base_acceleration", "modal_damping", "material_modal_damping", "damping_at_level")
 
@@ -37,15 +42,20 @@ def plot_damping_over_level(members: Sequence[StudyCase]) -> Axes:
     Raises
     ------
     InputError
-        If a case has no damping versus base acceleration.
+        If the grid has no quantity, or a case no damping versus base acceleration.
     """
-    grid = [member for member in members if not member.reference] or list(members)
+    keys = {key: None for member in members for key, value in member.values.items() if _is_quantity(key, value)}
+    if not keys:
+        raise InputError(
+            "the figure damping_over_level needs cases with values of a quantity of the roll", key="figure",
+            remedy="add one to the grid, such as winding.mu, or choose another figure",
+        )  # fmt: skip
+    axis = max(keys, key=lambda key: len(values_of(members, key)))
+    grid = grid_cases(members, "damping_over_level", axis)
     for member in grid:
         style.require(member.data, _NEEDED, "figure of damping over level")
-    keys = {key: len(values_of(grid, key)) for member in grid for key in member.values}
-    axis = max(keys, key=lambda key: keys[key]) if keys else None
-    order = values_of(grid, axis) if axis else [None]
-    grid = sorted(grid, key=lambda member: order.index(member.values[axis]) if axis else 0)
+    order = values_of(grid, axis)
+    grid = sorted(grid, key=lambda member: order.index(member.values[axis]))
     _, (top, low) = plt.subplots(2, 1, figsize=(style.WIDTH, 6.4), dpi=style.DPI, layout="constrained", sharex=True)
     shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(grid)))
     far = max(float(member.data["amplitude_g"][-1]) for member in grid)
@@ -53,7 +63,7 @@ def plot_damping_over_level(members: Sequence[StudyCase]) -> Axes:
         data, levels = member.data, member.data["amplitude_g"].values
         g = np.append(0.0, data["resonant_base_acceleration"].values / GRAVITY)
         without = 100.0 * float(data["material_modal_damping"][0])
-        text = shown(axis, member.values[axis]) if axis else member.name
+        text = shown(axis, member.values[axis])
         stuck = float(data.attrs["f_stuck_hz"])
         for ax, curve, dots, linear in (
             (top, 100.0 * data["modal_damping"].values, 100.0 * data["damping_at_level"].values, without),
@@ -75,14 +85,19 @@ def plot_damping_over_level(members: Sequence[StudyCase]) -> Axes:
     return first
 
 
-def _sentence(grid: Sequence[StudyCase], axis: str | None, far: float) -> str:
+def _is_quantity(key: str, value: Any) -> bool:
+    """Whether a key of a grid describes the roll or its motion: a number, or a choice such as the base of the coil."""
+    return (isinstance(value, int | float) and not isinstance(value, bool)) or key.split(".")[0] in _DESCRIBED
+
+
+def _sentence(grid: Sequence[StudyCase], axis: str, far: float) -> str:
     """Range of the damping at the highest level of all cases."""
     at = [100.0 * float(member.data["damping_at_level"][-1]) for member in grid]
     known = [k for k, value in enumerate(at) if np.isfinite(value)]
     if not known:
         return f"No case has a result at {far:g} g"
     low, high = (pick(known, key=lambda k: at[k]) for pick in (min, max))
-    names = [shown(axis, grid[k].values[axis]) if axis else grid[k].name for k in (low, high)]
+    names = [shown(axis, grid[k].values[axis]) for k in (low, high)]
     if low == high:
         return f"At {far:g} g the damping ratio is {at[low]:.2g} % ({names[0]})"
     return f"At {far:g} g the damping ratio is {at[low]:.2g} % ({names[0]}) to {at[high]:.2g} % ({names[1]})"
