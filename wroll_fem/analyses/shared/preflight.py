@@ -16,7 +16,6 @@ from wroll_fem.analyses.forecasts.closed_forms import (
 from wroll_fem.analyses.forecasts.slip import slip_warnings
 from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
-from wroll_fem.signals.motions import base_motion
 
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, RandomCase, ShockCase, SweepCase
@@ -57,7 +56,9 @@ def scheme_warnings(case: StructuralCase) -> list[str]:
 
 
 def motion_remarks(case: ShockCase) -> list[str]:
-    """Doubts about the base motion of a shock, such as a clipped record."""
+    """Doubts about the base motion of a shock, such as a clipped record; scipy is imported here alone."""
+    from wroll_fem.signals.motions import base_motion
+
     return [f"excitation: {text}" for text in getattr(base_motion(case.excitation), "remarks", ())]
 
 
