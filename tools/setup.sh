@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-extras="${EXTRAS:-dev,view}"
+extras="${EXTRAS:-dev,view,lab}"
 system_python=/usr/bin/python3 # not a pyenv or conda python: dolfinx lives with Debian's
 stamp=.venv/.wroll-setup
 packages=(

@@ -9,13 +9,15 @@ from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.forecasts.computing_time import estimate_history
-from wroll_fem.analyses.shared.preflight import fast_sweeps
+from wroll_fem.analyses.shared.preflight import SHARE_OF_90, WANTED_DAMPING, fast_sweeps
 from wroll_fem.analyses.shared.time_step import step_at, time_step
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.time_grid import LEAST_STEPS, TimeGrid
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
+from wroll_fem.signals.attainment import rate_for_attainment
+from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.sweeps import Chirp
 
 ROLL = (
@@ -99,6 +101,8 @@ def test_the_part_of_the_steady_peak_that_is_reached_stands_in_the_result(histor
     assert 0.5 < reached[0] < 0.98
     assert "only with a damping ratio of" in fast_sweeps(sweep())[0]
     assert fast_sweeps(load_case(CONFIGS / "lab_sweep.yaml")) == []
+    limit = sweep_rate_limit(150.0, WANTED_DAMPING)
+    assert pytest.approx(rate_for_attainment(150.0, WANTED_DAMPING) / limit, rel=2e-3) == SHARE_OF_90
 
 
 def test_the_estimate_counts_the_longer_steps(histories):

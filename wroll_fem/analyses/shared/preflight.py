@@ -16,8 +16,7 @@ from wroll_fem.analyses.forecasts.closed_forms import (
 from wroll_fem.analyses.forecasts.slip import slip_warnings
 from wroll_fem.case.checks import FEWEST_STEPS_PER_CYCLE
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
-from wroll_fem.signals.attainment import rate_for_attainment
-from wroll_fem.signals.motions import base_motion, sweep_motion
+from wroll_fem.signals.base_motion import sweep_rate_limit
 
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, RandomCase, ShockCase, SweepCase
@@ -32,6 +31,10 @@ across, graded by 40."""
 WANTED_DAMPING, LARGEST_NEEDED = 0.01, 0.04
 """Damping ratio for which a warning names the rate of a sweep, and the ratio that 90 % of the steady peak needs, above
 which it warns."""
+
+SHARE_OF_90 = 1.73
+"""Sweep rate, relative to the limit of ISO 7626-2, at which a resonance with `WANTED_DAMPING` reaches 90 % of its steady
+peak (`signals.attainment.rate_for_attainment`, which needs scipy)."""
 
 USUAL_FREQUENCIES = (0.05, 1e5)
 """Usual range of the first bending frequency of a roll, Hz."""
@@ -62,7 +65,9 @@ def scheme_warnings(case: StructuralCase) -> list[str]:
 
 
 def motion_remarks(case: ShockCase) -> list[str]:
-    """Doubts about the base motion of a shock, such as a clipped record."""
+    """Doubts about the base motion of a shock, such as a clipped record; scipy is imported here alone."""
+    from wroll_fem.signals.motions import base_motion
+
     return [f"excitation: {text}" for text in getattr(base_motion(case.excitation), "remarks", ())]
 
 
@@ -125,17 +130,18 @@ def fast_sweeps(case: SweepCase) -> list[str]:
     """Warn about a sweep that lightly damped resonances cannot follow (`wroll_fem.signals.attainment`)."""
     if not isinstance(case, OnRoll):
         return []
-    motion, f_n = sweep_motion(case.excitation), beam_frequency(case, bonded=False)
-    low, high = motion.band
-    f_n = min(max(f_n, low), high)
-    slow = rate_for_attainment(f_n, WANTED_DAMPING)
-    needed = WANTED_DAMPING * math.sqrt(motion.rate_at(f_n) / slow)
+    motion = case.excitation
+    low, high = sorted((motion.f_start, motion.f_end))
+    f_n = min(max(beam_frequency(case, bonded=False), low), high)
+    rate = motion.rate_oct_per_min or 60.0 * (motion.rate_hz_per_s or 0.0) / (f_n * math.log(2.0))
+    slow = SHARE_OF_90 * sweep_rate_limit(f_n, WANTED_DAMPING)
+    needed = WANTED_DAMPING * math.sqrt(rate / slow)
     if needed <= LARGEST_NEEDED:
         return []
     return [
-        f"the sweep passes a resonance at {f_n:.0f} Hz with {motion.rate_at(f_n):.3g} oct/min: its peak reaches 90 % "
-        f"of the steady one only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % "
-        f"sweep with {slow:.2g} oct/min, or use harmonic"
+        f"the sweep passes a resonance at {f_n:.0f} Hz with {rate:.3g} oct/min: its peak reaches 90 % of the steady one "
+        f"only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % sweep with "
+        f"{slow:.2g} oct/min, or use harmonic"
     ]
 
 
