@@ -199,6 +199,8 @@ def test_every_limit_is_told():
     grade, text = doubts_of(linear(0.02), small, band, loose)
     assert grade == "invalid"
     assert "no material damping" in text
+    _, spectra = respond(linear(0.02), small, band, loose)
+    assert np.isfinite(spectra.acceleration).all()  # left out, also at its own frequency
     falling = NonlinearMode.of_oscillator(a, w * np.geomspace(1.0, 0.3, 30), np.full(30, 0.02))
     grade, text = doubts_of(falling, table((80.0, 300.0), 0.0, 1e-1), (80.0, 300.0))
     assert "outside the band of the PSD" in text

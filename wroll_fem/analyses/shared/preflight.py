@@ -33,8 +33,8 @@ WANTED_DAMPING, LARGEST_NEEDED = 0.01, 0.04
 which it warns."""
 
 SHARE_OF_90 = 1.73
-"""Sweep rate, relative to the limit of ISO 7626-2, at which a resonance with `WANTED_DAMPING` reaches 90 % of its steady
-peak (`signals.attainment.rate_for_attainment`, which needs scipy)."""
+"""Sweep rate, relative to the limit of ISO 7626-2, at which a resonance with `WANTED_DAMPING` reaches 90 % of its
+steady peak (`signals.attainment.rate_for_attainment`, which needs scipy)."""
 
 USUAL_FREQUENCIES = (0.05, 1e5)
 """Usual range of the first bending frequency of a roll, Hz."""
@@ -139,8 +139,8 @@ def fast_sweeps(case: SweepCase) -> list[str]:
     if needed <= LARGEST_NEEDED:
         return []
     return [
-        f"the sweep passes a resonance at {f_n:.0f} Hz with {rate:.3g} oct/min: its peak reaches 90 % of the steady one "
-        f"only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % sweep with "
+        f"the sweep passes a resonance at {f_n:.0f} Hz with {rate:.3g} oct/min: its peak reaches 90 % of the steady "
+        f"one only with a damping ratio of {100 * needed:.1f} % or more; for {100 * WANTED_DAMPING:g} % sweep with "
         f"{slow:.2g} oct/min, or use harmonic"
     ]
 

@@ -41,6 +41,8 @@ from wroll_fem.typing import FloatArray
 ComplexArray = npt.NDArray[np.complex128]
 
 
+UNDAMPED = 1e-6
+"""Damping ratio below which a mode beside the nonlinear one counts as undamped."""
 LEAST_WIDTH = 1e-5
 """Least damping ratio for which the frequency axis is refined."""
 LEAST_PARTICIPATION, MOST_LINES = 1e-4, 30
@@ -69,9 +71,14 @@ class LinearModes:
         return cls(np.zeros(0), np.zeros(0), np.zeros(0))
 
     def displacement(self, omega: FloatArray) -> ComplexArray:
-        """(n,) tip displacement per base acceleration at ``omega`` (rad/s), s^2."""
-        w, z = self.frequency[:, None], self.damping[:, None]
-        return -np.asarray((self.participation[:, None] / (w**2 - omega**2 + 2j * z * w * omega)).sum(axis=0))
+        """(n,) tip displacement per base acceleration at ``omega`` (rad/s), s^2; without modes that are `loose`."""
+        kept = ~self.loose((float(omega.min()), float(omega.max())))
+        w, z, share = (a[kept, None] for a in (self.frequency, self.damping, self.participation))
+        return -np.asarray((share / (w**2 - omega**2 + 2j * z * w * omega)).sum(axis=0))
+
+    def loose(self, band: tuple[float, float]) -> npt.NDArray[np.bool_]:
+        """(m,) whether a mode lies in a ``band`` (rad/s) without damping, so that its response is not bounded."""
+        return np.asarray((self.damping < UNDAMPED) & (self.frequency >= band[0]) & (self.frequency <= band[1]))
 
 
 @dataclass(frozen=True)
@@ -174,7 +181,8 @@ def frequency_axis(
     lines = [np.linspace(at[0], at[-1], 81), at, *(_line(at[k], width, 141) for k in (0, 10, 20, 30, 40))]
     if others is not None:
         hertz = others.frequency / (2.0 * np.pi)
-        heard = np.flatnonzero((hertz > low) & (hertz < high) & (np.abs(others.participation) > LEAST_PARTICIPATION))
+        inside = (hertz > low) & (hertz < high) & (others.damping >= UNDAMPED)
+        heard = np.flatnonzero(inside & (np.abs(others.participation) > LEAST_PARTICIPATION))
         lines += [_line(float(hertz[k]), max(float(others.damping[k]), LEAST_WIDTH), 61) for k in heard[:MOST_LINES]]
     axis = np.unique(np.concatenate([np.geomspace(low, high, 241), corners, *lines]))
     axis = axis[(axis >= low) & (axis <= high)]

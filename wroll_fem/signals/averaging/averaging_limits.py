@@ -178,12 +178,12 @@ def _shared(spectra: ResponseSpectra, band: tuple[float, float], others: LinearM
     if not len(others.frequency):
         return []
     hertz = others.frequency / (2.0 * np.pi)
-    loose = (hertz > band[0]) & (hertz < band[1]) & (np.abs(others.participation) > 1e-3) & (others.damping < 1e-6)
+    loose = others.loose((2.0 * np.pi * band[0], 2.0 * np.pi * band[1])) & (np.abs(others.participation) > 1e-3)
     if loose.any():
         return [
             Doubt(
                 f"the mode at {hertz[loose][0]:.4g} Hz lies in the band and has no material damping: its response, "
-                "which friction alone limits, is unknown; add section damping",
+                "which friction alone limits, is left out; add section damping",
                 severe=True,
             )
         ]
