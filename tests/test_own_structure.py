@@ -260,3 +260,18 @@ except wf.InputError as error:
     assert done.returncode == 0, done.stderr
     assert "the friction law 'late' comes too late" in done.stdout
     assert list((tmp_path / "wroll_fem" / "laws").glob("*/*"))
+
+
+@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+def test_a_structure_without_joints_is_the_linear_oscillator() -> None:
+    """It could not be run: the file of its matrices named an interface that it does not have."""
+    zeta, hertz = 0.02, 10.0
+    plain = wf.structure([[(2.0 * np.pi * hertz) ** 2]], [[1.0]], damping=zeta)
+    found = plain.run_harmonic(wf.Chirp(f_start=8, f_end=12, rate_oct_per_min=1, amplitude=1.0))
+    assert found.f_n_hz == pytest.approx(hertz, rel=1e-3)
+    size = np.hypot(found.data["transmissibility_real"], found.data["transmissibility_imag"]).values
+    ratio = found.data["frequency"].values / hertz
+    exact = np.abs((1.0 + 2j * zeta * ratio) / (1.0 - ratio**2 + 2j * zeta * ratio))
+    np.testing.assert_allclose(size, exact, rtol=0.01)
+    dwell = plain.run_dwell(wf.Dwell(amplitude=1.0, frequency=8.0, cycles=60))
+    assert dwell.data.attrs["steady_magnitude"] == pytest.approx(1.0 / (1.0 - 0.64), rel=0.01)

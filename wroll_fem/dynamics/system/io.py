@@ -129,6 +129,8 @@ def _interface_content(interface: Interface) -> dict[str, Any]:
 
 def _dofs(system: System) -> list[tuple[IntArray, IntArray]]:
     """Contact degrees of freedom of each interface, with n_k points: hoop and axial (n_k, 2), and normal (n_k,)."""
+    if not system.interfaces:
+        return []
     ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
     return [(part[:, :NORMAL], part[:, NORMAL]) for part in np.split(contact_dofs(system.n_points), ends)]
 

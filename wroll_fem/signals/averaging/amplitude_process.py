@@ -19,9 +19,9 @@ A linear oscillator has :math:`G^2 = 2 \Gamma^2 J / \omega`: J is exponential, t
 
 References
 ----------
-Roberts and Spanos (1986), Int. J. Non-Linear Mechanics 21, 111, doi:10.1016/0020-7462(86)90025-9: stochastic averaging.
+Roberts and Spanos (1986), Int. J. Non-Linear Mechanics 21, 111: stochastic averaging.
 Stratonovich (1963), Topics in the Theory of Random Noise, vol. 1, chapter 4: the averaged Fokker-Planck equation.
-Zhu and Lin (1991), J. Engineering Mechanics 117, 1890, doi:10.1061/(ASCE)0733-9399(1991)117:8(1890): energy envelope.
+Zhu and Lin (1991), J. Engineering Mechanics 117, 1890: energy envelope.
 """
 
 from __future__ import annotations
