@@ -232,7 +232,7 @@ def test_the_summary_has_damping_and_slip_work_per_level() -> None:
     by_direction = np.add(told["slip_work_rt_per_cycle_j"], told["slip_work_rz_per_cycle_j"])
     np.testing.assert_allclose(by_direction, work, rtol=0.01)
     # what the dashpot adds grows as the frequency falls
-    dashpot = np.subtract(told["damping_at_level"], told["zeta_friction"])
+    dashpot = np.subtract(told["zeta_total"], told["zeta_friction"])
     np.testing.assert_allclose(dashpot, 0.02 * found.attrs["f_stuck_hz"] / found["frequency_at_level"], rtol=2e-3)
     share = np.array(told["slipping_volume_fraction"])
     assert np.all(np.diff(share) > 0.0)

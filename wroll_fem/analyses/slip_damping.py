@@ -171,10 +171,10 @@ def slip_damping_summary(dataset: xr.Dataset) -> dict[str, Any]:
     tip, linear = dataset["tip_at_level"].values, dataset["tip_at_level_without_slip"].values
     return {
         "amplitude_g": levels.tolist(),
-        "tip_at_level_m": tip.tolist(),
-        "tip_at_level_without_slip_m": linear.tolist(),
-        "frequency_at_level_hz": dataset["frequency_at_level"].values.tolist(),
-        "damping_at_level": dataset["damping_at_level"].values.tolist(),
+        "tip_displacement_m": tip.tolist(),
+        "tip_displacement_without_slip_m": linear.tolist(),
+        "f_resonance_hz": dataset["frequency_at_level"].values.tolist(),
+        "zeta_total": dataset["damping_at_level"].values.tolist(),
         "zeta_friction": dataset["friction_damping_at_level"].values.tolist(),
         "slipping_volume_fraction": dataset["slipping_volume_fraction_at_level"].values.tolist(),
         "slip_work_per_cycle_j": dataset["friction_work_at_level"].values.tolist(),
