@@ -113,7 +113,20 @@ def test_info_names_every_library_and_a_broken_one(
     monkeypatch.setattr(environment, "_PARTS", {**parts, "pyvista": broken})
     optional = wroll("info")
     assert optional.exit_code == 0
-    names = ["python", "dolfinx", "petsc", "slepc", "numpy", "scipy", "gmsh", "numba", "xarray", "pyvista", "h5py"]
+    names = [
+        "python",
+        "dolfinx",
+        "petsc",
+        "slepc",
+        "numpy",
+        "scipy",
+        "blas",
+        "gmsh",
+        "numba",
+        "xarray",
+        "pyvista",
+        "h5py",
+    ]
     assert [line.split()[0] for line in optional.stdout.splitlines()] == ["wroll_fem", *names]
     assert re.search(r"pyvista +- +DOES NOT WORK: ImportError: no such library", optional.stdout)
     told = json.loads(wroll("info", "--json").stdout)

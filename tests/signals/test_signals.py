@@ -76,7 +76,7 @@ def test_samples_cover_the_whole_motion():
 @pytest.mark.parametrize(
     ("make", "key"),
     [
-        (lambda: Chirp(5.0, 175.0, 125.0, 2.0), "excitation.f_end"),
+        (lambda: Chirp(5.0, 175.0, 175.0, 2.0), "excitation.f_end"),
         (lambda: Chirp(5.0, 125.0, 175.0, 0.0), "excitation.rate_oct_per_min"),
         (lambda: Chirp(-5.0, 125.0, 175.0, 2.0), "excitation.amplitude"),
         (lambda: Dwell(5.0, 100.0, 4.0, ramp_cycles=5.0), "excitation.ramp_cycles"),
