@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -384,29 +383,3 @@ def test_one_wrap_presses_with_its_tension() -> None:
     found = roll(wraps=1)
     assert found.wraps.pressure[0] == pytest.approx(40.0e6 * 5.0e-5 / 0.010, rel=1e-12)
     assert found.pressure[0] == pytest.approx(40.0e6 * 5.0e-5 / 0.010, rel=1e-12)
-
-
-def test_the_refined_grids_of_ten_thousand_wraps_cost_no_more_than_the_scheme_of_the_thesis(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Two grids with up to two cells per wrap; without wraps that are added together they take twenty times as long.
-
-    Both times come from one run, so that the limit does not depend on the machine (1.2 and 0.7 s of CPU, or less).
-    """
-    spent = {"whole": np.inf, "scheme": np.inf}
-
-    def timed(*arguments: Any) -> Any:
-        start = time.process_time()
-        found = scheme(*arguments)
-        spent["scheme"] = min(spent["scheme"], time.process_time() - start)
-        return found
-
-    scheme = kernels.wrap_by_wrap
-    monkeypatch.setattr(kernels, "wrap_by_wrap", timed)
-    roll(wraps=2)  # compiled
-    spent["scheme"] = np.inf
-    for _ in range(2):  # the better one: other work shares the cache
-        start = time.process_time()
-        roll(wraps=10_000)
-        spent["whole"] = min(spent["whole"], time.process_time() - start)
-    assert spent["whole"] < 2.5 * spent["scheme"]
