@@ -64,19 +64,20 @@ def select_kernels() -> None:
         os.environ.setdefault(VARIABLE, kernels)
 
 
-def loaded_kernels() -> list[str]:
-    """Kernels of each OpenBLAS that is loaded in this process, "OpenBLAS 0.3.21, SkylakeX"."""
+def _loaded() -> list[tuple[str, str]]:
+    """Version and kernels of each OpenBLAS that is loaded in this process."""
     from threadpoolctl import threadpool_info
 
-    return [
-        f"OpenBLAS {library['version']}, {library['architecture']}"
-        for library in threadpool_info()
-        if library.get("internal_api") == "openblas"
-    ]
+    found = [library for library in threadpool_info() if library.get("internal_api") == "openblas"]
+    return [(str(library["version"]), str(library["architecture"])) for library in found]
+
+
+def loaded_kernels() -> list[str]:
+    """Kernels of each OpenBLAS that is loaded in this process, "OpenBLAS 0.3.21, SkylakeX"."""
+    return [f"OpenBLAS {version}, {kernels}" for version, kernels in _loaded()]
 
 
 def slow_kernels() -> str | None:
     """Name of the kernels to select if OpenBLAS was loaded with generic ones and the processor has faster ones."""
     wanted = suitable_kernels(first_processor())
-    slow = any(loaded.rpartition(", ")[2] in GENERIC for loaded in loaded_kernels())
-    return wanted if slow else None
+    return wanted if any(kernels in GENERIC for _, kernels in _loaded()) else None

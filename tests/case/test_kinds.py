@@ -242,3 +242,19 @@ def test_the_schema_asks_for_what_the_analysis_needs(section: str, problems: Any
     data = content(SWEEP)
     del data[section]
     assert any("required" in text and section in text for text in problems(data))
+
+
+@pytest.mark.parametrize(
+    ("override", "problem"),
+    [
+        ("excitation.f_end=100", r"excitation.f_end: must be above excitation.f_start = 125 Hz, got 100.0"),
+        (
+            "excitation.profile={frequency: [1, 2], factor: [1, 2]}",
+            r"excitation.profile: a response curve has one ampl",
+        ),
+    ],
+)
+def test_a_response_curve_needs_a_rising_band_and_one_amplitude(override: str, problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        load_case(CONFIGS / "lab_harmonic.yaml", [override])
+    load_case(CONFIGS / "lab_sweep.yaml", [override])  # a sweep takes both

@@ -136,7 +136,7 @@ class Sweep(ABC):
     def acceleration(self, time: npt.ArrayLike) -> FloatArray:
         """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64)
-        size = self.amplitude if not self.profile.frequency else self.amplitude * self.profile(self.frequency(t))
+        size = self.amplitude * self.profile(self.frequency(t))
         return np.asarray(size * ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t)))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.signals.records.csv_columns import csv_columns
-from wroll_fem.signals.records.mat_columns import mat_matrices
+from wroll_fem.signals.records.mat_columns import Hdf5Version, mat_matrices
 from wroll_fem.signals.records.uff import uff_columns
 from wroll_fem.typing import FloatArray
 
@@ -111,7 +111,7 @@ def _npz(path: Path) -> dict[str, FloatArray]:
 def _mat(path: Path) -> dict[str, FloatArray]:
     try:
         return _vectors(mat_matrices(path.read_bytes()))
-    except NotImplementedError:
+    except Hdf5Version:
         raise InputError(
             "the .mat file has version 7.3 (HDF5)", file=str(path), remedy="save it with -v7 in MATLAB"
         ) from None

@@ -39,6 +39,10 @@ LARGEST = 2**31
 """Largest size of a decompressed element, bytes."""
 
 
+class Hdf5Version(ValueError):
+    """The file has version 7.3, which is HDF5."""
+
+
 class _Element(NamedTuple):
     kind: int
     data: bytes
@@ -49,8 +53,8 @@ def mat_matrices(content: bytes) -> dict[str, FloatArray]:
 
     Raises
     ------
-    NotImplementedError
-        If the file has version 7.3, which is HDF5.
+    Hdf5Version
+        If the file has version 7.3.
     ValueError
         If the file is damaged, cut off, or no MATLAB file of version 5 to 7.2.
     """
@@ -61,7 +65,7 @@ def mat_matrices(content: bytes) -> dict[str, FloatArray]:
         raise ValueError("no header of version 5")
     version = struct.unpack(order + "H", content[124:126])[0]
     if version == 0x0200:
-        raise NotImplementedError
+        raise Hdf5Version("version 7.3")
     if version != 0x0100:
         raise ValueError(f"version {version:#x} in the header")
     found: dict[str, FloatArray] = {}
