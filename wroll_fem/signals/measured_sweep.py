@@ -84,7 +84,7 @@ class MeasuredSweep(Sweep):
 
     def frequency(self, time: npt.ArrayLike) -> FloatArray:
         """Instantaneous frequency at `time` (s), Hz."""
-        return np.asarray(np.interp(time, self.time, self._frequency))
+        return np.asarray(np.interp(np.asarray(time, dtype=np.float64), self.time, self._frequency))
 
     def phase(self, time: npt.ArrayLike) -> FloatArray:
         """Phase at `time` (s), rad; zero at the first sample."""
@@ -96,8 +96,8 @@ class MeasuredSweep(Sweep):
 
     def time_of_frequency(self, frequency: npt.ArrayLike) -> FloatArray:
         """Time at which the sweep passes a frequency (Hz), s."""
-        order = -1 if self.downward else 1
-        return np.asarray(np.interp(frequency, self._frequency[::order], self.time[::order]))
+        order, wanted = -1 if self.downward else 1, np.asarray(frequency, dtype=np.float64)
+        return np.asarray(np.interp(wanted, self._frequency[::order], self.time[::order]))
 
     def rate_at(self, frequency: float) -> float:
         """Sweep rate at a frequency (Hz), octaves per minute; positive for a downward sweep too."""
