@@ -22,6 +22,7 @@ from typing import Literal
 import numpy as np
 import yaml
 from pydantic import Field
+from scipy.interpolate import make_interp_spline
 from scipy.optimize import least_squares
 
 from wroll_fem.case.base import Real, Switch, TaggedSection
@@ -34,7 +35,7 @@ from wroll_fem.typing import FloatArray
 WIDEST = 1e3
 """Factor around the elastic slip of the grid within which that of the roll is searched."""
 
-STARTS = 7
+STARTS = 5
 """Starting values of the elastic slip."""
 
 
@@ -173,10 +174,11 @@ def predicted(
 ) -> tuple[FloatArray, FloatArray]:
     """Logarithms of frequency and base acceleration, interpolated between the backbones in the logarithm of kappa."""
     sticks = np.log([one.stick for one in grid])
-    k = int(np.clip(np.searchsorted(sticks, np.log(stick)) - 1, 0, len(grid) - 2))
-    share = float(np.clip((np.log(stick) - sticks[k]) / (sticks[k + 1] - sticks[k]), 0.0, 1.0))
-    low, high = grid[k].at(amplitude, slip), grid[k + 1].at(amplitude, slip)
-    return (1.0 - share) * low[0] + share * high[0], (1.0 - share) * low[1] + share * high[1]
+    each = np.array([one.at(amplitude, slip) for one in grid])  # backbone, quantity, amplitude
+    at = float(np.clip(np.log(stick), sticks[0], sticks[-1]))
+    spline = make_interp_spline(sticks, each, k=min(3, len(grid) - 1), axis=0)
+    frequency, base = spline(at)
+    return np.asarray(frequency), np.asarray(base)
 
 
 def fit_backbones(family: Sequence[Resonance], grid: Sequence[Backbone], settings: BackboneSettings) -> BackboneFit:
@@ -202,12 +204,12 @@ def fit_backbones(family: Sequence[Resonance], grid: Sequence[Backbone], setting
         )
 
     def model(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        pairs = [
-            predicted(grid, float(np.exp(x[roll])), float(np.exp(x[count])), amplitude[k : k + 1])
-            for k, roll in enumerate(rolls)
-        ]
+        frequency, level = np.empty(len(family)), np.empty(len(family))
+        for roll in range(count):
+            own = rolls == roll
+            frequency[own], level[own] = predicted(grid, np.exp(x[roll]), np.exp(x[count]), amplitude[own])
         shift = x[count + 1] if settings.frequency_factor else 0.0
-        return np.array([one[0][0] for one in pairs]) + shift, np.array([one[1][0] for one in pairs])
+        return frequency + shift, level
 
     def residuals(x: FloatArray) -> FloatArray:
         frequency, level = model(x)
@@ -218,13 +220,10 @@ def fit_backbones(family: Sequence[Resonance], grid: Sequence[Backbone], setting
     low = np.array([ends[0]] * count + [slip_0 - np.log(WIDEST)] + [-0.3] * settings.frequency_factor)
     high = np.array([ends[1]] * count + [slip_0 + np.log(WIDEST)] + [0.3] * settings.frequency_factor)
     best = None
-    for shift in np.linspace(-0.8, 0.8, STARTS) * np.log(WIDEST):
-        for share in (0.25, 0.75):
-            start = np.r_[
-                [ends[0] + share * (ends[1] - ends[0])] * count, slip_0 + shift, [0.0] * settings.frequency_factor
-            ]
-            tried = least_squares(residuals, start, bounds=(low, high), diff_step=1e-5, x_scale="jac")
-            best = tried if best is None or tried.cost < best.cost else best
+    for shift in np.linspace(-0.5, 0.5, STARTS) * np.log(WIDEST):
+        start = np.r_[[0.5 * (ends[0] + ends[1])] * count, slip_0 + shift, [0.0] * settings.frequency_factor]
+        tried = least_squares(residuals, start, bounds=(low, high), diff_step=1e-5, x_scale="jac")
+        best = tried if best is None or tried.cost < best.cost else best
     assert best is not None
     return _found(best.x, best.jac, best.fun, rolls, unique, model(best.x), bool(settings.frequency_factor), ends)
 

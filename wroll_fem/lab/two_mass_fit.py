@@ -24,23 +24,26 @@ from wroll_fem.typing import FloatArray
 
 Range = tuple[Real, Real]
 
+ACCURACY = 1e-5
+"""Relative accuracy of the computed curves; that of measured ones is 1e-3 at best."""
+
 
 class TwoMassSettings(TaggedSection):
-    """Fit of the two-mass model: free parameters with their bounds. A parameter without bounds keeps its value."""
+    """Fit of the two-mass model: parameters with their bounds, or as a number, which is not fitted."""
 
     kind: Literal["two_masses"] = Field("two_masses", description="two_masses")
     primary_hz: Real = Field(gt=0, description="resonance frequency of the primary mass alone (mandrel), Hz")
     primary_mass: Real | None = Field(None, gt=0, description="modal mass of the primary, kg; needed for forces in N")
-    zeta_primary: Range = Field((0.001, 0.05), description="bounds of c1 / (2 sqrt(k1 m1)), dimensionless")
-    mass_ratio: Range = Field((0.05, 2.0), description="bounds of m2 / m1, dimensionless")
-    stiffness_ratio: Range = Field((0.05, 4.0), description="bounds of k2 / k1, dimensionless")
-    zeta_secondary: Range | None = Field(
-        None, description="bounds of c2 / (2 sqrt(k1 m1)), dimensionless; left out: 0.001, not fitted"
+    zeta_primary: Range | Real = Field(
+        (0.001, 0.05), description="bounds or value of c1 / (2 sqrt(k1 m1)), dimensionless"
     )
+    mass_ratio: Range | Real = Field((0.05, 2.0), description="bounds or value of m2 / m1, dimensionless")
+    stiffness_ratio: Range | Real = Field((0.05, 4.0), description="bounds or value of k2 / k1, dimensionless")
+    zeta_secondary: Range | Real = Field(0.001, description="bounds or value of c2 / (2 sqrt(k1 m1)), dimensionless")
     capacity: Range = Field(
         (0.1, 50.0), description="bounds of the friction capacity over k1 Y0 of the first condition, dimensionless"
     )
-    smoothing: Real = Field(10.0, gt=0, description="scale of the regularised sign function, dimensionless")
+    smoothing: Real = Field(3.0, gt=0, description="scale of the regularised sign function, dimensionless")
     preload_dependent: Switch = Field(False, description="whether mass and stiffness depend on the capacity (eq. 5.6)")
     arrangement: Arrangement = Field(
         "both_on_base", description="both_on_base, secondary_isolated or secondary_on_primary (Fig. 5.1)"
@@ -50,11 +53,14 @@ class TwoMassSettings(TaggedSection):
 
     @field_validator("zeta_primary", "mass_ratio", "stiffness_ratio", "zeta_secondary", "capacity")
     @classmethod
-    def _ascending(cls, value: Range | None) -> Range | None:
-        if value is not None and not 0.0 < value[0] < value[1]:
-            raise validation_error(
-                "must be two numbers above 0 in ascending order", remedy="give the lower first", value=list(value)
-            )
+    def _ascending(cls, value: Range | float) -> Range | float:
+        if isinstance(value, tuple):
+            if not 0.0 < value[0] < value[1]:
+                raise validation_error(
+                    "must be two numbers above 0 in ascending order", remedy="give the lower first", value=list(value)
+                )
+        elif not value > 0.0:
+            raise validation_error("must be greater than 0", remedy="give a number, or bounds", value=value)
         return value
 
 
@@ -96,20 +102,25 @@ def fit_two_masses(family: Sequence[Resonance], settings: TwoMassSettings) -> Tw
     for one, roll in zip(family, rolls, strict=True):
         omega, size = _points(one, settings)
         curves.append(Measured(omega, size, start, one.base_amplitude / unit, roll))
-    bounds = {
-        "m2": settings.mass_ratio, "k2": settings.stiffness_ratio,
-        "c1": (2.0 * settings.zeta_primary[0], 2.0 * settings.zeta_primary[1]),
+    given = {
+        "m2": (settings.mass_ratio, 1.0), "k2": (settings.stiffness_ratio, 1.0),
+        "c1": (settings.zeta_primary, 2.0), "c2": (settings.zeta_secondary, 2.0),
     }  # fmt: skip
-    c2 = 0.002
-    if settings.zeta_secondary is not None:
-        bounds["c2"] = (2.0 * settings.zeta_secondary[0], 2.0 * settings.zeta_secondary[1])
-        c2 = float(np.sqrt(bounds["c2"][0] * bounds["c2"][1]))
-    first = {name: float(np.sqrt(ends[0] * ends[1])) for name, ends in bounds.items()}
+    bounds = {
+        name: (factor * value[0], factor * value[1])
+        for name, (value, factor) in given.items() if isinstance(value, tuple)
+    }  # fmt: skip
+    first = {
+        name: factor * float(np.sqrt(value[0] * value[1]) if isinstance(value, tuple) else value)
+        for name, (value, factor) in given.items()
+    }
     model = TwoMasses(
-        **({"c2": c2} | first), smoothing=settings.smoothing, arrangement=settings.arrangement,
+        **first, smoothing=settings.smoothing, arrangement=settings.arrangement,
         preload_dependent=settings.preload_dependent, base_amplitude=1.0,
     )  # fmt: skip
-    fit = fit_curves(curves, bounds, model=model, capacity_bounds=settings.capacity, starts=settings.starts)
+    fit = fit_curves(
+        curves, bounds, model=model, capacity_bounds=settings.capacity, starts=settings.starts, accuracy=ACCURACY
+    )
     mass = settings.primary_mass
     force = float("nan") if mass is None else mass * (2.0 * pi * settings.primary_hz) ** 2 * unit
     return TwoMassFit(fit, tuple(curves), tuple(rolls), force)

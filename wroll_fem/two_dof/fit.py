@@ -102,6 +102,7 @@ class _Problem:
     names: tuple[str, ...]
     low: FloatArray
     high: FloatArray
+    accuracy: float = ACCURACY
 
     def unpack(self, x: FloatArray) -> tuple[TwoMasses, FloatArray]:
         """Model and friction capacities (N) that belong to the logarithms of the free parameters."""
@@ -126,7 +127,7 @@ class _Problem:
         for one, capacity in zip(self.measured, capacities, strict=True):
             try:
                 own = model if one.base_amplitude is None else replace(model, base_amplitude=one.base_amplitude)
-                curve = PeriodicSolver(own.preloaded(float(capacity)), accuracy=ACCURACY).curve(one.omega)
+                curve = PeriodicSolver(own.preloaded(float(capacity)), accuracy=self.accuracy).curve(one.omega)
                 found.append(np.log([m.transmissibility for m in curve]) - np.log(one.transmissibility))
             except ConvergenceError:
                 found.append(np.full(len(one.omega), LOST))
@@ -136,7 +137,13 @@ class _Problem:
         """Logarithms of the best parameters from one start, root mean square residual, Jacobian and residuals."""
         with threadpool_limits(1, "blas"):
             done = least_squares(
-                self.residuals, start, bounds=(self.low, self.high), diff_step=STEP, x_scale=1.0, xtol=1e-5, ftol=1e-5
+                self.residuals,
+                start,
+                bounds=(self.low, self.high),
+                diff_step=STEP / ACCURACY * self.accuracy,
+                x_scale=1.0,
+                xtol=1e-5,
+                ftol=1e-5,
             )
         return done.x, float(np.sqrt(2.0 * done.cost / len(done.fun))), np.asarray(done.jac), np.asarray(done.fun)
 
@@ -150,6 +157,7 @@ def fit_curves(
     starts: int = 4,
     seed: int = 1,
     workers: int | None = None,
+    accuracy: float = ACCURACY,
 ) -> Fit:
     """Fit the model to transmissibility curves measured at several preloads.
 
@@ -172,6 +180,8 @@ def fit_curves(
         Number of starts; seed of the hypercube.
     workers
         Number of processes; None for the number of cores.
+    accuracy
+        Relative accuracy of the computed curves; the steps of the finite differences are a hundred times larger.
 
     Raises
     ------
@@ -202,7 +212,7 @@ def fit_curves(
             remedy="give the lower bound first",
         )  # fmt: skip
     names = tuple(bounds)
-    problem = _Problem(tuple(measured), model, names, np.zeros(0), np.zeros(0))
+    problem = _Problem(tuple(measured), model, names, np.zeros(0), np.zeros(0), accuracy)
     count = int(problem.rolls.max()) + 1 if capacity_bounds is not None else 0
     free = [bounds[name] for name in names] + [capacity_bounds] * count
     if not free or starts < 1:
