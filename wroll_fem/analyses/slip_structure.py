@@ -113,6 +113,7 @@ def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System
         body = replace(body, stiffness=stiffness)
     system, start = slipping_system(
         body, points, shear_modulus=at.shear_modulus, pressure=at.pressure, mu=case.wound.friction_coefficient,
+        wrap_thickness=case.wound.wrap_thickness,
         direction=AXIAL if motion == "axial" else DIRECTIONS[case.direction],
         varying=case.coil.pressure == "varying",
     )  # fmt: skip
