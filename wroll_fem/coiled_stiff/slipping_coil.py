@@ -104,11 +104,11 @@ def shear_interface(
         )  # fmt: skip
     n = len(points.volumes)
     stick = np.broadcast_to(shear_modulus, n) / wrap_thickness
-    parameters = {"mu": mu, "elastic_slip": capacity / stick}
+    slip = capacity / stick
     if varying:
-        friction = PointwiseFriction.varying(ElasticCoulomb, **parameters, stick_stiffness=stick)
+        friction = PointwiseFriction.varying(ElasticCoulomb, mu=mu, elastic_slip=slip, stick_stiffness=stick)
     else:
-        friction = PointwiseFriction.varying(PenaltyCoulomb, **parameters)
+        friction = PointwiseFriction.varying(PenaltyCoulomb, mu=mu, elastic_slip=slip)
     tangential = wrap_thickness * strain
     rows = (3 * np.arange(n)[:, None] + [1, 2]).ravel()
     place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))

@@ -119,12 +119,15 @@ class Trained(Generic[Curve]):
     energy_error : largest remaining correction at the checked points, relative to the motion, both in the energy norm
     tip_error : largest relative change of the fundamental of the tip displacement by these corrections
     rounds : number of curves computed
+    span_error : what the motions at the checked points lack in the modes of the structure, which hold a path of loads
+        alone (`PathSpan`), relative to the motion in the energy norm; 0 with modes of the whole structure
     """
 
     curve: Curve
     energy_error: float
     tip_error: float
     rounds: int
+    span_error: float = 0.0
 
 
 @dataclass(frozen=True)
