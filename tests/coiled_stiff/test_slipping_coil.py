@@ -14,7 +14,7 @@ from scipy.integrate import trapezoid
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses import slip_damping
+from wroll_fem.analyses import slip_damping, slip_path
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
@@ -281,7 +281,7 @@ def test_without_slip_the_slip_work_is_an_empty_map() -> None:
 
 
 def test_levels_beyond_the_path_have_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slip_damping, "MOST_LEVELS", 3)
+    monkeypatch.setattr(slip_path, "MOST_LEVELS", 3)
     with pytest.warns(UserWarning, match="higher levels have no result"):
         found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.5, 15]"]), progress=False)
     assert np.isfinite(found["tip_at_level"].values).tolist() == [True, False]

@@ -19,13 +19,13 @@ from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycl
 from wroll_fem.analyses.shock_plan import unresolved_modes
 from wroll_fem.analyses.slip_modes import path_span, slips_inside
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.dynamics.path_span.span import PathSpan
+from wroll_fem.dynamics.path_span.stepper import PathStepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.path_modes import PathSpan
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.path_stepper import PathStepper
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, modes_to_reduce
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper

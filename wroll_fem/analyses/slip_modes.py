@@ -14,9 +14,10 @@ from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import base_acceleration
 from wroll_fem.case.kinds import BackboneCase
 from wroll_fem.case.structural import OnRoll
+from wroll_fem.dynamics.path_span.periodic import periodic_motion
+from wroll_fem.dynamics.path_span.span import PathSpan
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.reduction.path_modes import PathSpan, periodic_motion
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.training.training import Trained
 

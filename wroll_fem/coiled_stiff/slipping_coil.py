@@ -114,7 +114,7 @@ def shear_interface(
     place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))
     return Interface(
         name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / wrap_thickness, points=points.points,
-        friction=friction, normal=NormalPenalty(stick, varying),
+        friction=friction, normal=NormalPenalty(stick, varying), fills_body=True,
     )  # fmt: skip
 
 

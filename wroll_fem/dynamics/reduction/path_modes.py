@@ -4,30 +4,15 @@ A coil with friction at every point has thousands of contact points, but its mot
 states of the quasi-static path with the shape of the mode. The basis of this path, orthonormal in the stiffness with
 sticking contact, is turned into modes: with :math:`\Phi^T K_s \Phi = I` the eigenproblem is that of
 :math:`\Phi^T M \Phi`.
-
-What a motion in this span lacks follows from the residual r of the whole structure, as along the path: its static
-response :math:`z = K_s^{-1} r`, with the energy norm :math:`\sqrt{r^T z}`. The residual is orthogonal to the span, and
-the span contains the modes that the base excites, so that the missing part moves quasi-statically. Its shapes may join
-the span.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import Condensation, in_one_block
 from wroll_fem.dynamics.statics.load_path import LoadPath
-from wroll_fem.typing import FloatArray
-
-SERIES = 3
-"""Number of terms of K^{-1} L, K^{-1} M K^{-1} L, ... for the loads L of base motion and tip force in the span."""
-
-DEPENDENT = 1e-6
-"""Norm of the part of a vector outside the span, relative to the vector, below which it is not added; energy norms."""
 
 
 def path_modes(path: LoadPath) -> Condensation:
@@ -39,87 +24,3 @@ def path_modes(path: LoadPath) -> Condensation:
     eigenvalues = 1.0 / flexibilities[order]
     vectors = (basis @ ritz[:, order]) * np.sqrt(eigenvalues)
     return in_one_block(system, path.springs, eigenvalues, vectors, exact=False)
-
-
-class ModalMotion(NamedTuple):
-    """Motion in r modes at k times, or k of its Fourier coefficients.
-
-    Attributes
-    ----------
-    displacement, velocity, acceleration : (r, k) modal coordinates, kg^(1/2) m, and their derivatives
-    correction : (3 n_points, k) contact traction without its linear part, Pa (see `dynamics.periodic.aft`)
-    base : (k,) base acceleration, m/s^2
-    """
-
-    displacement: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
-    correction: FloatArray
-    base: FloatArray
-
-
-class PathSpan:
-    """Modes in the span of a path, and what motions in this span lack.
-
-    Attributes
-    ----------
-    modes : modes in the present span
-    """
-
-    def __init__(self, path: LoadPath):
-        self.path = path
-        system = path.system
-        for load in (system.mass @ system.influence, system.probes["tip"]):
-            for _ in range(SERIES):
-                response = path.stuck(load)
-                self._add(response)
-                load = system.mass @ response
-        self._renew()
-
-    def _add(self, vector: FloatArray) -> None:
-        path = self.path
-        size, inside = float(vector @ (path.stiffness @ vector)), float(np.sum((path.forces @ vector) ** 2))
-        if size - inside > DEPENDENT**2 * size:
-            path.add(vector)
-
-    def _renew(self) -> None:
-        path, system = self.path, self.path.system
-        self.modes = path_modes(path)
-        (_, vectors), *_ = self.modes.vectors
-        self._stiffness, self._mass = path.stiffness @ vectors, system.mass @ vectors
-        self._base = system.mass @ system.influence
-
-    def lacking(self, motion: ModalMotion) -> tuple[FloatArray, float]:
-        """What a motion lacks: (n_dofs, k) displacements, and their energy norm relative to that of the motion."""
-        system = self.path.system
-        force = self._stiffness @ motion.displacement + self._mass @ motion.acceleration
-        if self.modes.damping:
-            force += self._mass @ self.modes.viscous_force(motion.velocity)
-        force += system.jump.T @ (system.weights[:, None] * motion.correction) + np.outer(self._base, motion.base)
-        found = np.column_stack([self.path.stuck(column) for column in force.T])
-        size = float(np.sum(self.modes.eigenvalues[:, None] * motion.displacement**2))
-        return -found, float(np.sqrt(max(np.sum(found * force), 0.0) / size)) if size > 0.0 else 0.0
-
-    def enlarge(self, displacements: FloatArray, least: float) -> None:
-        """Add the principal shapes of ``displacements`` (n_dofs, k) whose energy norm exceeds ``least``."""
-        gram = displacements.T @ (self.path.stiffness @ displacements)
-        squares, turn = la.eigh(0.5 * (gram + gram.T))
-        for column in np.flatnonzero(squares > least**2)[::-1]:
-            self._add(displacements @ turn[:, column])
-        self._renew()
-
-
-def periodic_motion(
-    balance: HarmonicBalance, coefficients: FloatArray, frequency: float, damping: float = 0.0
-) -> ModalMotion:
-    """Fourier coefficients of a periodic motion (R, m) at ``frequency``, rad/s, in the modes of its structure.
-
-    ``damping`` is the damping ratio of a nonlinear mode, whose negative damping counts as an acceleration here.
-    """
-    contact, vectors = balance.contact, balance.model.vectors
-    state = contact.evaluate(contact.motion(coefficients), frequency)
-    displacement, velocity = vectors @ coefficients.T, vectors @ balance.velocity(coefficients, frequency).T
-    acceleration = -displacement * (balance.orders * frequency) ** 2 - 2.0 * damping * frequency * velocity
-    base = np.zeros(len(balance.orders))
-    base[1] = balance.acceleration
-    return ModalMotion(displacement, velocity, acceleration, contact.spread(state.coefficients), base)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wroll_fem.dynamics.reduction.path_modes import ModalMotion, PathSpan
+from wroll_fem.dynamics.path_span.span import ModalMotion, PathSpan
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
