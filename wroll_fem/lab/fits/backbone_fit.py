@@ -27,7 +27,7 @@ from scipy.optimize import least_squares
 
 from wroll_fem.case.base import Real, Switch, TaggedSection
 from wroll_fem.errors import InputError
-from wroll_fem.lab.family_file import Resonance
+from wroll_fem.lab.fits.family_file import Resonance
 from wroll_fem.numerics.identifiability import Uncertainty, uncertainty
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.typing import FloatArray, IntArray
