@@ -36,7 +36,7 @@ PAGES = [
 ]  # fmt: skip
 _COMMAND = re.compile(r"(wroll|make|pip|apt|dask|gmsh|jupyter|cp|\.venv/bin/\S+)( |$)")
 _FENCE = re.compile(r"^```(\S*)[^\n]*\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
-_PLACEHOLDER = re.compile(r"\b(CASE|GRID|DIR|RUN_DIR|HOST|COMMAND|OUT)\b")
+_PLACEHOLDER = re.compile(r"\b(CASE|GRID|DIR|RUN_DIR|HOST|COMMAND|OUT|KIND|FILE)\b")
 
 COARSE = ["mesh.circumferential=8", "mesh.axial=2", "mesh.grading=1", "output.figures=false"]
 SHORT_CHIRP = [
@@ -209,8 +209,10 @@ def elsewhere(command: str) -> bool:
 
 
 def mention(command: str) -> bool:
-    """Whether a command is only named: `wroll run`, `wroll batch GRID.yaml`, `wroll batch --workers`."""
+    """Whether a command is only named: `wroll run`, `wroll batch GRID.yaml`, `wroll batch --workers`, `wroll lab fit`."""
     words = command.split()
+    if words[1:2] == ["lab"] and len(words) == 3:
+        return words[0] in ("wroll", ".venv/bin/wroll")
     if words[1:] in (["info"], ["schema"]):
         return False
     return words[0] in ("wroll", ".venv/bin/wroll") and (
