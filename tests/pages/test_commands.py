@@ -209,7 +209,7 @@ def elsewhere(command: str) -> bool:
 
 
 def mention(command: str) -> bool:
-    """Whether a command is only named: `wroll run`, `wroll batch GRID.yaml`, `wroll batch --workers`, `wroll lab fit`."""
+    """Whether a command is only named: `wroll run`, `wroll batch GRID.yaml`, `wroll batch --workers`, `wroll lab X`."""
     words = command.split()
     if words[1:2] == ["lab"] and len(words) == 3:
         return words[0] in ("wroll", ".venv/bin/wroll")
