@@ -1,0 +1,119 @@
+"""Targets among the regions of a frame: filters, their number, and the message if there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wroll_fem.errors import InputError
+from wroll_fem.lab.slip_images.regions import Regions
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Limits that a region meets to be a target.
+
+    Attributes
+    ----------
+    area
+        Least and largest number of pixels, px^2.
+    diameter
+        Least and largest diameter of the circle with the area within the outer outline, px.
+    circularity
+        Least circularity.
+    """
+
+    area: tuple[float, float]
+    diameter: tuple[float, float]
+    circularity: float
+
+    def passes(self, regions: Regions) -> BoolArray:
+        """Whether each region meets all limits and does not touch the border of the frame, (n,)."""
+        within = regions.circularity >= self.circularity
+        for value, (low, high) in ((regions.area, self.area), (regions.diameter, self.diameter)):
+            within &= (value >= low) & (value <= high)
+        return within & ~regions.at_border
+
+
+def first_targets(regions: Regions, filters: Filters, source: str) -> Regions:
+    """Targets of the first frame, numbered from the top to the bottom.
+
+    Concentric targets (a disc and rings around it) are neighbours in this order, the smallest first.
+
+    Raises
+    ------
+    InputError
+        If no region meets the limits; the message names the largest regions.
+    """
+    found = regions.chosen(filters.passes(regions))
+    if not len(found):
+        raise InputError(
+            f"no target found in the first frame: {_largest(regions)}", file=source,
+            remedy="set targets, threshold, area_px2, diameter_px or circularity so that the targets pass",
+        )  # fmt: skip
+    order = _reading_order(found.centroid, found.diameter)
+    values = (found.centroid, found.area, found.filled_area, found.perimeter, found.box, found.at_border)
+    return Regions(*(value[order] for value in values))
+
+
+def _largest(regions: Regions, most: int = 3) -> str:
+    if not len(regions):
+        return "no region is above the threshold and the least area"
+    told = []
+    for k in np.argsort(-regions.area)[:most]:
+        border = ", touches the border" if regions.at_border[k] else ""
+        told.append(
+            f"{regions.area[k]:.0f} px^2 (diameter {regions.diameter[k]:.1f} px, circularity "
+            f"{regions.circularity[k]:.2f}{border})"
+        )
+    return f"{len(regions)} regions, the largest with {', '.join(told)}"
+
+
+def _reading_order(centroid: FloatArray, diameter: FloatArray) -> IntArray:
+    """Order by row of the group, by column within it, then by size; a group is what shares a centre."""
+    group = concentric_groups(centroid, diameter)
+    middle = np.stack([np.mean(centroid[group == g], axis=0) for g in range(group.max() + 1)])
+    wide = float(np.median(diameter))
+    line = np.zeros(len(middle), dtype=np.int64)
+    by_row = np.argsort(middle[:, 1], kind="stable")
+    for last, place in zip(by_row, by_row[1:], strict=False):
+        line[place] = line[last] + (middle[place, 1] - middle[last, 1] > 0.5 * wide)
+    return np.lexsort((diameter, middle[group, 0], line[group]))
+
+
+def concentric_groups(centroid: FloatArray, diameter: FloatArray) -> IntArray:
+    """Group of each target, (n,) from 0: targets whose centre lies within a larger one belong to its group."""
+    group = np.full(len(centroid), -1, dtype=np.int64)
+    count = 0
+    for k in np.argsort(-diameter, kind="stable"):
+        if group[k] < 0:
+            near = np.hypot(*(centroid - centroid[k]).T) < 0.25 * diameter[k]
+            group[near & (group < 0)] = count
+            count += 1
+    return group
+
+
+def smallest_gap(regions: Regions, similar: float) -> float:
+    """Smallest distance between two targets of similar size, px; infinite for a single target.
+
+    Parameters
+    ----------
+    regions
+        Targets.
+    similar
+        Ratio of two diameters up to which they are similar.
+    """
+    distance = np.hypot(*(regions.centroid[:, None] - regions.centroid[None]).T)
+    ratio = regions.diameter[:, None] / regions.diameter[None]
+    alike = np.maximum(ratio, 1.0 / ratio) <= similar
+    np.fill_diagonal(alike, False)
+    return float(distance[alike].min()) if alike.any() else float("inf")
+
+
+def number_words(numbers: Sequence[int] | IntArray) -> str:
+    """Numbers of targets as words, counted from 1: "target 3" or "targets 3 and 4"."""
+    words = [str(int(n) + 1) for n in numbers]
+    return f"target {words[0]}" if len(words) == 1 else f"targets {', '.join(words[:-1])} and {words[-1]}"
