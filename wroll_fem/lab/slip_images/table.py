@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.regions import Regions
+from wroll_fem.lab.slip_images.regions.regions import Regions
 from wroll_fem.typing import FloatArray, IntArray
 
 MANDREL = 0

@@ -8,13 +8,13 @@ from itertools import islice
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.doubles import Double, Doubles
-from wroll_fem.lab.slip_images.frames import Frame, Frames
-from wroll_fem.lab.slip_images.light import Background, Evening, Light, Targets, estimate_light
-from wroll_fem.lab.slip_images.regions import RegionFinder, Regions
-from wroll_fem.lab.slip_images.targets import Filters, first_targets
-from wroll_fem.lab.slip_images.threshold import Method, threshold_level
-from wroll_fem.lab.slip_images.tracking import Tracker
+from wroll_fem.lab.slip_images.targets.doubles import Double, Doubles
+from wroll_fem.lab.slip_images.frames.stream import Frame, Frames
+from wroll_fem.lab.slip_images.regions.light import Background, Evening, Light, Targets, estimate_light
+from wroll_fem.lab.slip_images.regions.regions import RegionFinder, Regions
+from wroll_fem.lab.slip_images.targets.targets import Filters, first_targets
+from wroll_fem.lab.slip_images.regions.threshold import Method, threshold_level
+from wroll_fem.lab.slip_images.targets.tracking import Tracker
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.typing import BoolArray, FloatArray
 

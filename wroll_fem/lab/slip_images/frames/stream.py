@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.decoding import decoded, page_count
+from wroll_fem.lab.slip_images.frames.decoding import decoded, page_count
 
 Frame = npt.NDArray[np.float32]
 

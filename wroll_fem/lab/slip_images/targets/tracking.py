@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.regions import Regions
-from wroll_fem.lab.slip_images.targets import Filters, number_words, smallest_gap
+from wroll_fem.lab.slip_images.regions.regions import Regions
+from wroll_fem.lab.slip_images.targets.targets import Filters, number_words, smallest_gap
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 SIZE_CHANGE = 0.2

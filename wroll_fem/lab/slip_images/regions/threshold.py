@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from wroll_fem.lab.slip_images.frames import Frame
+from wroll_fem.lab.slip_images.frames.stream import Frame
 
 Method = Literal["otsu", "local"]
 

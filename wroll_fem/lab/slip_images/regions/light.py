@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.frames import Frame
+from wroll_fem.lab.slip_images.frames.stream import Frame
 from wroll_fem.typing import BoolArray, FloatArray
 
 Background = Literal["surface", "median", "none"]

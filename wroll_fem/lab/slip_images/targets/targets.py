@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.regions import Regions
+from wroll_fem.lab.slip_images.regions.regions import Regions
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 
@@ -52,7 +52,7 @@ def first_targets(regions: Regions, filters: Filters, source: str) -> Regions:
     if not len(found):
         raise InputError(
             f"no target found in the first frame: {_largest(regions)}", file=source,
-            remedy="set targets, threshold, area_px2, diameter_px or circularity so that the targets pass",
+            remedy="set targets, threshold, area, diameter or circularity so that the targets pass",
         )  # fmt: skip
     order = _reading_order(found.centroid, found.diameter)
     values = (found.centroid, found.area, found.filled_area, found.perimeter, found.box, found.at_border)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images import kernels
-from wroll_fem.lab.slip_images.frames import Frame
+from wroll_fem.lab.slip_images.regions import kernels
+from wroll_fem.lab.slip_images.frames.stream import Frame
 from wroll_fem.typing import BoolArray, FloatArray
 
 MOST = 1000
@@ -113,7 +113,7 @@ class RegionFinder:
         if wanted.size > MOST:
             raise InputError(
                 f"{wanted.size} regions of at least {self._least:g} px^2 in one frame (at most {MOST}): the threshold "
-                "lies in the noise", remedy="raise threshold, smoothing or area_px2.at_least",
+                "lies in the noise", remedy="raise threshold, smoothing or the least area",
             )  # fmt: skip
         outline = kernels.outlines(self._labels, table[:, kernels.FIRST], wanted)
         number = np.zeros(len(table) + 1, np.int32)

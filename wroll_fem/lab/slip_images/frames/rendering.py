@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wroll_fem.lab.slip_images.frames import Frame
+from wroll_fem.lab.slip_images.frames.stream import Frame
 from wroll_fem.typing import FloatArray
 
 _SUBPIXELS = 8
