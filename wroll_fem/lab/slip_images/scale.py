@@ -59,10 +59,9 @@ def pixel_length(known: FloatArray, measured: FloatArray, tolerance: float = 0.0
     value = float(known.sum() / measured.sum())
     scatter = float(np.std(each, ddof=1)) / value if len(each) > 1 else 0.0
     if scatter > 0.2:
-        low, high = int(np.argmin(each)), int(np.argmax(each))
         raise InputError(
-            f"the known sizes of the targets contradict the images: {1e3 * each[low]:.3g} to {1e3 * each[high]:.3g} mm/px",
-            key="target_diameter", remedy="give the outer diameter of each target in the column diameter_mm of the table",
+            f"the known sizes of the targets contradict the images: {1e3 * each.min():.3g} to {1e3 * each.max():.3g} "
+            "mm/px", key="target_diameter", remedy="give each outer diameter in the column diameter_mm of the table",
         )  # fmt: skip
     parts = (scatter / np.sqrt(len(each)), tolerance / float(known.mean()), EDGE / float(measured.mean()))
     return Scale(value, value * float(np.sqrt(np.sum(np.square(parts)))))

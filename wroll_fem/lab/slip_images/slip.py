@@ -85,4 +85,6 @@ def layer_slip(slip: Slip, relative_to: int | None = None) -> Slip:
     if not pairs:
         return Slip(np.zeros(0, int), np.zeros((0, 2), int), np.zeros((len(slip.value), 0, 2)))
     outer, inner = np.array(pairs).T
-    return Slip(slip.group[outer], np.stack([layers[outer], layers[inner]], axis=1), slip.value[:, outer] - slip.value[:, inner])
+    return Slip(
+        slip.group[outer], np.stack([layers[outer], layers[inner]], axis=1), slip.value[:, outer] - slip.value[:, inner]
+    )

@@ -122,7 +122,9 @@ def _placed(rows: Sequence[tuple[int, dict[str, str]]], targets: Regions, path: 
     where = [[_number(row, name, path, k) for name in ("x_px", "y_px", "diameter_px")] for k, row in rows]
     missing = next((k for (k, _), w in zip(rows, where, strict=True) if w[0] is None or w[1] is None), None)
     if missing is not None:
-        raise InputError(f"line {missing}: x_px or y_px is missing", file=str(path), remedy="fill in both, or remove both columns")
+        raise InputError(
+            f"line {missing}: x_px or y_px is missing", file=str(path), remedy="fill in both, or remove both columns"
+        )
     sizes = None if any(w[2] is None for w in where) else np.array([w[2] for w in where], dtype=float)
     reach = float(targets.diameter.min())
     place, distance = matched(np.array([w[:2] for w in where], dtype=float), sizes, targets, reach)
@@ -164,7 +166,9 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
         raise InputError(f"cannot be read ({reason})", file=str(path), remedy="give a CSV file") from None
-    lines = [(k, row) for k, row in enumerate(csv.reader(text.splitlines()), start=1) if any(cell.strip() for cell in row)]
+    lines = [
+        (k, row) for k, row in enumerate(csv.reader(text.splitlines()), start=1) if any(cell.strip() for cell in row)
+    ]
     names = [cell.strip().lower() for cell in lines[0][1]] if lines else []
     for name in _NEEDED:
         if name not in names:
@@ -174,7 +178,9 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     found = []
     for k, row in lines[1:]:
         if len(row) > len(names):
-            raise InputError(f"line {k} has {len(row)} cells, the first line {len(names)}", file=str(path), remedy="remove cells")
+            raise InputError(
+                f"line {k} has {len(row)} cells, the first line {len(names)}", file=str(path), remedy="remove cells"
+            )
         found.append((k, {name: cell.strip() for name, cell in zip(names, row, strict=False)}))
     return found
 

@@ -117,7 +117,7 @@ def _one_line(path: Path, page: int, pages: int) -> Iterator[None]:
         raise
     except _Size as error:
         raise InputError(f"frame of {error}", file=where, remedy="give frames of one size") from None
-    except Exception as error:  # noqa: BLE001
+    except Exception as error:
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InputError(
             f"the image is damaged or cut off ({reason})", file=where, remedy="export it again, as PNG or TIFF"

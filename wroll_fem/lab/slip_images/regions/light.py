@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ from wroll_fem.lab.slip_images.frames.stream import Frame
 from wroll_fem.typing import BoolArray, FloatArray
 
 Background = Literal["surface", "median", "none"]
-Evening = Literal["subtract", "divide"]
+Evening = Literal["targets", "ground", "none"]
 Targets = Literal["auto", "bright", "dark"]
 
 _DEGREE = 4
@@ -24,17 +24,17 @@ https://doi.org/10.1080/03610927708827533)."""
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """Light on the ground, estimated from one frame, and the signal of further frames.
+    """Light on the ground, and the signal of further frames.
 
     Attributes
     ----------
     ground
         (rows, columns) grey values of the ground without targets.
-    evening
-        Subtract: signal = frame - ground. Divide: signal = mean ground (frame/ground - 1); targets have the same
-        contrast in dim and in bright parts.
-    sign
-        +1 for bright targets, -1 for dark ones.
+    factor
+        (rows, columns) by which the difference from the ground is multiplied: positive for bright targets, negative for
+        dark ones.
+    gain
+        Whether the brightness of a frame is a factor (True) or an offset.
     noise
         Standard deviation of the signal in the ground, grey values.
     samples
@@ -42,8 +42,8 @@ class Light:
     """
 
     ground: Frame
-    evening: Evening
-    sign: float
+    factor: Frame
+    gain: bool
     noise: float
     samples: np.ndarray
 
@@ -54,36 +54,40 @@ class Light:
         """
         ground = self.ground.ravel()[self.samples]
         seen = frame.ravel()[self.samples]
-        if self.evening == "subtract":
-            offset = np.float32(np.mean(seen - ground, dtype=float))
-            result = frame - self.ground
-            result -= offset
+        if self.gain:
+            result = frame / np.float32(np.mean(seen / ground, dtype=float))
+            result -= self.ground
         else:
-            gain = np.mean(seen / ground, dtype=float)
-            level = float(np.mean(self.ground, dtype=float))
-            result = frame / self.ground
-            result *= np.float32(level / gain)
-            result -= np.float32(level)
-        return result if self.sign > 0 else np.negative(result, out=result)
+            result = frame - self.ground
+            result -= np.float32(np.mean(seen - ground, dtype=float))
+        result *= self.factor
+        return result
+
+    def evened(self, contrast: Frame) -> Light:
+        """Light whose signal is divided by a contrast (rows, columns) with mean 1."""
+        noise = self.noise * float(np.mean(1.0 / contrast, dtype=float))
+        return replace(self, factor=self.factor / contrast, noise=noise)
 
 
 def estimate_light(
-    frame: Frame, *, background: Background = "surface", window: int = 128, evening: Evening = "subtract",
-    targets: Targets = "auto",
+    frame: Frame, mean: Frame | None = None, *, background: Background = "surface", window: int = 128,
+    divide: bool = False, targets: Targets = "auto",
 ) -> Light:  # fmt: skip
-    """Light on the ground from one frame.
+    """Light on the ground.
 
     Parameters
     ----------
     frame
-        (rows, columns) grey values.
+        (rows, columns) grey values of one frame, for its noise.
+    mean
+        Mean of several frames, for the light; by default the one frame.
     background
         Surface: polynomial of degree 4 through the ground, fitted so that targets have no influence if they cover less
         than half of the frame. Median: median over a window that is wider than the targets. None: no ground.
     window
         Width of the window, px.
-    evening
-        Whether the ground is subtracted, or the frame is divided by it.
+    divide
+        Whether the frame is also divided by the ground.
     targets
         Whether targets are bright or dark; auto: the side with more light beyond the noise.
 
@@ -100,23 +104,24 @@ def estimate_light(
         ground = np.zeros_like(frame)
     else:
         size = max(min(frame.shape) // 64, 2)
-        centres, blocks = _block_medians(frame, size)
+        centres, blocks = _block_medians(frame if mean is None else mean, size)
         ground = (
             _surface(centres, blocks, frame.shape) if background == "surface"
             else _wide_median(centres, blocks, window / size, frame.shape)
         )  # fmt: skip
-    if evening == "divide" and float(ground.min()) <= 0.02 * float(frame.max()):
+    darkest, brightest = float(ground.min()), float(frame.max())
+    if divide and darkest <= 0.02 * brightest:
         raise InputError(
-            f"the ground is too dark to divide by it (grey value {float(ground.min()):.3g} of {float(frame.max()):.3g})",
-            key="evening", remedy="use evening: subtract",
+            f"the ground is too dark to divide by it (grey value {darkest:.3g} of {brightest:.3g})",
+            key="evening", remedy="use evening: targets",
         )  # fmt: skip
     rest = frame - ground
     quiet, noise = _quiet(rest)
     sign = {"bright": 1.0, "dark": -1.0}.get(targets) or _side(rest, noise)
-    places = np.flatnonzero(quiet.ravel())
+    places = np.flatnonzero(quiet & _away_from_targets((frame if mean is None else mean) - ground))
+    factor = np.float32(sign) * (float(np.mean(ground)) / ground if divide else np.ones_like(frame))
     samples = places[:: max(places.size // _SAMPLES, 1)]
-    scale = float(np.mean(ground)) / ground if evening == "divide" else 1.0
-    return Light(ground, evening, sign, noise * float(np.mean(scale)), samples)
+    return Light(ground, factor.astype(np.float32), divide, noise * float(np.mean(np.abs(factor))), samples)
 
 
 def _block_medians(frame: Frame, size: int) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
@@ -158,7 +163,7 @@ def _wide_median(
     """Median of the blocks over a window (in blocks), interpolated between their centres."""
     from scipy.ndimage import median_filter
 
-    filtered = median_filter(blocks, size=max(int(round(width)) | 1, 3), mode="nearest")
+    filtered = median_filter(blocks, size=max(round(width) | 1, 3), mode="nearest")
     along = np.stack([np.interp(np.arange(shape[0]), centres[0], column) for column in filtered.T], axis=1)
     return np.stack([np.interp(np.arange(shape[1]), centres[1], row) for row in along]).astype(np.float32)
 
@@ -170,6 +175,23 @@ def _quiet(rest: Frame) -> tuple[BoolArray, float]:
     width = 1.4826 * float(np.median(np.abs(sample - middle))) + 0.3
     quiet = np.abs(rest - middle) < 3.0 * width
     return quiet, float(np.std(rest[quiet], dtype=float))
+
+
+def _away_from_targets(rest: Frame, size: int = 8) -> BoolArray:
+    """Pixels more than a block (8 px) away from blocks that are not ground; all, if this leaves less than a tenth.
+
+    Edges that move over pixels of the ground would change its brightness.
+    """
+    from scipy.ndimage import binary_dilation
+
+    _, blocks = _block_medians(rest, size)
+    middle = float(np.median(blocks))
+    width = 1.4826 * float(np.median(np.abs(blocks - middle))) + 0.3
+    clean = ~binary_dilation(np.abs(blocks - middle) > 4.0 * width, np.ones((3, 3)))
+    result = np.zeros(rest.shape, dtype=bool)
+    grown = np.kron(clean, np.ones((size, size), dtype=bool))
+    result[: grown.shape[0], : grown.shape[1]] = grown
+    return result if np.mean(result) > 0.1 else np.ones_like(result)
 
 
 def _side(rest: Frame, noise: float) -> float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.regions import kernels
 from wroll_fem.lab.slip_images.frames.stream import Frame
+from wroll_fem.lab.slip_images.regions import kernels
 from wroll_fem.typing import BoolArray, FloatArray
 
 MOST = 1000

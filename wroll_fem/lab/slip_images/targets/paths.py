@@ -8,54 +8,16 @@ from itertools import islice
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.slip_images.targets.doubles import Double, Doubles
 from wroll_fem.lab.slip_images.frames.stream import Frame, Frames
-from wroll_fem.lab.slip_images.regions.light import Background, Evening, Light, Targets, estimate_light
-from wroll_fem.lab.slip_images.regions.regions import RegionFinder, Regions
-from wroll_fem.lab.slip_images.targets.targets import Filters, first_targets
-from wroll_fem.lab.slip_images.regions.threshold import Method, threshold_level
+from wroll_fem.lab.slip_images.regions.light import Light
+from wroll_fem.lab.slip_images.regions.regions import Regions
+from wroll_fem.lab.slip_images.targets.doubles import Double, Doubles
+from wroll_fem.lab.slip_images.targets.survey import Search, Survey, survey
 from wroll_fem.lab.slip_images.targets.tracking import Tracker
 from wroll_fem.progress import Progress, SilentProgress
 from wroll_fem.typing import BoolArray, FloatArray
 
 LEAST_FRAMES = 16
-
-
-@dataclass(frozen=True)
-class Search:
-    """How targets are found in a frame; the attributes are those of the settings with these names.
-
-    Attributes
-    ----------
-    filters
-        Limits that a region meets to be a target.
-    targets, background, background_window, evening
-        Parameters of `light.estimate_light`.
-    threshold, threshold_window
-        Parameters of `threshold.threshold_level`; window None: 1.5 times the largest diameter of the filters, at most
-        a quarter of the frame.
-    smoothing, margin
-        Parameters of `regions.RegionFinder`.
-    gate
-        Largest distance of a target from its prediction, px; None: from the distances of the targets.
-    """
-
-    filters: Filters
-    targets: Targets = "auto"
-    background: Background = "surface"
-    background_window: int = 128
-    evening: Evening = "subtract"
-    threshold: Method | float = "otsu"
-    threshold_window: int | None = None
-    smoothing: int = 1
-    margin: int = 2
-    gate: float | None = None
-
-    def window(self, shape: tuple[int, int]) -> int:
-        """Window of the local threshold, px."""
-        if self.threshold_window is not None:
-            return self.threshold_window
-        return max(int(min(1.5 * self.filters.diameter[1], min(shape) / 4)), 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +86,8 @@ def follow(
             f"{max(total, 0)} frames from frame {first}, at least {LEAST_FRAMES} are needed", file=frames.name,
             remedy="give more frames",
         )  # fmt: skip
-    stream = islice(iter(frames), first, first + total)
-    walk = _Walk(next(stream), search, frames.name, total)
+    walk = _Walk(survey(frames, search, first, total), search, frames.name, total)
+    stream = islice(iter(frames), first + 1, first + total)
     with (progress or SilentProgress()).stage("frames", total, "frames") as stage:
         for k, frame in enumerate(stream, start=1):
             walk.add(k, frame)
@@ -136,20 +98,9 @@ def follow(
 class _Walk:
     """State of `follow`: the working memory of one frame, and the paths so far."""
 
-    def __init__(self, frame: Frame, search: Search, name: str, total: int) -> None:
-        self._frame, self._name = frame, name
-        self._light = estimate_light(
-            frame, background=search.background, window=search.background_window, evening=search.evening,
-            targets=search.targets,
-        )  # fmt: skip
-        self._finder = RegionFinder(
-            frame.shape, least_area=search.filters.area[0], margin=search.margin, smoothing=search.smoothing
-        )
-        signal = self._light.signal(frame)
-        smoothed = self._finder.smoothed(signal)
-        noise = float(np.std(smoothed.ravel()[self._light.samples], dtype=float))
-        self._level = threshold_level(smoothed, noise, search.threshold, search.window(frame.shape))
-        self._targets = first_targets(self._finder.find(signal, self._level), search.filters, name)
+    def __init__(self, look: Survey, search: Search, name: str, total: int) -> None:
+        self._look, self._name = look, name
+        self._targets = look.targets
         self._tracker = Tracker(self._targets, search.filters, search.gate)
         n = len(self._targets)
         self._position = np.full((total, n, 2), np.nan)
@@ -161,7 +112,7 @@ class _Walk:
     def add(self, k: int, frame: Frame) -> None:
         """Find the targets in frame k."""
         try:
-            regions = self._finder.find(self._light.signal(frame), self._level)
+            regions = self._look.finder.find(self._look.light.signal(frame), self._look.level)
             step = self._tracker.step(regions)
         except InputError as error:
             raise InputError(error.problem, key=error.key, remedy=error.remedy, file=error.file or self._name) from None
@@ -177,6 +128,6 @@ class _Walk:
         count = np.isfinite(self._position[:, :, 0]).sum(axis=0)
         diameter = np.sqrt(4.0 / np.pi * self._area / count)
         return Paths(
-            self._position, self._merged, diameter, self._targets, self._doubles.found(), self._frame, self._light,
-            float(np.mean(self._level, dtype=float)),
+            self._position, self._merged, diameter, self._targets, self._doubles.found(), self._look.frame,
+            self._look.light, float(np.mean(self._look.level, dtype=float)),
         )  # fmt: skip

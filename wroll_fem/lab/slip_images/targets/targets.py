@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -79,7 +80,7 @@ def _reading_order(centroid: FloatArray, diameter: FloatArray) -> IntArray:
     wide = float(np.median(diameter))
     line = np.zeros(len(middle), dtype=np.int64)
     by_row = np.argsort(middle[:, 1], kind="stable")
-    for last, place in zip(by_row, by_row[1:], strict=False):
+    for last, place in pairwise(by_row):
         line[place] = line[last] + (middle[place, 1] - middle[last, 1] > 0.5 * wide)
     return np.lexsort((diameter, middle[group, 0], line[group]))
 

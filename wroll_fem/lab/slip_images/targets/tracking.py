@@ -60,11 +60,13 @@ class Tracker:
     Notes
     -----
     The prediction is the last position plus the median displacement of all targets since then, so that a lost target
-    follows the motion of the body. A target is searched within 8 times the rms distance between its former positions and
-    their predictions (at least 1 px, at most the gate), and farther the longer it is lost; if this finds less than half
-    of the targets, as after a jump of the camera, within the gate. The cost of a pair is the squared distance over the radius plus the squared changes
-    of diameter and area over their limits: concentric targets have one position and differ in size. Where a target has
-    several candidates, or a region several targets, the sum of the costs is minimised (Hungarian method).
+    follows the motion of the body. A target is searched within 8 times the rms distance between its positions and their
+    predictions so far (at least 1 px, at most the gate), and farther the longer it is lost. If this finds less than
+    half of the targets, as after a jump of the camera, they are searched within the gate.
+
+    The cost of a pair is the squared distance over the radius of the search plus the squared changes of diameter and
+    area over their limits: concentric targets have one position and differ in size. Where a target has several
+    candidates, or a region several targets, the sum of the costs is minimised (Hungarian method).
     """
 
     first: Regions
@@ -126,9 +128,7 @@ class Tracker:
         assert self.gate is not None  # set by __post_init__
         return self.gate
 
-    def _assigned(
-        self, predicted: FloatArray, regions: Regions, passing: IntArray, radius: FloatArray
-    ) -> IntArray:
+    def _assigned(self, predicted: FloatArray, regions: Regions, passing: IntArray, radius: FloatArray) -> IntArray:
         """Region of each target, (n_targets,), -1 if there is none."""
         place = np.full(len(predicted), -1, dtype=np.int64)
         rows, columns = _cheapest(self._cost(predicted, regions, passing, radius))
