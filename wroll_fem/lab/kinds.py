@@ -38,6 +38,10 @@ KINDS: dict[str, Listed] = {
         "wroll_fem.lab.transmissibility",
         "Transmissibility, resonance frequency and damping from records of base and tip.",
     ),
+    "slip": Listed(
+        "wroll_fem.lab.slip_images.evaluation",
+        "Slip of layers to the mandrel and between each other from high-speed images of targets.",
+    ),
 }
 """Name of a kind -> module and sentence, in the order of `wroll lab --help`."""
 

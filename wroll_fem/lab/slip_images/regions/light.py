@@ -106,7 +106,7 @@ def estimate_light(
         size = max(min(frame.shape) // 64, 2)
         centres, blocks = _block_medians(frame if mean is None else mean, size)
         ground = (
-            _surface(centres, blocks, frame.shape) if background == "surface"
+            _surface(centres, blocks, frame.shape, targets) if background == "surface"
             else _wide_median(centres, blocks, window / size, frame.shape)
         )  # fmt: skip
     darkest, brightest = float(ground.min()), float(frame.max())
@@ -120,6 +120,7 @@ def estimate_light(
     sign = {"bright": 1.0, "dark": -1.0}.get(targets) or _side(rest, noise)
     places = np.flatnonzero(quiet & _away_from_targets((frame if mean is None else mean) - ground))
     factor = np.float32(sign) * (float(np.mean(ground)) / ground if divide else np.ones_like(frame))
+    noise = float(np.std(rest.ravel()[places], dtype=float))
     samples = places[:: max(places.size // _SAMPLES, 1)]
     return Light(ground, factor.astype(np.float32), divide, noise * float(np.mean(np.abs(factor))), samples)
 
@@ -132,29 +133,40 @@ def _block_medians(frame: Frame, size: int) -> tuple[tuple[FloatArray, FloatArra
     return tuple(size * (np.arange(n) + 0.5) - 0.5 for n in (rows, columns)), medians  # type: ignore[return-value]
 
 
-def _surface(centres: tuple[FloatArray, FloatArray], blocks: FloatArray, shape: tuple[int, ...]) -> Frame:
-    """Polynomial through the blocks by least squares with Tukey's weights, which leave targets out."""
+def _surface(
+    centres: tuple[FloatArray, FloatArray], blocks: FloatArray, shape: tuple[int, ...], targets: Targets
+) -> Frame:
+    """Polynomial through the blocks of the ground."""
     scaled = [2.0 * c / n - 1.0 for c, n in zip(centres, shape, strict=True)]
     terms = [(p, q) for p in range(_DEGREE + 1) for q in range(_DEGREE + 1 - p)]
     v, u = np.meshgrid(*scaled, indexing="ij")
     matrix = np.stack([(v**p * u**q).ravel() for p, q in terms], axis=1)
-    values = blocks.ravel()
-    fitted = np.full_like(values, np.median(values))
-    coefficients = np.zeros(len(terms))
-    for step in range(30):
-        rest = np.abs(values - fitted)
-        scale = max(1.4826 * float(np.median(rest)), 1e-6 * float(np.ptp(values)) + 1e-12)
-        far = rest / scale
-        # absolute deviations first: their only minimum does not depend on the start
-        weight = 1.0 / np.maximum(far, 0.1) if step < 15 else np.maximum(1.0 - (far / _TUKEY) ** 2, 0.0) ** 2
-        root = np.sqrt(weight)
-        coefficients = np.linalg.lstsq(matrix * root[:, None], values * root, rcond=None)[0]
-        fitted = matrix @ coefficients
+    shares = {"bright": (0.25,), "dark": (0.75,), "auto": (0.25, 0.75)}[targets]
+    _, coefficients = min((_fitted(matrix, blocks.ravel(), share) for share in shares), key=lambda one: one[0])
     powers = [np.stack([(2.0 * np.arange(n) / n - 1.0) ** p for p in range(_DEGREE + 1)]) for n in shape]
     table = np.zeros((_DEGREE + 1, _DEGREE + 1))
     for (p, q), value in zip(terms, coefficients, strict=True):
         table[p, q] = value
     return (powers[0].T @ table @ powers[1]).astype(np.float32)
+
+
+def _fitted(matrix: FloatArray, values: FloatArray, share: float) -> tuple[float, FloatArray]:
+    """Median distance from a polynomial, and its coefficients: first with a share of the values below it, then by least
+    squares with Tukey's weights, which leave targets out.
+    """
+    rest = values - np.quantile(values, share)
+    coefficients, scale = np.zeros(matrix.shape[1]), 0.0
+    for step in range(40):
+        scale = max(1.4826 * float(np.median(np.abs(rest))), 1e-6 * float(np.ptp(values)) + 1e-12)
+        far = np.abs(rest) / scale
+        if step < 25:  # the quantile, between ground and targets as long as these cover less than half
+            weight = np.where(rest > 0.0, share, 1.0 - share) / np.maximum(far, 0.02)
+        else:
+            weight = np.maximum(1.0 - (far / _TUKEY) ** 2, 0.0) ** 2
+        root = np.sqrt(weight)
+        coefficients = np.linalg.lstsq(matrix * root[:, None], values * root, rcond=None)[0]
+        rest = values - matrix @ coefficients
+    return scale, coefficients
 
 
 def _wide_median(
