@@ -109,7 +109,7 @@ def _noise(
 ) -> Noise:
     if rest is None:
         progress.warning(
-            "noise floor from the lines beside the excitation, which contain motion as well; give frames at rest as rest"
+            "noise floor from the lines beside the excitation, which contain motion as well; give rest frames as rest"
         )
         return noise_beside_line(position, settings.frame_rate, lines, settings.frequency)
     if len(rest) < len(position):
@@ -143,8 +143,8 @@ def _best_frequency(position: FloatArray, settings: SlipSettings, progress: Prog
     best, ratio = better_frequency(position, settings.frame_rate, settings.frequency)
     if ratio > _SAME_FREQUENCY:
         progress.warning(
-            f"the motion is largest at {best:.6g} Hz, {ratio:.3g} times as large as at the given {settings.frequency:g} "
-            "Hz: amplitudes are too small; check frequency and frame_rate"
+            f"the motion is largest at {best:.6g} Hz, {ratio:.3g} times as large as at {settings.frequency:g} Hz: "
+            "amplitudes are too small; check frequency and frame_rate"
         )
     return best
 
@@ -158,6 +158,6 @@ def _warn_of_losses(paths: Paths, progress: Progress) -> None:
     for one in paths.doubles:
         beside = f", beside target {one.near + 1}" if one.near >= 0 else ""
         progress.warning(
-            f"a region like a target, but none of the first frame, in {one.count} frames from {one.first} to {one.last} "
-            f"at x = {one.x:.1f} px, y = {one.y:.1f} px{beside}; it is not used"
+            f"a region like a target, but none of the first frame, in {one.count} frames from {one.first} to "
+            f"{one.last} at x = {one.x:.1f} px, y = {one.y:.1f} px{beside}; it is not used"
         )

@@ -40,7 +40,7 @@ class SlipSettings(LabSettings):
     )
     table: str | None = Field(
         None,
-        description="CSV file with the columns target, group, layer (number, or mandrel); see targets.csv of a run",
+        description="CSV file with the columns target, group, layer (number or mandrel), as targets.csv of a run",
     )
     relative_to: Whole | None = Field(
         None, ge=1, description="number of the layer inside of the pairs of layers, count; by default the next inside"
@@ -85,7 +85,7 @@ class SlipSettings(LabSettings):
     gate: Real | None = Field(
         None,
         gt=0.0,
-        description="largest distance of a target from its prediction, px; by default from their distances",
+        description="largest distance of a target from its prediction, px; by default from the distances",
     )
 
     @model_validator(mode="after")

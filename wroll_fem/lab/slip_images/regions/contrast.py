@@ -11,7 +11,10 @@ from wroll_fem.typing import FloatArray
 _SPREAD = 5.0
 """Largest ratio of the contrast to its mean, and of the mean to it."""
 
-_PASSES = 20
+_PASSES, _LEAST = 20, 8
+_BIN = 0.5
+"""Width of a class of distances from the centre of a target, px."""
+
 _TERMS = ((0, 0), (0, 1), (1, 0), (0, 2), (1, 1), (2, 0))
 
 
@@ -29,15 +32,18 @@ class TargetContrast:
     -----
     A centroid that is weighted with the light L lies off the centre by r^2 L'/L, where r^2 is the mean squared distance
     from the centre along the gradient, and it follows a motion with the gain 1 + r^2 (L'/L)'. For rings of 130 px under
-    a light that falls by half over 512 px these are 2 px and some per cent. The surface is a polynomial of degree 2
-    through the brightness inside the targets, away from their edges; each target has a brightness of its own.
+    a light that falls by half over 512 px these are 2 px and some per cent.
+
+    The surface is a polynomial of degree 2 through the brightness inside the targets. Pixels of one target at one
+    distance from its centre have a brightness of their own, so that targets may differ, and pixels that the edge covers
+    in part have no influence: only the variation around the centre counts.
     """
 
     def __init__(self, shape: tuple[int, int], count: int) -> None:
         self._shape = shape
-        size = len(_TERMS)
-        self._square = np.zeros((count, size, size))  # sums of products of the terms over the pixels of each target
-        self._product = np.zeros((count, size))  # sums of signal times terms
+        size, bins = len(_TERMS), int(max(shape) / _BIN) + 2
+        self._square = np.zeros((count, bins, size, size))  # sums of products of the terms over pixels of one distance
+        self._product = np.zeros((count, bins, size))  # sums of signal times terms
 
     def add(self, signal: Frame, above: np.ndarray, boxes: FloatArray) -> None:
         """Add a frame.
@@ -60,29 +66,38 @@ class TargetContrast:
                 continue
             rows, columns = found[k]
             own = np.pad(labels[rows, columns] == k + 1, 1)
-            core = next((c for c in (ndimage.binary_erosion(own, np.ones((3, 3)), n) for n in (2, 1)) if c.any()), None)
-            if core is not None:
-                i, j = np.nonzero(core[1:-1, 1:-1])
-                self._collect(target, signal, i + rows.start, j + columns.start)
+            core = ndimage.binary_erosion(own, np.ones((3, 3)))
+            if core.any():
+                offset = np.array([rows.start, columns.start]) - 1
+                centre = np.mean(np.nonzero(own), axis=1) + offset
+                self._collect(target, signal, np.stack(np.nonzero(core), axis=1) + offset, centre)
 
-    def _collect(self, target: int, signal: Frame, rows: np.ndarray, columns: np.ndarray) -> None:
-        v, u = 2.0 * rows / self._shape[0] - 1.0, 2.0 * columns / self._shape[1] - 1.0
+    def _collect(self, target: int, signal: Frame, pixels: np.ndarray, centre: np.ndarray) -> None:
+        """Add pixels (n, 2) of a target."""
+        v, u = (2.0 * pixels / self._shape - 1.0).T
         terms = np.stack([v**p * u**q for p, q in _TERMS], axis=1)
-        self._square[target] += terms.T @ terms
-        self._product[target] += signal[rows, columns].astype(float) @ terms
+        distance = (np.hypot(*(pixels - centre).T) / _BIN).astype(np.int64)
+        order = np.argsort(distance, kind="stable")
+        bins, starts = np.unique(distance[order], return_index=True)
+        terms, values = terms[order], signal[pixels[order, 0], pixels[order, 1]].astype(float)
+        self._square[target, bins] += np.add.reduceat(terms[:, :, None] * terms[:, None, :], starts)
+        self._product[target, bins] += np.add.reduceat(terms * values[:, None], starts)
 
     def surface(self) -> Frame:
         """Contrast, (rows, columns), mean 1 over the targets; 1 everywhere if no target is wide enough."""
-        pixels = self._square[:, 0, 0]
-        seen = (pixels > 0) & (self._product[:, 0] > 0.0)
+        square, product = (sums.reshape(-1, *sums.shape[2:]) for sums in (self._square, self._product))
+        seen = (square[:, 0, 0] >= _LEAST) & (product[:, 0] > 0.0)
         if not seen.any():
             return np.ones(self._shape, np.float32)
-        pixels, square, product = pixels[seen], self._square[seen], self._product[seen]
-        product = product / (product[:, :1] / pixels[:, None])  # brightness of each target 1
+        square, product = square[seen], product[seen]
+        pixels = square[:, 0, 0]
+        bright = product[:, 0] / pixels  # noise is the same everywhere: bright pixels count more
+        square, product = square * (bright**2)[:, None, None], product * bright[:, None]
+        pixels = square[:, 0, 0]
         middle = square[:, 0] / pixels[:, None]
         spread = np.sum(square - pixels[:, None, None] * middle[:, :, None] * middle[:, None, :], axis=0)[1:, 1:]
         inverse = np.linalg.pinv(spread, rcond=1e-9, hermitian=True)
-        slope = product - pixels[:, None] * middle  # sums of (signal - 1) times (terms - middle)
+        slope = product - pixels[:, None] * middle  # sums of (relative signal - 1) times (terms - middle)
         found = np.zeros(len(_TERMS) - 1)
         for _ in range(_PASSES):  # the signal of a target is relative to the surface at its place
             local = np.maximum(1.0 + middle[:, 1:] @ found, 1.0 / _SPREAD)

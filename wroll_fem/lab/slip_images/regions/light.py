@@ -151,8 +151,9 @@ def _surface(
 
 
 def _fitted(matrix: FloatArray, values: FloatArray, share: float) -> tuple[float, FloatArray]:
-    """Median distance from a polynomial, and its coefficients: first with a share of the values below it, then by least
-    squares with Tukey's weights, which leave targets out.
+    """Median distance of values from a polynomial, and its coefficients.
+
+    First a share of the values is below it, then it is fitted with Tukey's weights, which leave targets out.
     """
     rest = values - np.quantile(values, share)
     coefficients, scale = np.zeros(matrix.shape[1]), 0.0
@@ -189,21 +190,21 @@ def _quiet(rest: Frame) -> tuple[BoolArray, float]:
     return quiet, float(np.std(rest[quiet], dtype=float))
 
 
-def _away_from_targets(rest: Frame, size: int = 8) -> BoolArray:
-    """Pixels more than a block (8 px) away from blocks that are not ground; all, if this leaves less than a tenth.
+def _away_from_targets(rest: Frame) -> BoolArray:
+    """Pixels of the ground away from the targets: 8 px, or fewer if this leaves less than a twentieth of the frame.
 
     Edges that move over pixels of the ground would change its brightness.
     """
-    from scipy.ndimage import binary_dilation
+    from scipy.ndimage import binary_dilation, uniform_filter
 
-    _, blocks = _block_medians(rest, size)
-    middle = float(np.median(blocks))
-    width = 1.4826 * float(np.median(np.abs(blocks - middle))) + 0.3
-    clean = ~binary_dilation(np.abs(blocks - middle) > 4.0 * width, np.ones((3, 3)))
-    result = np.zeros(rest.shape, dtype=bool)
-    grown = np.kron(clean, np.ones((size, size), dtype=bool))
-    result[: grown.shape[0], : grown.shape[1]] = grown
-    return result if np.mean(result) > 0.1 else np.ones_like(result)
+    smooth = np.abs(uniform_filter(rest, 3))
+    covered = smooth > 0.1 * float(np.percentile(smooth, 99.5))
+    result = np.ones(rest.shape, dtype=bool)
+    for width in (8, 4, 2, 1):
+        result = ~binary_dilation(covered, np.ones((3, 3)), iterations=width)
+        if float(np.mean(result)) >= 0.05:
+            return result
+    return result if result.any() else np.ones_like(result)
 
 
 def _side(rest: Frame, noise: float) -> float:

@@ -117,10 +117,10 @@ def survey(frames: Frames, search: Search, first: int, count: int) -> Survey:
     )
     level, targets = _first(frame, light, finder, search, frames.name)
     if search.evening == "targets":
-        few_frames = islice(iter(frames), first, first + few)
+        looked = islice(iter(frames), first, first + few)
         contrast = TargetContrast(frames.shape, len(targets))
         tracker = Tracker(targets, search.filters, search.gate)
-        for k, one in enumerate(few_frames):
+        for k, one in enumerate(looked):
             signal = light.signal(one)
             try:
                 regions = finder.find(signal, level)
