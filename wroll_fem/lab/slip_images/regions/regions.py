@@ -9,7 +9,7 @@ import numpy as np
 from wroll_fem.errors import InputError
 from wroll_fem.lab.slip_images.frames.stream import Frame
 from wroll_fem.lab.slip_images.regions import kernels
-from wroll_fem.typing import BoolArray, FloatArray
+from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 MOST = 1000
 """Regions of a frame at most that have the least area."""
@@ -55,10 +55,17 @@ class Regions:
         """4 pi times the area within the outer outline over the square of its length, (n,); 1 for a circle."""
         return 4.0 * np.pi * self.filled_area / self.perimeter**2
 
-    def chosen(self, keep: BoolArray) -> Regions:
-        """Regions for which ``keep`` (n,) is true."""
-        values = (self.centroid, self.area, self.filled_area, self.perimeter, self.box, self.at_border)
-        return Regions(*(value[keep] for value in values))
+    @property
+    def fill(self) -> FloatArray:
+        """Share of the area within the outer outline that is above the threshold, (n,); below 1 for rings."""
+        return self.area / self.filled_area
+
+    def chosen(self, which: BoolArray | IntArray) -> Regions:
+        """Regions for which ``which`` (n,) is true, or those at these places in their order."""
+        return Regions(
+            self.centroid[which], self.area[which], self.filled_area[which], self.perimeter[which], self.box[which],
+            self.at_border[which],
+        )  # fmt: skip
 
 
 class RegionFinder:
@@ -115,6 +122,15 @@ class RegionFinder:
                 f"{wanted.size} regions of at least {self._least:g} px^2 in one frame (at most {MOST}): the threshold "
                 "lies in the noise", remedy="raise threshold, smoothing or the least area",
             )  # fmt: skip
+        return self._measured(signal, table, wanted)
+
+    def largest(self, signal: Frame, level: Frame, count: int) -> Regions:
+        """Largest regions in which the smoothed signal exceeds the level, whatever their area; for messages."""
+        table = kernels.label_regions(self.smoothed(signal), level, self._labels, self._parent)
+        wanted = np.argsort(-table[:, kernels.AREA], kind="stable")[:count]
+        return self._measured(signal, table, wanted)
+
+    def _measured(self, signal: Frame, table: IntArray, wanted: IntArray) -> Regions:
         outline = kernels.outlines(self._labels, table[:, kernels.FIRST], wanted)
         number = np.zeros(len(table) + 1, np.int32)
         number[wanted + 1] = np.arange(1, wanted.size + 1)

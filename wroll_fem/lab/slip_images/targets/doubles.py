@@ -72,5 +72,6 @@ class Doubles:
     def found(self) -> tuple[Double, ...]:
         """Regions in the order of their appearance."""
         return tuple(
-            Double(t.first, t.last, t.count, *(float(v) for v in t.total / t.count), t.near) for t in self._tracks
+            Double(t.first, t.last, t.count, float(t.total[0] / t.count), float(t.total[1] / t.count), t.near)
+            for t in self._tracks
         )

@@ -13,7 +13,7 @@ from wroll_fem.lab.slip_images.regions.contrast import TargetContrast
 from wroll_fem.lab.slip_images.regions.light import Background, Evening, Light, Targets, estimate_light
 from wroll_fem.lab.slip_images.regions.regions import RegionFinder, Regions
 from wroll_fem.lab.slip_images.regions.threshold import Method, threshold_level
-from wroll_fem.lab.slip_images.targets.targets import Filters, first_targets
+from wroll_fem.lab.slip_images.targets.targets import Filters, in_reading_order, no_target
 from wroll_fem.lab.slip_images.targets.tracking import Tracker
 
 FRAMES = 64
@@ -140,5 +140,9 @@ def _first(frame: Frame, light: Light, finder: RegionFinder, search: Search, nam
     signal = light.signal(frame)
     smoothed = finder.smoothed(signal)
     noise = float(np.std(smoothed.ravel()[light.samples], dtype=float))
-    level = threshold_level(smoothed, noise, search.threshold, search.window(frame.shape))
-    return level, first_targets(finder.find(signal, level), search.filters, name)
+    level = threshold_level(smoothed, noise, search.threshold, search.window((frame.shape[0], frame.shape[1])))
+    regions = finder.find(signal, level)
+    targets = regions.chosen(search.filters.passes(regions))
+    if not len(targets):
+        raise no_target(finder.largest(signal, level, 3), name)
+    return level, in_reading_order(targets)

@@ -39,38 +39,23 @@ class Filters:
         return within & ~regions.at_border
 
 
-def first_targets(regions: Regions, filters: Filters, source: str) -> Regions:
-    """Targets of the first frame, numbered from the top to the bottom.
-
-    Concentric targets (a disc and rings around it) are neighbours in this order, the smallest first.
-
-    Raises
-    ------
-    InputError
-        If no region meets the limits; the message names the largest regions.
-    """
-    found = regions.chosen(filters.passes(regions))
-    if not len(found):
-        raise InputError(
-            f"no target found in the first frame: {_largest(regions)}", file=source,
-            remedy="set targets, threshold, area, diameter or circularity so that the targets pass",
-        )  # fmt: skip
-    order = _reading_order(found.centroid, found.diameter)
-    values = (found.centroid, found.area, found.filled_area, found.perimeter, found.box, found.at_border)
-    return Regions(*(value[order] for value in values))
+def in_reading_order(targets: Regions) -> Regions:
+    """Targets from the top to the bottom; concentric ones (a disc and rings) are neighbours, the smallest first."""
+    return targets.chosen(_reading_order(targets.centroid, targets.diameter))
 
 
-def _largest(regions: Regions, most: int = 3) -> str:
-    if not len(regions):
-        return "no region is above the threshold and the least area"
-    told = []
-    for k in np.argsort(-regions.area)[:most]:
-        border = ", touches the border" if regions.at_border[k] else ""
-        told.append(
-            f"{regions.area[k]:.0f} px^2 (diameter {regions.diameter[k]:.1f} px, circularity "
-            f"{regions.circularity[k]:.2f}{border})"
-        )
-    return f"{len(regions)} regions, the largest with {', '.join(told)}"
+def no_target(largest: Regions, source: str) -> InputError:
+    """Error if no region of the first frame is a target; the message has its largest regions."""
+    told = [
+        f"{largest.area[k]:.0f} px^2 (diameter {largest.diameter[k]:.1f} px, circularity "
+        f"{largest.circularity[k]:.2f}{', at the border' if largest.at_border[k] else ''})"
+        for k in range(len(largest))
+    ]
+    seen = f"the largest regions have {', '.join(told)}" if told else "nothing is above the threshold"
+    return InputError(
+        f"no target found in the first frame: {seen}", file=source,
+        remedy="set targets, threshold, area, diameter or circularity so that the targets pass",
+    )  # fmt: skip
 
 
 def _reading_order(centroid: FloatArray, diameter: FloatArray) -> IntArray:

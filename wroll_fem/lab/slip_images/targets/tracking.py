@@ -14,7 +14,7 @@ from wroll_fem.lab.slip_images.targets.targets import Filters, number_words, sma
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
 SIZE_CHANGE = 0.2
-"""Largest change of a target's diameter, as logarithm of the ratio; the area may change by twice as much."""
+"""Largest change of a target's diameter, and of the share of its outline that it fills, as logarithm of the ratio."""
 
 _SEARCH, _FORGET, _WIDEN = 8.0, 0.05, 20.0
 """Search radius over the rms distance to the prediction; weight of the last frame in it; frames of loss that double the
@@ -65,7 +65,7 @@ class Tracker:
     half of the targets, as after a jump of the camera, they are searched within the gate.
 
     The cost of a pair is the squared distance over the radius of the search plus the squared changes of diameter and
-    area over their limits: concentric targets have one position and differ in size. Where a target has several
+    filled share over their limits: concentric targets have one position and differ in size. Where a target has several
     candidates, or a region several targets, the sum of the costs is minimised (Hungarian method).
     """
 
@@ -139,8 +139,8 @@ class Tracker:
         """Cost of each pair of target and passing region; `_FORBIDDEN` beyond the limits."""
         offset = (predicted[:, None] - regions.centroid[passing][None]) / radius[:, None, None]
         diameter = np.log(regions.diameter[passing][None] / self.first.diameter[:, None]) / SIZE_CHANGE
-        area = np.log(regions.area[passing][None] / self.first.area[:, None]) / (2.0 * SIZE_CHANGE)
-        terms = (np.einsum("ijk,ijk->ij", offset, offset), diameter**2, area**2)
+        fill = np.log(regions.fill[passing][None] / self.first.fill[:, None]) / SIZE_CHANGE
+        terms = (np.einsum("ijk,ijk->ij", offset, offset), diameter**2, fill**2)
         allowed = (terms[0] <= 1.0) & (terms[1] <= 1.0) & (terms[2] <= 1.0)
         return np.where(allowed, terms[0] + terms[1] + terms[2], _FORBIDDEN)
 
