@@ -134,7 +134,9 @@ def test_targets_that_merge_are_refused_with_their_numbers_and_the_frame() -> No
     discs = (Disc(40.0, 40.0, 14.0), Disc(62.0, 40.0, 14.0), Disc(40.0, 90.0, 14.0))
     drift = np.array([[0.2, 0.0], [-0.2, 0.0], [0.0, 0.0]])
     recording = record((130, 110), discs, np.zeros((3, 2)), 60, noise=1.0, drift=drift)
-    with pytest.raises(InputError, match=r"recording: targets 1 and 2 merge into one region of 3\d\d px\^2 in frame 1\d"):
+    with pytest.raises(
+        InputError, match=r"recording: targets 1 and 2 merge into one region of 3\d\d px\^2 in frame 1\d"
+    ):
         follow(recording, SEARCH)
 
 
@@ -147,7 +149,9 @@ def test_rings_that_touch_are_refused() -> None:
 
 def test_no_target_names_the_largest_regions() -> None:
     recording = record((100, 100), (Disc(50.0, 50.0, 30.0),), np.zeros((1, 2)), 20, noise=2.0)
-    with pytest.raises(InputError, match=r"no target found .* 7\d\d px\^2 \(diameter 30\.\d px, circularity (0\.9|1\.0)"):
+    with pytest.raises(
+        InputError, match=r"no target found .* 7\d\d px\^2 \(diameter 30\.\d px, circularity (0\.9|1\.0)"
+    ):
         follow(recording, replace(SEARCH, filters=Filters((20.0, 300.0), (4.0, 300.0), 0.75)))
     empty = Recording([np.random.default_rng(1).normal(50, 3, (60, 60)) for _ in range(20)])
     with pytest.raises(InputError, match="no target found"):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -63,10 +64,24 @@ def page_count(path: Path) -> int:
 
 
 def _grey(image: Any) -> npt.NDArray[np.float32]:
-    image.load()
+    with _silent() if any(tile[0] == "libtiff" for tile in image.tile) else nullcontext():
+        image.load()
     if image.mode in _GREY:
         return np.asarray(image).astype(np.float32)
     return np.asarray(image.convert("RGB").convert("L")).astype(np.float32)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep libtiff from writing to standard error; Pillow raises an exception as well."""
+    with open(os.devnull, "w", encoding="utf-8") as nothing:
+        kept = os.dup(2)
+        try:
+            os.dup2(nothing.fileno(), 2)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 class _Size(ValueError):
