@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, TiffImagePlugin
 
 from wroll_fem.lab.slip_images.frames.rendering import Disc, recorded, render
 from wroll_fem.lab.slip_images.frames.stream import RawFormat, open_frames
@@ -85,7 +85,10 @@ def write(folder: Path, form: str, count: int):
     images = (Image.fromarray(frame) for frame in frames(count))
     if form == "tiff":
         path = folder / "video.tif"
-        next(images).save(path, save_all=True, append_images=images)
+        with TiffImagePlugin.AppendingTiffWriter(path) as pages:  # one page in memory
+            for image in images:
+                image.save(pages, format="TIFF")
+                pages.newFrame()
         return [path], None
     for k, image in enumerate(images):
         image.save(folder / f"frame_{k}.png", compress_level=1)

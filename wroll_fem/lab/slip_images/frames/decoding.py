@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -101,14 +101,13 @@ def _opened(path: Path) -> Iterator[Any]:
     """Image of Pillow, header read; its pixels are read later."""
     from PIL import Image
 
-    with _one_line(path, 0, 1):
-        if path.suffix.lower() == ".png":
-            _check_png_end(path)
-        image = Image.open(path)
-    try:
+    with ExitStack() as stack:
+        with _one_line(path, 0, 1):
+            if path.suffix.lower() == ".png":
+                _check_png_end(path)
+            # a path in place of an open file would map all pages of a TIFF into memory, one after the other
+            image = stack.enter_context(Image.open(stack.enter_context(path.open("rb"))))
         yield image
-    finally:
-        image.close()
 
 
 def _check_png_end(path: Path) -> None:
