@@ -45,7 +45,7 @@ def plot_targets(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("Row y (px)")
     ax.grid(False)
     style.title(
-        ax, f"{len(mean)} targets in {len(position)} frames, with paths {factor:g} times as large as they are",
+        ax, f"{len(mean)} targets in {len(position)} frames, paths magnified {factor:g} times",
         width=92 if image.shape[1] > image.shape[0] else 50,
     )  # fmt: skip
     return ax
