@@ -38,6 +38,9 @@ KINDS: dict[str, Listed] = {
         "wroll_fem.lab.transmissibility",
         "Transmissibility, resonance frequency and damping from records of base and tip.",
     ),
+    "fit": Listed(
+        "wroll_fem.lab.fit", "Two-mass model, or friction and elastic slip of a roll, from measured transmissibilities."
+    ),
     "slip": Listed(
         "wroll_fem.lab.slip_images.evaluation",
         "Slip of layers to the mandrel and between each other from high-speed images of targets.",
