@@ -93,6 +93,17 @@ def test_close_rings_do_not_share_pixels() -> None:
     assert three.centroid[order] == pytest.approx(np.array([[59.7, 60.2], [60.4, 60.2], [60.0, 60.2]]), abs=2e-3)
 
 
+def test_a_pixel_as_near_to_two_regions_counts_for_neither() -> None:
+    """The centroids of two blurred discs beside each other then lie mirrored, whichever is labelled first."""
+    image = np.zeros((41, 61), np.float32)
+    for x in (20.5, 39.5):
+        add_disc(image, x, 20.0, 14.0, 1.0)
+    two = found(ndimage.gaussian_filter(image, 1.2), margin=3)
+    assert len(two) == 2
+    assert two.centroid[:, 0].sum() == pytest.approx(60.0, abs=1e-5)  # single precision
+    assert two.centroid[:, 1] == pytest.approx(20.0, abs=1e-5)
+
+
 def test_otsu_maximises_the_variance_between_classes() -> None:
     rng = np.random.default_rng(5)
     for share in (0.05, 0.3, 0.6):

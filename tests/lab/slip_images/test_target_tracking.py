@@ -97,17 +97,17 @@ def scattered(rng: np.random.Generator, shape: tuple[int, ...]) -> tuple[Disc, .
 
 
 def test_a_double_does_not_take_the_place_of_a_lost_target() -> None:
-    discs = (Disc(40.0, 40.0, 14.0), Disc(90.0, 40.0, 14.0), Disc(40.0, 90.0, 14.0), Disc(58.0, 48.0, 14.0))
+    discs = (Disc(40.0, 40.0, 14.0), Disc(90.0, 40.0, 14.0), Disc(40.0, 90.0, 14.0), Disc(50.0, 46.0, 14.0))
     motion = np.concatenate([np.full((3, 2), 0.8 + 0.0j), np.zeros((1, 2))])
     recording = record(
-        (130, 130), discs, motion, 200, shown=lambda k: (not 80 <= k < 130, True, True, 70 <= k < 140), noise=3.0
+        (130, 130), discs, motion, 200, shown=lambda k: (not 80 <= k < 130, True, True, 90 <= k < 120), noise=3.0
     )
     paths = follow(recording, SEARCH)
     target = int(np.argmin(np.hypot(*(paths.position[0] - (40.0, 40.0)).T)))
     assert not paths.seen[80:130, target].any()
     assert paths.seen[130:, target].all()
     assert np.nanmax(np.abs(paths.position[:, target] - positions(discs, motion, 200)[:, 0])) < 0.5
-    assert paths.doubles[0].count == 70
+    assert (paths.doubles[0].count, paths.doubles[0].near) == (30, target)
 
 
 def test_a_jump_of_the_camera_keeps_the_identities() -> None:
