@@ -81,7 +81,8 @@ def measured_family(seed: int = 1, *, frequency: float = 0.001, level: float = 0
             f, base = jenkins_backbone(np.exp(np.array([amplitude])), friction, TRUE_SLIP)
             f_n = float(f[0]) * (1.0 + frequency * rng.standard_normal())
             seen = float(base[0]) * np.exp(level * rng.standard_normal())
-            peak = float(np.sqrt(1.0 + (np.exp(amplitude) * (2.0 * np.pi * f_n) ** 2 / seen) ** 2))
+            tip = np.exp(amplitude + level * rng.standard_normal())
+            peak = float(np.sqrt(1.0 + (tip * (2.0 * np.pi * f_n) ** 2 / seen) ** 2))
             rows.append((tension, seen, f_n, 1.96 * frequency * f_n, peak))
     tension, base, f_n, interval, peak = np.array(rows).T
     grid = np.linspace(100.0, 200.0, 401)

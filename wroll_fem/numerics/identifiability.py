@@ -55,8 +55,9 @@ class Uncertainty:
 
 
 def uncertainty(
-    names: Sequence[str], x: FloatArray, jacobian: FloatArray, residuals: FloatArray, *, scaled: bool = False
-) -> Uncertainty:
+    names: Sequence[str], x: FloatArray, jacobian: FloatArray, residuals: FloatArray, *, scaled: bool = False,
+    freedom: int | None = None,
+) -> Uncertainty:  # fmt: skip
     """Confidence of the logarithms ``x`` of parameters.
 
     Parameters
@@ -72,13 +73,15 @@ def uncertainty(
     scaled
         Whether the residuals are divided by known standard deviations. Their variance then is 1, or that of the
         residuals if it is larger; otherwise that of the residuals, with Student's factor of m - n.
+    freedom
+        Degrees of freedom in place of m - n, if other unknowns were eliminated.
 
     Notes
     -----
     The residuals are taken as independent, and the model as linear in x within its errors.
     """
     count = len(x)
-    freedom = max(1, len(residuals) - count)
+    freedom = max(1, len(residuals) - count if freedom is None else freedom)
     variance = float(residuals @ residuals) / freedom
     _, sigma, vectors = np.linalg.svd(jacobian, full_matrices=False)
     sigma = np.maximum(sigma, 1e-12 * max(float(sigma[0]), 1e-300))
