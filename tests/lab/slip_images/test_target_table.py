@@ -79,7 +79,7 @@ def test_wrong_tables_are_one_line(tmp_path: Path) -> None:
         assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("count", [1500, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_mutated_tables_are_read_or_one_line(count: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(count)
     path = tmp_path / "targets.csv"

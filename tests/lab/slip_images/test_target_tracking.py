@@ -34,7 +34,7 @@ def amplitudes(rng: np.random.Generator, count: int, size: float = 0.3) -> np.nd
 
 def test_15_targets_with_loss_and_double_keep_identity_and_0_02_px() -> None:
     rng = np.random.default_rng(319)
-    discs, count = nests(rng), 900
+    discs, count = nests(rng), 700
     motion, light = amplitudes(rng, 15), uneven_light((236, 120))
     double = Disc(100.0, 119.0, 10.0)  # as the disc of a group, beside its outer ring
     recording = record(
@@ -59,7 +59,7 @@ def test_15_targets_with_loss_and_double_keep_identity_and_0_02_px() -> None:
     assert paths.diameter == pytest.approx([disc.diameter for disc in discs], abs=0.3)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_random_scenes_keep_identities_and_amplitudes(seed: int) -> None:
     rng = np.random.default_rng(seed)
     shape = tuple(int(n) for n in rng.integers(110, 220, 2))
