@@ -13,6 +13,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -148,6 +149,19 @@ def studies() -> None:
             print(save(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
 
 
+def laboratory() -> None:
+    """Figures of docs/laboratory.md, from the examples with known truth."""
+    from wroll_fem.lab import evaluate
+    from wroll_fem.lab.examples import example_files
+    from wroll_fem.plotting.style import save_figure
+
+    with TemporaryDirectory() as folder:
+        files = example_files("slip", Path(folder) / "slip")
+        result = evaluate("slip", files, settings_file=files[0].parent / "settings.yaml")
+        for name in ("slip_groups", "noise"):
+            print(save_figure(result.plot(name), FIGURES / f"laboratory_{name}.png"), flush=True)
+
+
 def main() -> None:
     """Run everything, then copy pictures and write tables."""
     FIGURES.mkdir(parents=True, exist_ok=True)
@@ -177,6 +191,7 @@ def main() -> None:
     (ROOT / "docs" / "tables" / "base.md").write_text(base_table(summaries))
     (ROOT / "docs" / "tables" / "mesh.md").write_text(mesh_table(summaries))
     studies()
+    laboratory()
 
 
 if __name__ == "__main__":

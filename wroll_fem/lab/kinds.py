@@ -42,6 +42,10 @@ KINDS: dict[str, Listed] = {
         "wroll_fem.lab.fits.fit",
         "Two-mass model, or friction and elastic slip of a roll, from measured resonances.",
     ),
+    "slip": Listed(
+        "wroll_fem.lab.slip_images.evaluation",
+        "Slip of layers to the mandrel and between each other from high-speed images of targets.",
+    ),
 }
 """Name of a kind -> module and sentence, in the order of `wroll lab --help`."""
 

@@ -35,6 +35,8 @@ class LabResult:
         Path, size and SHA-256 of each input (`lab.inputs.described`).
     drawings
         Figures of the kind.
+    texts
+        Further files of the folder: name -> content.
     """
 
     summary: dict[str, Any]
@@ -43,6 +45,7 @@ class LabResult:
     settings: LabSettings | None = None
     inputs: tuple[dict[str, Any], ...] = ()
     drawings: Mapping[str, Figure] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:

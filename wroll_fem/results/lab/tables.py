@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wroll_fem.results.entry import Entry, Field
-from wroll_fem.results.lab import fit, transmissibility
+from wroll_fem.results.lab import fit, slip_images, transmissibility
 
 LAB_ENTRIES: dict[str, dict[str, Entry]] = {
     "Every evaluation of the laboratory": {
@@ -12,11 +12,13 @@ LAB_ENTRIES: dict[str, dict[str, Entry]] = {
     },
     "Laboratory: transmissibility": transmissibility.ENTRIES,
     "Laboratory: fit": fit.ENTRIES,
+    "Laboratory: slip from images": slip_images.ENTRIES,
 }
 """Heading -> name in summary.json -> entry; a kind may also use names of other groups."""
 
 LAB_FIELDS: dict[str, dict[str, Field]] = {
     "Laboratory: transmissibility": transmissibility.FIELDS,
     "Laboratory: fit": fit.FIELDS,
+    "Laboratory: slip from images": slip_images.FIELDS,
 }
 """Heading -> name in results.nc -> unit and label; a kind may also use names of `results.fields`."""

@@ -1,0 +1,1 @@
+"""Connected regions of a frame: light on the ground, threshold, labels and centroids."""

@@ -1,0 +1,1 @@
+"""Targets: regions that are followed from frame to frame."""
