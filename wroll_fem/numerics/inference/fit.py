@@ -170,11 +170,26 @@ def linear_fit(
     *,
     lengths: Sequence[int] | None = None,
     weights: FloatArray | None = None,
+    instruments: dict[str, FloatArray] | None = None,
     correlated: bool = True,
 ) -> Fit:
-    """Fit the coefficients of given columns (n,) to data (n,); arguments as in `fit`.
+    """Fit the coefficients of given columns (n,) to data (n,).
 
-    ``weights`` (n,) multiply the residuals: reciprocals of the standard deviations of the data, up to a factor.
+    Parameters
+    ----------
+    columns
+        Parameter -> the column that it multiplies.
+    data
+        (n,) measured values, in order of time within each series.
+    lengths
+        Number of values of each series; one series by default.
+    weights
+        (n,) factors of the residuals: reciprocals of the standard deviations of the data, up to a common factor.
+    instruments
+        As many columns without noise, such as time, that vary with the measured ones: the residuals are orthogonal to
+        them. Noise in ``columns``, which otherwise lowers a slope, then does not matter.
+    correlated
+        Whether correlation of the noise is estimated; False if the values are in no order of time.
 
     Raises
     ------
@@ -187,13 +202,17 @@ def linear_fit(
             f"{len(data)} values do not determine {len(names)} parameters", remedy="give a longer record, or fit less"
         )
     matrix = np.column_stack(list(columns.values()))
+    other = matrix if instruments is None else np.column_stack(list(instruments.values()))
     if weights is not None:
-        matrix, data = weights[:, None] * matrix, weights * data
+        matrix, other, data = weights[:, None] * matrix, weights[:, None] * other, weights * data
     unit = 1.0 / np.maximum(np.linalg.norm(matrix, axis=0), np.finfo(float).tiny)
     scaled, noise = matrix * unit, NoiseModel()
     for _ in range(ROUNDS):
         used = noise
         white = used.whiten(scaled, counts)
+        if instruments is not None:  # columns as the instruments explain them: two-stage least squares
+            basis = used.whiten(other, counts)
+            white = basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
         z = np.linalg.lstsq(white, used.whiten(data, counts), rcond=None)[0]
         noise = noise_model(data - scaled @ z, counts, fitted=len(names)) if correlated else used
         if _same(noise, used):

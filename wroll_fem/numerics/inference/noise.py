@@ -2,7 +2,7 @@ r"""Autoregressive noise of a record: its coefficients from residuals, and the f
 
 .. math:: r_k = \sum_{j=1}^{q} \phi_j\, r_{k-j} + w_k
 
-with independent w. The order q is the one of the smallest Bayesian information criterion; the coefficients solve the
+with independent w. The order q is the one of the smallest information criterion of Akaike; the coefficients solve the
 Yule-Walker equations.
 
 References
@@ -31,6 +31,12 @@ FEWEST = 20
 
 DOUBT = 1e-4
 """Probability of the remaining correlation by chance, below which it is reported."""
+
+PENALTY = 2.0
+"""Gain of the logarithm of the likelihood, doubled, that each further coefficient of the noise has to bring."""
+
+LARGEST_SUM = 50.0
+"""Largest sum of the autocovariances over all lags, relative to the variance, that a correction uses."""
 
 LAGS = 20
 """Lags of the test of the remaining correlation."""
@@ -72,25 +78,31 @@ def noise_model(residuals: FloatArray, lengths: Sequence[int], *, fitted: int = 
     lengths
         Number of residuals of each series.
     fitted
-        Number of fitted parameters. The fit takes correlation out of the residuals; at lag 1 this is corrected to
-        first order.
+        Number of fitted parameters. A fit takes slow noise out of the residuals: from the autocovariance at each lag,
+        about its sum over all lags times fitted/n, which is put back.
     """
     order = min(LARGEST_ORDER, min(lengths) // FEWEST)
-    total = len(residuals)
     if order < 1 or not np.any(residuals):
         return NoiseModel()
     covariance = _covariance(residuals, lengths, order)
-    covariance[1:] += covariance[0] * fitted / total
-    best, found = np.inf, np.zeros(0)
-    for q in range(order + 1):
+    first, variance = _best(covariance, len(residuals))
+    slow = min(variance / (1.0 - first.sum()) ** 2, LARGEST_SUM * covariance[0]) if first.size else covariance[0]
+    found, _ = _best(covariance + slow * fitted / len(residuals), len(residuals))
+    return NoiseModel(tuple(float(value) for value in found))
+
+
+def _best(covariance: FloatArray, total: int) -> tuple[FloatArray, float]:
+    """Coefficients of the best order, and variance of the driving noise."""
+    best, found = np.inf, (np.zeros(0), float(covariance[0]))
+    for q in range(len(covariance)):
         phi = solve_toeplitz(covariance[:q], covariance[1 : q + 1]) if q else np.zeros(0)
-        variance = covariance[0] - phi @ covariance[1 : q + 1]
+        variance = float(covariance[0] - phi @ covariance[1 : q + 1])
         if not variance > 0.0:
             break
-        criterion = total * np.log(variance) + q * np.log(total)
+        criterion = total * np.log(variance) + PENALTY * q
         if criterion < best - 1e-9:
-            best, found = criterion, phi
-    return NoiseModel(tuple(float(value) for value in found))
+            best, found = criterion, (phi, variance)
+    return found
 
 
 def stays_correlated(whitened: FloatArray, lengths: Sequence[int], order: int) -> bool:
