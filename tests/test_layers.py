@@ -19,7 +19,7 @@ LAYERS = (
     ("case",),
     ("dynamics",),
     ("winding", "mesh", "two_dof", "tribology"),
-    ("fem", "plotting"),
+    ("fem", "plotting", "lab"),
     ("coiled_stiff",),
     ("analyses",),
     ("jobs",),

@@ -25,7 +25,7 @@ ROOMS = (
     (("case",), ORANGE, "the YAML file as typed, frozen sections"),
     (("dynamics",), GREEN, "system, reduction, statics, time stepping, harmonic balance"),
     (("winding", "mesh", "two_dof", "tribology"), SKY, "wound-roll stress; gmsh; small models"),
-    (("fem", "plotting"), PURPLE, "dolfinx (here alone); figures of a Dataset"),
+    (("fem", "plotting", "lab"), PURPLE, "dolfinx (here alone); figures of a Dataset; evaluation of measurements"),
     (("coiled_stiff",), GREEN, "the solid coil: stress of its modes, slip criterion"),
     (("analyses",), ORANGE, "case in, Dataset out; one file per analysis"),
     (("jobs",), BLUE, "run folder, batch, executors, console"),

@@ -21,7 +21,7 @@ __version__ = "0.2.0"
 select_kernels()  # before numpy is imported
 
 if TYPE_CHECKING:
-    from wroll_fem import signals, two_dof
+    from wroll_fem import lab, signals, two_dof
     from wroll_fem.analyses import case_warnings, estimate
     from wroll_fem.analyses.slip_model import SlipModel
     from wroll_fem.api import (
@@ -123,6 +123,7 @@ _HOMES = {
 
 _MODULES = {
     "joints": "dynamics.joints",
+    "lab": "lab",
     "plot": "plotting.names",
     "two_dof": "two_dof",
     "estimators": "signals.estimators",
@@ -144,7 +145,7 @@ __all__ = [
     "RateFriction", "RateTable", "RecordedMotion", "Result", "Roll", "Sawtooth", "ShockSpectrum", "Sine", "SlipModel",
     "SmoothedCoulomb", "SmoothedFriction", "Solver", "StudyCase", "System", "Trapezoid", "Winding", "WrollError",
     "__version__", "batch_table", "case_of", "case_warnings", "estimate", "estimators", "example_case", "half_power",
-    "joints", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run", "run_grid",
+    "joints", "lab", "load_case", "load_grid", "load_result", "load_series", "plot", "register_law", "run", "run_grid",
     "run_series", "save_result", "signals", "slip_model", "structure", "summarise", "transmissibility", "two_dof",
     "write_report",
 ]  # fmt: skip

@@ -12,6 +12,8 @@ from support.paths import CONFIGS
 import wroll_fem as wf
 from wroll_fem.analyses.registry import find_analysis
 from wroll_fem.case.analyses import MODULES
+from wroll_fem.lab.examples import example_files
+from wroll_fem.lab.kinds import KINDS
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import FIELDS
 from wroll_fem.results.interface_slip import slipping_area_fraction
@@ -93,18 +95,32 @@ def produced(tmp_path_factory: pytest.TempPathFactory) -> Produced:
     return found
 
 
-def test_every_name_of_the_summary_is_produced(produced: Produced) -> None:
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> list[wf.lab.LabResult]:
+    """Result of the example of each kind of the laboratory."""
+    folder = tmp_path_factory.mktemp("measured")
+    found = []
+    for kind in KINDS:
+        files = example_files(kind, folder / kind)
+        settings = folder / kind / "settings.yaml"
+        found.append(wf.lab.evaluate(kind, files, settings_file=settings if settings.is_file() else None))
+    return found
+
+
+def test_every_name_of_the_summary_is_produced(produced: Produced, measured: list[wf.lab.LabResult]) -> None:
     names = {name for _, summary in produced.values() for name in summary}
+    names |= {name for result in measured for name in result.summary}
     assert names == set(SUMMARY)
 
 
-def test_every_field_is_produced(produced: Produced) -> None:
+def test_every_field_is_produced(produced: Produced, measured: list[wf.lab.LabResult]) -> None:
     shear = run_shear_test(ShearTest(2, 100.0), steps=31)
     rates = shear_history(RateAndState(), *VelocitySteps(1e-6, 1e-5).history(points=3))
     dwell, sweep = produced["dwell"][0], produced["sweep"][0]
     derived = [slipping_area_fraction(dwell), magnitude(sweep), magnitude(sweep, "transmissibility_spectrum")]
     names = {str(name) for data in (shear, rates) for name in data.variables} | {str(array.name) for array in derived}
     names |= {str(name) for data, _ in produced.values() for name in data.variables}
+    names |= {str(name) for result in measured for name in result.data.variables}
     assert names == set(FIELDS)
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from tools.reference.case import case_page
 from tools.reference.commands import commands_page
+from tools.reference.lab import lab_page
 from tools.reference.results import results_page
 
-__all__ = ["PAGES", "case_page", "commands_page", "results_page", "write_pages"]
+__all__ = ["PAGES", "case_page", "commands_page", "lab_page", "results_page", "write_pages"]
 
-PAGES = {"case.md": case_page, "commands.md": commands_page, "results.md": results_page}
+PAGES = {"case.md": case_page, "commands.md": commands_page, "lab.md": lab_page, "results.md": results_page}
 """File in docs/reference -> function that returns its Markdown."""
 
 

@@ -51,7 +51,7 @@ def case_page() -> str:
         if len(models) > 1:
             parts += [f"## {code(name)}", prose(_sentence(field.description)) + "."]
         for model in models:
-            parts += _section(name, model, told, tagged=len(models) > 1, level=3 if len(models) > 1 else 2)
+            parts += section_parts(name, model, told, tagged=len(models) > 1, level=3 if len(models) > 1 else 2)
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
@@ -70,7 +70,7 @@ def _analyses() -> str:
     return table(("analysis", "computes", "needs"), rows)
 
 
-def _section(
+def section_parts(
     path: str, model: type[BaseModel], told: dict[type[BaseModel], str], *, tagged: bool, level: int
 ) -> list[str]:
     """Heading, description and table of a case section and its nested sections; repeated sections are linked."""
@@ -87,7 +87,7 @@ def _section(
     for key, field in model.model_fields.items():
         inner = sections(field.annotation)
         for one in inner:
-            parts += _section(f"{path}.{key}", one, told, tagged=len(inner) > 1, level=3)
+            parts += section_parts(f"{path}.{key}", one, told, tagged=len(inner) > 1, level=3)
     return parts
 
 

@@ -33,9 +33,9 @@ def commands_page() -> str:
     from wroll_fem.cli import app
 
     root: Any = typer.main.get_command(app)
-    hints = {c.name or c.callback.__name__: get_type_hints(c.callback) for c in app.registered_commands if c.callback}
-    parts = [GENERATED, _INTRO, table(("command", "does"), _overview(root))]
-    for name, command in root.commands.items():
+    commands, hints = _commands(root), _hints(app)
+    parts = [GENERATED, _INTRO, table(("command", "does"), _overview(commands))]
+    for name, command in commands.items():
         words = " ".join((command.help or "").split())
         usage = " ".join([f"wroll {name}", *(_metavar(p) for p in command.params if p.param_type_name == "argument")])
         options = any(p.param_type_name == "option" and p.name != "help" for p in command.params)
@@ -47,9 +47,33 @@ def commands_page() -> str:
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
-def _overview(root: Any) -> Iterator[tuple[str, str]]:
-    for name, command in root.commands.items():
-        yield f"[{code(f'wroll {name}')}](#wroll-{name})", prose(" ".join((command.help or "").split()))
+def _commands(group: Any, before: str = "") -> dict[str, Any]:
+    """Commands by name; those of a group in its place, such as "lab transmissibility"."""
+    found: dict[str, Any] = {}
+    for name, command in group.commands.items():
+        inner = getattr(command, "commands", None)
+        found |= {f"{before}{name}": command} if inner is None else _commands(command, f"{before}{name} ")
+    return found
+
+
+def _hints(app: typer.Typer, before: str = "") -> dict[str, dict[str, Any]]:
+    """Types of the parameters of each command."""
+    found = {
+        f"{before}{c.name or c.callback.__name__}": get_type_hints(c.callback)
+        for c in app.registered_commands if c.callback
+    }  # fmt: skip
+    for group in app.registered_groups:
+        if group.typer_instance is not None:
+            found |= _hints(group.typer_instance, f"{before}{group.name} ")
+    return found
+
+
+def _overview(commands: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name, command in commands.items():
+        yield (
+            f"[{code(f'wroll {name}')}](#wroll-{name.replace(' ', '-')})",
+            prose(" ".join((command.help or "").split())),
+        )
 
 
 def _rows(command: Any, hints: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tools.reference.markdown import GENERATED, code, prose, table
 from wroll_fem.results.fields import AXES, FIELDS
+from wroll_fem.results.lab.tables import LAB_FIELDS
 from wroll_fem.results.summary import GROUPS, Entry, label
 
 _INTRO = """# Results
@@ -22,6 +23,8 @@ A run folder holds
 | `provenance.json` | versions, machine, command, wall time |
 | `checkpoint*` | during a sweep or dwell: state from which `--resume` continues |
 
+`wroll lab` writes `settings.yaml` in place of `case.yaml`; its `provenance.json` has the SHA-256 of each input.
+
 A batch adds `batch.csv` and `batch.nc`, one row per case. Amplitudes are 0-peak. Lists run over interfaces or layers
 (inner first), over modes, or over the levels of the case; `null` means that there is no value.
 """
@@ -39,7 +42,8 @@ _GROUPS = (
     ("Map of mandrels", ("mandrel_radius", "limit_kind")),
     ("Two masses", ("omega", "capacity_at_zeta_max")),
 )
-"""Heading, first and last name of each group in `FIELDS`; the remaining names form the last group."""
+"""Heading, first and last name of each group in `FIELDS`; the remaining names form the last
+group before those of the laboratory."""
 
 
 def results_page() -> str:
@@ -76,4 +80,6 @@ def _grouped() -> list[tuple[str, list[str]]]:
         end = names.index(last) + 1
         groups.append((heading, names[at:end]))
         at = end
-    return [*groups, ("Statics and others", names[at:])]
+    lab = {name for fields in LAB_FIELDS.values() for name in fields}
+    rest = [name for name in names[at:] if name not in lab]
+    return [*groups, ("Statics and others", rest), *((head, list(fields)) for head, fields in LAB_FIELDS.items())]

@@ -51,6 +51,8 @@ KINDS = {
     "N m/rad": Kind("rotational stiffness", "N m/rad", "5 kN m/rad"),
     "kg m^2": Kind("moment of inertia", "kg m^2", "3 kg mm^2"),
     "Pa/m": Kind("stiffness per area", "Pa/m", "5 MPa/mm"),
+    "V": Kind("voltage", "V", "500 mV"),
+    "A": Kind("current", "A", "200 mA"),
 }
 """Unit in the description of a case key -> kind of quantity. Keys with other units (counts, cycles) take no texts."""
 

@@ -15,10 +15,19 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 from wroll_fem.cli import runs  # isort: skip
 from wroll_fem.cli import cases  # isort: skip
 from wroll_fem.cli import results  # isort: skip
+from wroll_fem.cli import lab  # isort: skip
 from wroll_fem.cli import project  # isort: skip
 from wroll_fem.cli.app import app
 
-__all__ = ["app", "cases", "main", "project", "results", "runs"]  # the order of imports is that of `wroll --help`
+__all__ = [
+    "app",
+    "cases",
+    "lab",
+    "main",
+    "project",
+    "results",
+    "runs",
+]  # the order of imports is that of `wroll --help`
 
 
 def main() -> None:

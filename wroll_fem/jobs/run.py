@@ -91,7 +91,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         summary, figures = _save(case, folder, dataset, progress, time.perf_counter() - started)
         status = "complete"
     except ConvergenceError as error:
-        status, failure = "not_converged", _failure_record(error)
+        status, failure = "not_converged", failure_record(error)
         dataset = error.partial
         if dataset is not None:
             _save_dataset(case, folder, dataset, complete=False)
@@ -104,7 +104,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         if interrupt_arrived():
             status = "interrupted"
             raise KeyboardInterrupt from error
-        failure = _failure_record(error)
+        failure = failure_record(error)
         raise
     finally:
         seeds = {} if dataset is None else {k: v for k, v in dataset.attrs.items() if "seed" in str(k)}
@@ -118,7 +118,7 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
     return Run(folder, summary, figures)
 
 
-def _failure_record(error: Exception) -> dict[str, Any]:
+def failure_record(error: Exception) -> dict[str, Any]:
     """Entries of provenance.json after a failure."""
     if isinstance(error, WrollError):
         return {"error": str(error), "exit_code": error.exit_code}

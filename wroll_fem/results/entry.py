@@ -1,4 +1,4 @@
-"""Entry of summary.json: unit, label, explanation and format; imports no large library."""
+"""Entry of summary.json, and variable of results.nc: unit, label and format; imports no large library."""
 
 from __future__ import annotations
 
@@ -27,6 +27,13 @@ class Entry(NamedTuple):
     sentence: str = ""
     style: Literal["si", "number", "share"] = "si"
     console: str = ""
+
+
+class Field(NamedTuple):
+    """Unit (SI, "1" if dimensionless) and label of a variable or coordinate."""
+
+    units: str
+    long_name: str
 
 
 def share(label: str, sentence: str = "", console: str = "") -> Entry:

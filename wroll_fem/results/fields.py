@@ -6,17 +6,11 @@ nowhere else.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from wroll_fem.errors import InputError
+from wroll_fem.results.entry import Field
+from wroll_fem.results.lab.tables import LAB_FIELDS
 
-
-class Field(NamedTuple):
-    """Unit (SI, "1" if dimensionless) and label of a variable or coordinate."""
-
-    units: str
-    long_name: str
-
+__all__ = ["AXES", "FIELDS", "Field", "field", "label"]
 
 _ACCELERATION, _ENERGY = "m s-2", "J"
 
@@ -267,6 +261,8 @@ FIELDS: dict[str, Field] = {
     "slip_rate": Field("m s-1", "slip rate"),
     "slip_distance": Field("m", "slip"),
     "state_variable": Field("s", "state of rate-and-state friction"),
+    # evaluations of measurements
+    **{name: entry for fields in LAB_FIELDS.values() for name, entry in fields.items()},
 }
 
 

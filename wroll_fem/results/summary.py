@@ -7,6 +7,7 @@ module imports no large library.
 from __future__ import annotations
 
 from wroll_fem.results.entry import Entry, number, share
+from wroll_fem.results.lab.tables import LAB_ENTRIES
 from wroll_fem.results.random_response_entries import RANDOM_RESPONSE
 from wroll_fem.results.shock_entries import SHOCK
 
@@ -353,6 +354,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "solver_time_s": Entry("s", "solver time", "CPU time of the time loop or of the continuation"),
         "wall_time_s": Entry("s", "wall time", console="{:.1f} s"),
     },
+    **LAB_ENTRIES,
 }  # fmt: skip
 """Heading -> name -> entry, in the order of summary.json."""
 

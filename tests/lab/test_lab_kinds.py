@@ -1,0 +1,136 @@
+"""Every kind of the laboratory: its example runs through the command, its names are declared, bad input is one line."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from pydantic import BaseModel
+from typer.testing import CliRunner
+
+import wroll_fem as wf
+from tools.reference.case import type_name
+from wroll_fem.case.descriptions import sections, unit_of
+from wroll_fem.cli import app
+from wroll_fem.errors import InputError
+from wroll_fem.lab.examples import example_files
+from wroll_fem.lab.kinds import KINDS, find_kind
+from wroll_fem.lab.settings import read_settings
+from wroll_fem.results.dataset import FIELDS, load_dataset
+from wroll_fem.results.summary import SUMMARY
+
+
+@pytest.fixture(scope="module")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
+    folder = tmp_path_factory.mktemp("examples")
+    return {name: example_files(name, folder / name) for name in KINDS}
+
+
+def settings_of(files: list[Path]) -> list[str]:
+    file = files[0].parent / "settings.yaml"
+    return ["--settings", str(file)] if file.is_file() else []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_example_of_a_kind_runs_into_a_complete_folder(
+    kind: str, examples: dict[str, list[Path]], tmp_path: Path
+) -> None:
+    out, files = tmp_path / "out", examples[kind]
+    words = ["lab", kind, *map(str, files), *settings_of(files), "--out", str(out)]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert summary["evaluation"] == kind
+    assert summary["files"] == len(files)
+    assert set(summary) <= set(SUMMARY)
+    data = load_dataset(out / "results.nc")
+    assert {str(name) for name in data.variables} <= set(FIELDS)
+    for dims, names in find_kind(kind).variables.items():
+        for name in names:
+            assert ", ".join(map(str, data[name].dims)) == dims, name
+    assert {path.stem for path in (out / "figures").glob("*.png")} <= set(find_kind(kind).figures)
+    assert any((out / "figures").glob("*.png"))
+    assert (out / "run.log").stat().st_size > 0
+    record = json.loads((out / "provenance.json").read_text(encoding="utf-8"))
+    assert record["status"] == "complete"
+    assert record["command"].startswith(f"wroll lab {kind} ")
+    if files[0].is_file():
+        assert record["inputs"][0]["sha256"] == hashlib.sha256(files[0].read_bytes()).hexdigest()
+    model = find_kind(kind).settings
+    given = settings_of(files)
+    assert read_settings(model, out / "settings.yaml") == read_settings(model, given[1] if given else None)
+    again = CliRunner().invoke(app, words)
+    assert again.exit_code == 2
+    assert "is not empty; choose another --out" in again.output
+
+
+def inner(model: type[BaseModel]) -> list[type[BaseModel]]:
+    return [model, *(m for f in model.model_fields.values() for s in sections(f.annotation) for m in inner(s))]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_setting_is_described_and_every_number_has_a_unit(kind: str) -> None:
+    for model in inner(find_kind(kind).settings):
+        for name, field in model.model_fields.items():
+            assert field.description, f"{model.__name__}.{name}"
+            if "number" in type_name(field.annotation):
+                assert unit_of(field.description) or "as the enclosing key" in field.description, name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_help_of_a_kind_has_its_sentence_and_settings(kind: str) -> None:
+    group = CliRunner().invoke(app, ["lab", "--help"], terminal_width=200)
+    assert KINDS[kind].sentence in " ".join(group.output.split())
+    own = CliRunner().invoke(app, ["lab", kind, "--help"], terminal_width=200)
+    assert own.exit_code == 0
+    assert all(f"  {name}" in own.output for name in find_kind(kind).settings.model_fields)
+
+
+def test_wrong_input_is_one_line_and_leaves_no_folder(examples: dict[str, list[Path]], tmp_path: Path) -> None:
+    file, out = str(examples["transmissibility"][0]), tmp_path / "out"
+    settings = tmp_path / "mine.yaml"
+    settings.write_text(yaml.safe_dump({"figurs": True}), encoding="utf-8")
+    wrong = {
+        "unknown key": [file, "--set", "figurs=1"],
+        f"{settings}:1: figurs: unknown key, got true; did you mean figures?": [file, "--settings", str(settings)],
+        "file not found; give the path of a measurement": [f"{file}x"],
+        "is given twice": [file, file],
+        "is a folder, not a file": [str(tmp_path)],
+        "write true or false": [file, "--set", "figures=3"],
+    }
+    for message, words in wrong.items():
+        done = CliRunner().invoke(app, ["lab", "transmissibility", *words, "--out", str(out)])
+        assert done.exit_code == 2
+        assert message in done.output
+        assert done.output.count("\n") == 1, done.output
+        assert not out.exists()
+
+
+def test_a_folder_of_an_interrupted_evaluation_can_be_used_again(
+    examples: dict[str, list[Path]], tmp_path: Path
+) -> None:
+    file, out = str(examples["transmissibility"][0]), tmp_path / "out"
+    out.mkdir()
+    (out / "provenance.json").write_text('{"status": "failed"}', encoding="utf-8")
+    words = ["lab", "transmissibility", file, "--set", "figures=false", "--out", str(out)]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").touch()
+    other = CliRunner().invoke(app, [*words[:-1], str(tmp_path / "full")])
+    assert other.exit_code == 2
+    assert "is not empty" in other.output
+
+
+def test_the_python_call_gives_the_result_of_the_command(examples: dict[str, list[Path]]) -> None:
+    found = wf.lab.evaluate("transmissibility", examples["transmissibility"])
+    assert found.kind == "transmissibility"
+    assert found.inputs[0]["bytes"] > 0
+    assert found.warnings == []
+    assert found.data.attrs["evaluation"] == "transmissibility"
+    with pytest.raises(InputError, match="use one of"):
+        found.plot("nonsense")
+    with pytest.raises(InputError, match="unknown kind 'nonsense' of evaluation; use one of"):
+        wf.lab.evaluate("nonsense", examples["transmissibility"])

@@ -1,0 +1,1 @@
+"""Figures of laboratory evaluations, one file per kind."""
