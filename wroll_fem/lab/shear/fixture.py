@@ -77,9 +77,7 @@ class Fixture:
         monotone = bool(np.all(np.diff(rigid.smooth_force) > -rigid.smooth_noise))
         # noise of the force lowers the slope, unless time explains it
         instruments = {f"t{j}": time**j for j in range(degree + 1)} if monotone else None
-        found = linear_fit(
-            {name: s**j for j, name in enumerate(names)}, rigid.displacement, instruments=instruments
-        )
+        found = linear_fit({name: s**j for j, name in enumerate(names)}, rigid.displacement, instruments=instruments)
         if not found["c1"].value > 0.0:
             raise InputError(
                 "the displacement of the rigid specimen does not rise with the force", file=rigid.source,
