@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-import yaml
 
 from wroll_fem.contact.rate_table import table_problem
 from wroll_fem.errors import InputError
@@ -35,8 +34,8 @@ MODELS: tuple[Model, ...] = ("constant", "logarithmic", "table")
 SAME_RATE = 1.1
 """Ratio of two rates below which they are one rate of the table."""
 
-MOST_KNOTS = 12
-"""Rates of a table at most; more are thinned to equal logarithmic distances."""
+MOST_KNOTS, POINTS_PER_KNOT = 12, 3
+"""Rates of a table at most, and points for each; more rates are thinned to equal logarithmic distances."""
 
 ROWS = 16
 """Rows of the table of a logarithmic law."""
@@ -87,8 +86,8 @@ class RateLaw:
         wrong = table_problem(rates, values)
         if wrong is not None:
             raise InputError(
-                f"the fitted table is not admissible: {wrong.column} {wrong.problem}", key="model",
-                remedy="use model: constant, or give knots at which the coefficient is measured",
+                f"the fitted table is not admissible: {wrong.column} {wrong.problem}", key="rate_model",
+                remedy="use rate_model: constant, or give knots at which the coefficient is measured",
             )  # fmt: skip
         return {"law": "rate_coulomb", "elastic_slip": elastic_slip, "rate_table": {"slip_rate": rates, "mu": values}}
 
@@ -141,15 +140,16 @@ def fit_rate_laws(points: Sequence[RatePoint], *, knots: Sequence[float] = ()) -
 
 
 def default_knots(rates: FloatArray) -> FloatArray:
-    """Tested rates, those within `SAME_RATE` joined to their geometric mean, thinned to `MOST_KNOTS`."""
+    """Tested rates, those within `SAME_RATE` joined to their geometric mean, thinned to what the points determine."""
     logs = np.sort(np.log(rates))
     groups = np.split(logs, np.flatnonzero(np.diff(logs) > np.log(SAME_RATE)) + 1)
     centres = np.exp([float(group.mean()) for group in groups])
-    if len(centres) <= MOST_KNOTS:
+    most = max(2, min(MOST_KNOTS, len(rates) // POINTS_PER_KNOT))
+    if len(centres) <= most:
         return centres
-    wanted = np.geomspace(centres[0], centres[-1], MOST_KNOTS)
+    wanted = np.geomspace(centres[0], centres[-1], most)
     near = np.unique([int(np.argmin(np.abs(np.log(centres / one)))) for one in wanted])
-    return centres[near]
+    return np.asarray(centres[near])
 
 
 def hats(rates: FloatArray, knots: FloatArray) -> FloatArray:
@@ -222,12 +222,3 @@ def pooled(basis: dict[str, FloatArray], values: FloatArray, errors: FloatArray)
         middle = 0.5 * (low + high)
         low, high = (middle, high) if solved(middle)[1] > freedom else (low, middle)
     return solved(high)[0], high
-
-
-def fragment(section: dict[str, object], remarks: Sequence[str]) -> str:
-    """YAML text with `contact.friction`, to be merged into a case file, with remarks as comments."""
-    lines = [f"# {text}" for text in remarks]
-    lines.append(
-        yaml.safe_dump({"contact": {"friction": section}}, sort_keys=False, default_flow_style=None, width=120)
-    )
-    return "\n".join(lines)

@@ -45,6 +45,8 @@ class StepData(NamedTuple):
         Parts of constant rate.
     part, elapsed
         (n,) part of each sample, and time since its begin, s.
+    slip
+        (n,) displacement from the start of the record, m.
     coefficient
         (n,) measured coefficient of friction.
     """
@@ -52,6 +54,7 @@ class StepData(NamedTuple):
     parts: tuple[Part, ...]
     part: FloatArray
     elapsed: FloatArray
+    slip: FloatArray
     coefficient: FloatArray
 
     def basis(self, law: StateLaw, distance: float) -> FloatArray:
@@ -166,7 +169,7 @@ def step_data(record: ShearRecord, *, skip: float = 0.0) -> StepData:
         for edge in (part.begin, part.end):
             used[own] &= np.abs(record.time[own] - edge) > GUARD * np.min(spacing[own])
     used[: parts[0].start] = False
-    return StepData(parts, number[used].astype(float), np.maximum(elapsed[used], 0.0), record.coefficient[used])
+    return StepData(parts, number[used].astype(float), np.maximum(elapsed[used], 0.0), x[used], record.coefficient[used])
 
 
 def fit_state_laws(

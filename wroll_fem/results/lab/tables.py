@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wroll_fem.results.entry import Entry, Field
-from wroll_fem.results.lab import transmissibility
+from wroll_fem.results.lab import friction, shear, tension, transmissibility
 
 LAB_ENTRIES: dict[str, dict[str, Entry]] = {
     "Every evaluation of the laboratory": {
@@ -11,10 +11,16 @@ LAB_ENTRIES: dict[str, dict[str, Entry]] = {
         "files": Entry("", "number of input files", "", "number"),
     },
     "Laboratory: transmissibility": transmissibility.ENTRIES,
+    "Laboratory: shear": shear.ENTRIES,
+    "Laboratory: friction": friction.ENTRIES,
+    "Laboratory: tension": tension.ENTRIES,
 }
 """Heading -> name in summary.json -> entry; a kind may also use names of other groups."""
 
 LAB_FIELDS: dict[str, dict[str, Field]] = {
     "Laboratory: transmissibility": transmissibility.FIELDS,
+    "Laboratory: shear": shear.FIELDS,
+    "Laboratory: friction": friction.FIELDS,
+    "Laboratory: tension": tension.FIELDS,
 }
 """Heading -> name in results.nc -> unit and label; a kind may also use names of `results.fields`."""
