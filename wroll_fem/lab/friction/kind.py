@@ -133,8 +133,8 @@ def _slip(ramps: Sequence[Measured], settings: FrictionSettings) -> ElasticSlip:
 def example(folder: Path) -> list[Path]:
     """Write ramps at four preloads, velocity steps, constant rates and sines.
 
-    Truth: gamma* = 2 um; rate and state with the ageing law, a = 0.01, b = 0.015, D_R = 20 um; the coefficient 0.25 at
-    1 um/s, and 0.25 + 0.01 ln(V/8 mm/s) above 8 mm/s in the sines.
+    Truth: gamma* = 2 um; rate and state with the ageing law, a = b = 0.01, D_R = 20 um; the coefficient 0.25 in steady
+    sliding up to 8 mm/s, and 0.25 + 0.01 ln(V/8 mm/s) above, as far as the sines reach.
     """
     from wroll_fem.lab.shear.kind import write_csv
     from wroll_fem.lab.shear.simulated import ramp, sine_loops, velocity_steps
@@ -145,7 +145,7 @@ def example(folder: Path) -> list[Path]:
     for force in forces:
         test = ShearTest(interfaces=1, normal_force=force, elastic_slip=2e-6)
         files.append(write_csv(folder / f"ramp_{force:.0f}N.csv", ramp(test, rng)))
-    files.append(write_csv(folder / "steps.csv", velocity_steps(RateAndState(), rng)))
+    files.append(write_csv(folder / "steps.csv", velocity_steps(RateAndState(b=0.01), rng)))
     for speed in (1e-4, 1e-3, 8e-3):
         record = velocity_steps(RateAndState(a=0.0, b=0.0), rng, rates=(speed,) * 2, every=1e-3)
         files.append(write_csv(folder / f"rate_{1e3 * speed:g}mms.csv", record))

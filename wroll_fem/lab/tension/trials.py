@@ -187,7 +187,7 @@ def _setting(group: Sequence[Trial], shared: tuple[float, float] | None) -> Sett
     means = np.array([trial.mean.value for trial in group])
     count = len(group)
     within = float(np.sqrt(np.mean([trial.within**2 for trial in group])))
-    voltage, current = (float(np.mean([getattr(t, name) for t in group])) for name in ("voltage", "current"))
+    voltage, current = (float(np.median([getattr(t, name) for t in group])) for name in ("voltage", "current"))
     if shared is None and count == 1:
         return Setting(voltage, current, 1, group[0].mean, within, float("nan"))
     variance, freedom = shared if shared is not None else (float(np.var(means, ddof=1)), count - 1.0)
