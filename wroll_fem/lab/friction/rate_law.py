@@ -34,8 +34,8 @@ MODELS: tuple[Model, ...] = ("constant", "logarithmic", "table")
 SAME_RATE = 1.1
 """Ratio of two rates below which they are one rate of the table."""
 
-MOST_KNOTS, POINTS_PER_KNOT = 12, 3
-"""Rates of a table at most, and points for each; more rates are thinned to equal logarithmic distances."""
+MOST_KNOTS, POINTS_PER_KNOT = 16, 2
+"""Rates of a table at most, and points for each of them, from which all tested rates are taken."""
 
 ROWS = 16
 """Rows of the table of a logarithmic law."""
@@ -121,7 +121,7 @@ def fit_rate_laws(points: Sequence[RatePoint], *, knots: Sequence[float] = ()) -
         )
     rates = np.array([point.rate for point in points])
     reference = float(np.exp(np.mean(np.log(rates))))
-    given = np.array(knots, dtype=float) if len(knots) else default_knots(rates)
+    given = np.array(knots, dtype=float) if len(knots) else default_knots(rates, *_values(points))
     _check(given, rates)
     ones = np.ones(len(rates))
     bases: dict[Model, dict[str, FloatArray]] = {"constant": {"mu": ones}}
@@ -139,17 +139,40 @@ def fit_rate_laws(points: Sequence[RatePoint], *, knots: Sequence[float] = ()) -
     return RateFits(fits, best, tuple(doubts))
 
 
-def default_knots(rates: FloatArray) -> FloatArray:
-    """Tested rates, those within `SAME_RATE` joined to their geometric mean, thinned to what the points determine."""
+def default_knots(rates: FloatArray, values: FloatArray, errors: FloatArray) -> FloatArray:
+    """Rates of a table (k,), m/s, for points (n,) of coefficients with standard errors.
+
+    Tested rates within `SAME_RATE` are joined to their geometric mean. All are taken if the tests are repeated;
+    otherwise, from the lowest and the highest one on, each that lowers Akaike's criterion most.
+    """
     logs = np.sort(np.log(rates))
     groups = np.split(logs, np.flatnonzero(np.diff(logs) > np.log(SAME_RATE)) + 1)
     centres = np.exp([float(group.mean()) for group in groups])
-    most = max(2, min(MOST_KNOTS, len(rates) // POINTS_PER_KNOT))
-    if len(centres) <= most:
+    if len(centres) <= 2 or (len(centres) <= MOST_KNOTS and len(rates) >= POINTS_PER_KNOT * len(centres)):
         return centres
-    wanted = np.geomspace(centres[0], centres[-1], most)
-    near = np.unique([int(np.argmin(np.abs(np.log(centres / one)))) for one in wanted])
-    return np.asarray(centres[near])
+    weight = 1.0 / np.hypot(errors, np.median(errors) + 1e-6 * np.abs(values).max())
+    taken = [0, len(centres) - 1]
+    best = _coarse_criterion(rates, values, weight, centres[taken])
+    while len(taken) < min(MOST_KNOTS, len(rates) - 3):
+        trials = {
+            k: _coarse_criterion(rates, values, weight, centres[sorted([*taken, k])])
+            for k in range(len(centres))
+            if k not in taken
+        }
+        k = min(trials, key=lambda one: trials[one])
+        if not trials[k] < best:
+            break
+        taken, best = sorted([*taken, k]), trials[k]
+    return np.asarray(centres[taken])
+
+
+def _coarse_criterion(rates: FloatArray, values: FloatArray, weight: FloatArray, knots: FloatArray) -> float:
+    """Akaike's criterion of a table with these knots, with given weights of the points."""
+    matrix = (weight * hats(rates, knots)).T
+    solution, _, _, _ = np.linalg.lstsq(matrix, weight * values, rcond=None)
+    squares = float(np.sum((weight * values - matrix @ solution) ** 2))
+    n, k = len(values), len(knots) + 1
+    return float(n * np.log(squares / n + 1e-12) + 2.0 * k + 2.0 * k * (k + 1.0) / max(1.0, n - k - 1.0))
 
 
 def hats(rates: FloatArray, knots: FloatArray) -> FloatArray:
@@ -169,12 +192,18 @@ def _check(knots: FloatArray, rates: FloatArray) -> None:
         )  # fmt: skip
 
 
+def _values(points: Sequence[RatePoint]) -> tuple[FloatArray, FloatArray]:
+    """Coefficients (n,) of the points and their standard errors; unknown ones equal the largest known one."""
+    values = np.array([point.coefficient.value for point in points])
+    errors = np.array([point.coefficient.standard_error for point in points])
+    known = np.isfinite(errors)
+    return values, np.where(known, errors, errors[known].max() if known.any() else 0.0)
+
+
 def _law(
     model: Model, basis: dict[str, FloatArray], points: Sequence[RatePoint], knots: FloatArray, reference: float
 ) -> RateLaw:
-    values = np.array([point.coefficient.value for point in points])
-    errors = np.array([point.coefficient.standard_error for point in points])
-    errors = np.where(np.isfinite(errors), errors, np.nanmax(np.where(np.isfinite(errors), errors, 0.0)))
+    values, errors = _values(points)
     found, between = pooled(basis, values, errors)
     total = errors**2 + between**2
     count, used = len(values), len(basis) + 1

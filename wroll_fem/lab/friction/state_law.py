@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import nnls
 
 from wroll_fem.errors import InputError
 from wroll_fem.lab.shear.record import ShearRecord
@@ -23,7 +24,7 @@ from wroll_fem.numerics.inference import Estimate, Fit, fit, linear_fit
 from wroll_fem.tribology.rate_and_state import LAWS, RateAndState, StateLaw
 from wroll_fem.typing import FloatArray
 
-GRID = 25
+GRID = 40
 """Distances D_R tried before the fit."""
 
 CLEAR = 10.0
@@ -151,6 +152,7 @@ def step_data(record: ShearRecord, *, skip: float = 0.0) -> StepData:
     InputError
         If the rate never changes beyond ``skip``.
     """
+    coefficient = record.coefficient
     parts = tuple(part for part in constant_rates(record) if part.rate > 0.0)
     # before the first part that slides, force and displacement rise together
     x = record.displacement - record.displacement[0]
@@ -169,7 +171,7 @@ def step_data(record: ShearRecord, *, skip: float = 0.0) -> StepData:
         for edge in (part.begin, part.end):
             used[own] &= np.abs(record.time[own] - edge) > GUARD * np.min(spacing[own])
     used[: parts[0].start] = False
-    return StepData(parts, number[used].astype(float), np.maximum(elapsed[used], 0.0), x[used], record.coefficient[used])
+    return StepData(parts, number[used].astype(float), np.maximum(elapsed[used], 0.0), x[used], coefficient[used])
 
 
 def fit_state_laws(
@@ -229,10 +231,9 @@ def _fitted(data: Sequence[StepData], law: StateLaw, reference: float) -> StateF
 
     travel = min(part.rate * (part.end - part.begin) for one in data for part in one.parts)
     tried = []
-    for distance in travel * np.geomspace(2e-3, 2.0, GRID):
-        matrix = columns(float(distance))
-        found, _, _, _ = np.linalg.lstsq(matrix, measured, rcond=None)
-        tried.append((float(np.sum((measured - matrix @ found) ** 2)), float(distance), found))
+    for distance in travel * np.geomspace(2e-5, 2.0, GRID):
+        found, misfit = nnls(columns(float(distance)), measured)  # mu, a and b are not negative
+        tried.append((float(misfit), float(distance), found))
     _, distance, found = min(tried, key=lambda entry: entry[0])
     start = {"mu": float(found[0]), "a": float(found[1]), "b": float(found[2]), "distance": distance}
 
@@ -240,7 +241,11 @@ def _fitted(data: Sequence[StepData], law: StateLaw, reference: float) -> StateF
         inside = float(np.clip(p[3], 1e-6 * travel, 1e3 * travel))
         return np.asarray(columns(inside) @ p[:3])
 
-    done = fit(model, measured, start, lengths=lengths, positive=["distance"], scales={"a": 0.01, "b": 0.01})
+    scales = {"a": 0.01, "b": 0.01}
+    done = fit(model, measured, start, lengths=lengths, positive=["distance"], scales=scales)
+    if done.unidentified or min(done["a"].value, done["b"].value) < 0.0:
+        # along a direction that the data do not determine, the fit may end anywhere: keep the admissible start
+        done = fit(model, measured, start, lengths=lengths, positive=["distance"], scales=scales, solve=False)
     return StateFit(law, reference, done, done.noise_level)
 
 

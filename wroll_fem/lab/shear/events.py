@@ -70,7 +70,7 @@ def find_event(
     }[rule]
     raise InputError(
         f"no slip is reached: {wanted} up to {record.smooth_force.max():.4g} N", file=record.source,
-        remedy="load further, lower event.drop or event.jump, or use event.rule: none for the stiffness alone",
+        remedy="load further, lower event_drop or event_jump, or use event_rule: none for the stiffness alone",
     )  # fmt: skip
 
 

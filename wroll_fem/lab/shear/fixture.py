@@ -56,7 +56,7 @@ class Fixture:
         """
         if not stiffness > 0.0:
             raise InputError(
-                f"the stiffness is {stiffness:g} N/m", key="fixture.stiffness", remedy="give a number above 0"
+                f"the stiffness is {stiffness:g} N/m", key="fixture_stiffness", remedy="give a number above 0"
             )
         return cls(np.array([1.0 / stiffness]), np.array([[(error / stiffness**2) ** 2]]))
 
@@ -88,7 +88,7 @@ class Fixture:
         if abs(more.value) > CURVED * more.error:
             doubts.append(
                 f"the rigid specimen departs from a polynomial of degree {degree} over {low:.3g} to {high:.3g} N by "
-                f"{abs(more.value):.2g} m; raise fixture.degree"
+                f"{abs(more.value):.2g} m; raise rigid_degree"
             )
         factors = scale ** -np.arange(1.0, degree + 1.0)
         covariance = found.covariance[1:, 1:] * np.outer(factors, factors)
@@ -120,8 +120,8 @@ class Fixture:
         if not rest > 0.0:
             raise InputError(
                 f"the fixture alone ({1.0 / own:.4g} N/m) is not stiffer than specimen and fixture "
-                f"({slope.value:.4g} N/m)", file=record.source, key="fixture",
-                remedy="check the unit of fixture.stiffness and the record of the rigid specimen",
+                f"({slope.value:.4g} N/m)", file=record.source, key="fixture_stiffness",
+                remedy="check the unit of fixture_stiffness and the record of the rigid specimen",
             )  # fmt: skip
         variances = (slope.error / slope.value**2) ** 2, float(weights @ self.covariance @ weights)
         error = float(np.sqrt(sum(variances))) / rest**2

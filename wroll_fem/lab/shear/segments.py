@@ -50,7 +50,7 @@ def constant_rates(record: ShearRecord) -> list[Part]:
     if not x[-1] > 0.0:
         raise InputError(
             "the displacement ends where it started, or below", file=record.source,
-            remedy="use a sliding record in one direction with positive displacement, or profile: sine",
+            remedy="use a sliding record in one direction with positive displacement, or profile: loops",
         )  # fmt: skip
     second = np.diff(x, 2)
     noise = np.median(np.abs(second)) / 0.6745 / np.sqrt(6.0)

@@ -132,10 +132,10 @@ def sine_loops(
     x = amplitude * np.sin(omega * time)
     speed = amplitude * omega * np.cos(omega * time)
     mu, at_rest = coefficient(np.abs(speed)), float(coefficient(np.zeros(1))[0])
-    elastic = np.zeros(len(x))
-    for k in range(1, len(x)):
-        radius = elastic_slip * mu[k] / at_rest
-        elastic[k] = np.clip(elastic[k - 1] + x[k] - x[k - 1], -radius, radius)
+    values, step, radius = [0.0], np.diff(x).tolist(), (elastic_slip * mu / at_rest).tolist()
+    for k, length in enumerate(step, start=1):
+        values.append(max(-radius[k], min(radius[k], values[-1] + length)))
+    elastic = np.array(values)
     force = 2.0 * normal_force * at_rest * elastic / elastic_slip + offset - mass * omega**2 * x
     x = x + force / fixture
     if rng is not None:

@@ -35,6 +35,9 @@ NODES = 9
 CELLS = 8
 """Cells per wrap, and 400 at least, for differences and samples."""
 
+SMALLEST = 0.05
+"""Smallest value of an uncertain key in the sample, relative to its own: keys stay positive."""
+
 APART = 0.1
 """Difference between the ends of the linear interval and those of the sample, relative to its half width, that is
 reported."""
@@ -85,13 +88,12 @@ class WindingModel:
     def __init__(self, case: str | Path, uncertain: Mapping[str, float] | None = None):
         self.path, self.uncertain = Path(case), dict(uncertain or {})
         base = load_case(self.path)
-        self._section(base)
+        self.base = self._section(base)
         self.values = {key: _number(base, key, self.path) for key in self.uncertain}
 
     def pressures(self, tension: float, changes: Mapping[str, float] | None = None, *, fine: bool = True) -> FloatArray:
         """Pressure at the mandrel and mean pressure, Pa, (2,), at a tension (N) and changed values of keys."""
-        texts = [f"{key}={value!r}" for key, value in (changes or {}).items()]
-        section = self._section(load_case(self.path, texts))
+        section = self._changed(changes or {})
         wanted = {"tension_newton": tension, "tension_stress": None}
         if not fine:
             wanted["cells"] = min(section.cells, max(400, CELLS * section.wraps))
@@ -157,12 +159,28 @@ class WindingModel:
             curve = CubicSpline(nodes, [self.pressures(float(node), fine=False)[0] for node in nodes])
             return np.asarray(curve(tensions))
         normal = stdtrit(1e9, levels)
-        factors = {key: 1.0 + size * rng.permutation(normal) for key, size in self.uncertain.items()}
+        factors = {key: np.maximum(1.0 + size * rng.permutation(normal), SMALLEST) for key, size in self.uncertain.items()}
         found = [
             self.pressures(float(one), {key: self.values[key] * float(factors[key][k]) for key in factors}, fine=False)
             for k, one in enumerate(tensions)
         ]
         return np.array(found)[:, 0]
+
+    def _changed(self, changes: Mapping[str, float]) -> Winding:
+        """Section with other values of keys."""
+        inside = all(key.startswith("winding.") for key in changes)
+        if not inside:
+            return self._section(load_case(self.path, [f"{key}={value!r}" for key, value in changes.items()]))
+        if not changes:
+            return self.base
+        data = self.base.model_dump()
+        for key, value in changes.items():
+            *parents, last = key.split(".")[1:]
+            here = data
+            for part in parents:
+                here = here[part]
+            here[last] = value
+        return Winding.model_validate(data)
 
     @staticmethod
     def _difference(up: FloatArray, down: FloatArray, step: float) -> FloatArray:

@@ -34,8 +34,17 @@ ROUNDS = 12
 SAME = 1e-3
 """Change of the noise coefficients at which the turns end."""
 
+EVALUATIONS = 100
+"""Most evaluations of a model in a turn, per parameter and one."""
+
+LARGEST = 300.0
+"""Largest magnitude of a logarithm; exp does not overflow."""
+
 FLAT = 1e-7
 """Singular value of the scaled Jacobian, relative to the largest, below which the data do not determine a direction."""
+
+EXACT = 1e-7
+"""Standard deviation of the residuals, relative to that of the data, below which a fit is exact."""
 
 WIDE = 1.0
 """Standard error of the logarithm of a positive parameter above which it is not identifiable."""
@@ -112,6 +121,7 @@ def fit(
     positive: Sequence[str] = (),
     scales: dict[str, float] | None = None,
     correlated: bool = True,
+    solve: bool = True,
 ) -> Fit:
     """Fit the parameters of a model to data with noise of unknown level.
 
@@ -131,6 +141,8 @@ def fit(
         Usual size of parameters that are not in ``positive``; by default the starting value.
     correlated
         Whether correlation of the noise is estimated; False if the values are in no order of time.
+    solve
+        Whether the parameters are fitted; False for the confidence at the starting values alone.
 
     Raises
     ------
@@ -150,18 +162,20 @@ def fit(
 
     def residuals(z: FloatArray) -> FloatArray:
         values = z * unit
-        return data - model(np.where(mask, np.exp(np.where(mask, values, 0.0)), values))
+        return data - model(np.where(mask, np.exp(np.where(mask, np.clip(values, -LARGEST, LARGEST), 0.0)), values))
 
     noise, z = NoiseModel(), x / unit
     for _ in range(ROUNDS):
         used = noise
-        done = least_squares(lambda v: used.whiten(residuals(v), counts), z, method="lm", xtol=1e-10, ftol=1e-12)  # noqa: B023
-        z = done.x
+        if solve:
+            z = _solved(lambda v: used.whiten(residuals(v), counts), z)  # noqa: B023
+        if np.std(residuals(z)) <= EXACT * np.std(data):
+            break  # correlation of rounding errors means nothing
         noise = noise_model(residuals(z), counts, fitted=len(names)) if correlated else used
         if _same(noise, used):
             break
     jacobian = _jacobian(lambda v: used.whiten(residuals(v), counts), z)
-    return _read(names, z, unit, logs, residuals(z), counts, used, jacobian)
+    return _read(names, z, unit, logs, residuals(z), counts, used, jacobian, float(np.std(data)))
 
 
 def linear_fit(
@@ -214,10 +228,17 @@ def linear_fit(
             basis = used.whiten(other, counts)
             white = basis @ np.linalg.lstsq(basis, white, rcond=None)[0]
         z = np.linalg.lstsq(white, used.whiten(data, counts), rcond=None)[0]
+        if np.std(data - scaled @ z) <= EXACT * np.std(data):
+            break
         noise = noise_model(data - scaled @ z, counts, fitted=len(names)) if correlated else used
         if _same(noise, used):
             break
-    return _read(names, z, unit, frozenset(), data - scaled @ z, counts, used, -white)
+    return _read(names, z, unit, frozenset(), data - scaled @ z, counts, used, -white, float(np.std(data)))
+
+
+def _solved(residuals: Model, start: FloatArray) -> FloatArray:
+    most = EVALUATIONS * (len(start) + 1)
+    return np.asarray(least_squares(residuals, start, method="lm", xtol=1e-10, ftol=1e-12, max_nfev=most).x)
 
 
 def _same(one: NoiseModel, other: NoiseModel) -> bool:
@@ -237,9 +258,12 @@ def _jacobian(function: Model, z: FloatArray) -> FloatArray:
 
 def _read(
     names: tuple[str, ...], z: FloatArray, unit: FloatArray, logs: frozenset[str], residuals: FloatArray,
-    lengths: tuple[int, ...], noise: NoiseModel, jacobian: FloatArray,
+    lengths: tuple[int, ...], noise: NoiseModel, jacobian: FloatArray, size: float,
 ) -> Fit:  # fmt: skip
-    """Result of a fit from its last residuals and their filtered Jacobian with respect to the scaled parameters z."""
+    """Result of a fit from its last residuals and their filtered Jacobian with respect to the scaled parameters z.
+
+    Residuals of rounding errors, far below the ``size`` of the data, are not tested for correlation.
+    """
     white = noise.whiten(residuals, lengths)
     freedom = max(1, len(white) - len(names))
     variance = float(white @ white) / freedom
@@ -256,5 +280,6 @@ def _read(
     shorter = tuple(length - noise.order for length in lengths)
     return Fit(
         names, z * unit, covariance * np.outer(unit, unit), logs, residuals, lengths, noise,
-        float(np.std(residuals)), float(freedom), unknown, stays_correlated(white, shorter, noise.order),
+        float(np.std(residuals)), float(freedom), unknown,
+        bool(np.std(residuals) > EXACT * size) and stays_correlated(white, shorter, noise.order),
     )  # fmt: skip
