@@ -24,10 +24,10 @@ from wroll_fem.analyses.shared.zeta_parts import parts_of_random
 from wroll_fem.analyses.sweep import numerical_remark
 from wroll_fem.case.excitation.random import FEWEST_AVERAGED_LINES
 from wroll_fem.results.dataset import annotate
-from wroll_fem.signals.estimators import CurveDamping, estimate_damping
+from wroll_fem.signals.estimators import CurveDamping
 from wroll_fem.signals.quality import Circumstances, judge
+from wroll_fem.signals.random.h1_damping import damping_of_h1
 from wroll_fem.signals.random.welch import (
-    CORRELATED_LINES,
     Spectra,
     averaged_spectra,
     peak_bias,
@@ -142,8 +142,7 @@ def read_spectra(history: xr.Dataset, excitation: RandomExcitation, method: str)
     def read(start: float, resolution: float) -> _Reading:
         keep = time >= start
         spectra = _inside(averaged_spectra(base[keep], tip[keep], dt, resolution), *excitation.psd.table.band)
-        estimate = estimate_damping(spectra.frequency, spectra.h1_corrected, method, noise=_noise(spectra)[0])
-        return _Reading(start, spectra, _with_noise(estimate, spectra))
+        return _Reading(start, spectra, damping_of_h1(spectra, method))
 
     for _ in range(PASSES):
         coarsest = (high - low) / FEWEST_AVERAGED_LINES
@@ -163,20 +162,6 @@ def _inside(spectra: Spectra, low: float, high: float) -> Spectra:
     """Lines of the band without those at its ends, to which the Hann window carries no full energy."""
     edge = HANN_REACH * spectra.resolution
     return spectra.within(low + edge, high - edge)
-
-
-def _noise(spectra: Spectra) -> tuple[float, float]:
-    """Standard deviation of |H1| at its peak, and the same relative to the peak."""
-    peak = int(np.argmax(np.abs(spectra.h1)))
-    relative = float(spectra.h1_error[peak])
-    return float(np.abs(spectra.h1[peak])) * relative, relative
-
-
-def _with_noise(read: CurveDamping, spectra: Spectra) -> CurveDamping:
-    """Estimate that knows the noise of H1, and whose standard errors include the correlation of neighbouring lines."""
-    found = read.damping
-    errors = {name: CORRELATED_LINES * getattr(found, name) for name in ("f_n_error", "zeta_error")}
-    return replace(read, damping=replace(found, **errors), noise=_noise(spectra)[1])
 
 
 def _shortness(found: _Reading, history: xr.Dataset, excitation: RandomExcitation) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.results.resonance import RISES_AGAIN
 from wroll_fem.signals.attainment import swept_peak
 from wroll_fem.signals.base_motion import sweep_rate_limit
-from wroll_fem.signals.sweeps import LinearSweep, Sweep
+from wroll_fem.signals.sweeps import Chirp, LinearSweep, Sweep
 from wroll_fem.typing import FloatArray
 
 LEAST_PROMINENCE = 0.01
@@ -270,8 +270,10 @@ def sweep_warning(motion: Sweep, read: HalfPower, participation: float | None = 
     if rate <= slow:
         return None
     reached = swept_peak(read.f_n, zeta, rate, downward=motion.downward).attainment
-    remedy = f"set excitation.rate_oct_per_min to {slow:.2g} or less"
-    if isinstance(motion, LinearSweep):
+    remedy = f"sweep at {slow:.2g} oct/min or less"
+    if isinstance(motion, Chirp):
+        remedy = f"set excitation.rate_oct_per_min to {slow:.2g} or less"
+    elif isinstance(motion, LinearSweep):
         remedy = f"set excitation.rate_hz_per_s to {motion.rate_hz_per_s * slow / rate:.2g} or less"
     return (
         f"sweep of {rate:.3g} oct/min runs at {100 * share:.0f} % of the ISO 7626-2 limit for "

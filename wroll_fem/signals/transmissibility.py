@@ -69,6 +69,9 @@ from wroll_fem.typing import ComplexArray, FloatArray
 STEADY = 0.02
 """Drift or residual of a dwell, relative to its fundamental, above which the response does not count as steady."""
 
+WINDOW_CYCLES = 3
+"""Default length of each of the three moving averages of the demodulation, cycles."""
+
 SAMPLES_PER_CYCLE = 32  # number of samples per cycle of the phase grid; even
 
 
@@ -173,7 +176,7 @@ def spectrum_ratio(
     return _as_dataset(grid, above / below, "transmissibility_spectrum", spectrum_resolution_hz=1.0 / length)
 
 
-def _kernel(window: int) -> FloatArray:
+def smoothing_kernel(window: int) -> FloatArray:
     """(6 window + 1,) smoothing kernel 2 K - K*K; K is three successive moving averages of `window` (even) samples."""
     box = np.full(window + 1, 1.0 / window)
     box[[0, -1]] *= 0.5
@@ -189,7 +192,7 @@ def demodulated(
     motion: Sweep,
     *,
     points: int = 1001,
-    window_cycles: int = 3,
+    window_cycles: int = WINDOW_CYCLES,
 ) -> xr.Dataset:
     """Transmissibility of a swept response by demodulation, versus instantaneous frequency.
 
@@ -241,7 +244,7 @@ def demodulated(
     first = np.ceil(phase[0] / TWO_PI * SAMPLES_PER_CYCLE - 1e-9)
     last = np.floor(phase[-1] / TWO_PI * SAMPLES_PER_CYCLE + 1e-9)
     grid = TWO_PI / SAMPLES_PER_CYCLE * np.arange(first, last + 1.0)
-    kernel = _kernel(window_cycles * SAMPLES_PER_CYCLE)
+    kernel = smoothing_kernel(window_cycles * SAMPLES_PER_CYCLE)
     if grid.size < kernel.size + 4:
         need = kernel.size / SAMPLES_PER_CYCLE
         raise InputError(

@@ -65,7 +65,7 @@ class Columns(NamedTuple):
         )
 
 
-def read_columns(path: str | Path) -> Columns:
+def read_columns(path: str | Path, key: str | None = "excitation.file") -> Columns:
     """Read all columns of a file; its suffix gives the format.
 
     Parameters
@@ -74,6 +74,8 @@ def read_columns(path: str | Path) -> Columns:
         .csv, .txt, .dat or .tsv: text with one row per sample. .npz, .mat (up to version 7.2): each vector is a column,
         and each column of a matrix with samples along its longer side. .uff or .unv: universal file, sets 58; needs
         pyuff (extra `lab`).
+    key
+        Key of the path, for messages.
 
     Raises
     ------
@@ -84,11 +86,11 @@ def read_columns(path: str | Path) -> Columns:
     where = str(path)
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            f"unknown format {path.suffix!r}", file=where, key="excitation.file",
+            f"unknown format {path.suffix!r}", file=where, key=key,
             remedy=f"use one of: {', '.join(FORMATS)}",
         )  # fmt: skip
     if not path.is_file():
-        raise InputError("file not found", file=where, key="excitation.file", remedy="give the path of a record")
+        raise InputError("file not found", file=where, key=key, remedy="give the path of a record")
     if path.stat().st_size > LARGEST_FILE:
         raise InputError("the file has more than 2 GiB", file=where, remedy="shorten the record or lower its rate")
     read = {"csv": csv_columns, "npz": _npz, "mat": _mat, "uff": uff_columns}[FORMATS[path.suffix.lower()]]

@@ -92,7 +92,7 @@ def read_record(
             remedy=f"use one of: {', '.join(UNITS)}",
         )  # fmt: skip
     columns = read_columns(path)
-    clock = _time_column(columns, time, sampling_rate)
+    clock = time_column(columns, time, sampling_rate)
     name = _record_column(columns, column, clock)
     values = columns.series[name]
     source = f"{columns.file}, column {name}"
@@ -100,36 +100,38 @@ def read_record(
         raise InputError(
             f"{len(values)} samples", file=source, remedy=f"give a record of {FEWEST_SAMPLES} samples or more"
         )
-    _refuse_infinite(values, source)
+    require_finite(values, source)
     if clock is None:
         dt = 1.0 / float(sampling_rate or 0.0)
     else:
-        dt = _step(columns.series[clock], len(values), f"{columns.file}, column {clock}")
+        dt = time_step(columns.series[clock], len(values), f"{columns.file}, column {clock}")
     if not np.abs(values).max() > 0.0:
         raise InputError("all samples are zero", file=source, remedy="give the column of the base acceleration")
-    clipped = _clipping(values)
+    clipped = clipping(values)
     return Record(UNITS[unit] * values, dt, source, (clipped,) if clipped else ())
 
 
-def _time_column(columns: Columns, time: str | int | None, rate: float | None) -> str | None:
-    """Name of the column of the time; None if the sampling rate is given."""
+def time_column(
+    columns: Columns, time: str | int | None, rate: float | None, section: str = "excitation."
+) -> str | None:
+    """Name of the column of the time; None if the sampling rate is given. Messages name keys of ``section``."""
     if rate is not None:
         if time is not None:
             raise InputError(
-                "time and sampling_rate are both given", key="excitation.sampling_rate", remedy="give one of them"
+                "time and sampling_rate are both given", key=f"{section}sampling_rate", remedy="give one of them"
             )
         if not 0.0 < rate < inf:
             raise InputError(
-                f"sampling_rate = {rate:g}", key="excitation.sampling_rate", remedy="give samples per second"
+                f"sampling_rate = {rate:g}", key=f"{section}sampling_rate", remedy="give samples per second"
             )
         return None
     if time is not None:
-        return columns.chosen(time, "excitation.time")
+        return columns.chosen(time, f"{section}time")
     found = [name for name in columns.series if re.fullmatch(r"(time|t)\b.*|time_s|t_s", name.strip().casefold())]
     if not found:
         raise InputError(
-            "no column is called time or t", file=columns.file, key="excitation.time",
-            remedy=f"name it, or give excitation.sampling_rate; the file has: {', '.join(list(columns.series)[:12])}",
+            "no column is called time or t", file=columns.file, key=f"{section}time",
+            remedy=f"name it, or give {section}sampling_rate; the file has: {', '.join(list(columns.series)[:12])}",
         )  # fmt: skip
     return found[0]
 
@@ -152,7 +154,8 @@ def _record_column(columns: Columns, column: str | int | None, clock: str | None
     return others[0]
 
 
-def _refuse_infinite(values: FloatArray, source: str) -> None:
+def require_finite(values: FloatArray, source: str) -> None:
+    """Refuse samples that are not finite, or absurdly large."""
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size:
         raise InputError(
@@ -165,18 +168,18 @@ def _refuse_infinite(values: FloatArray, source: str) -> None:
         )
 
 
-def _step(time: FloatArray, count: int, source: str) -> float:
+def time_step(time: FloatArray, count: int, source: str, section: str = "excitation.") -> float:
     """Time step of a column of times, s; refuses times that do not rise, gaps, and unequal steps."""
     if len(time) != count:
         raise InputError(f"{len(time)} times for {count} samples", file=source, remedy="give one time per sample")
-    _refuse_infinite(time, source)
+    require_finite(time, source)
     steps = np.diff(time)
     falls = np.flatnonzero(steps <= 0.0)
     if falls.size:
         k = int(falls[0])
         raise InputError(
             f"time does not rise: sample {k + 2} is at {time[k + 1]:g} s, the one before at {time[k]:g} s",
-            file=source, remedy="sort the record, write the time with more digits, or give excitation.sampling_rate",
+            file=source, remedy=f"sort the record, write the time with more digits, or give {section}sampling_rate",
         )  # fmt: skip
     usual = float(np.median(steps))
     longest = int(np.argmax(steps))
@@ -196,7 +199,8 @@ def _step(time: FloatArray, count: int, source: str) -> float:
     return dt
 
 
-def _clipping(values: FloatArray) -> str:
+def clipping(values: FloatArray) -> str:
+    """Remark about a clipped record; empty for another."""
     for level in (values.max(), values.min()):
         if level == 0.0:
             continue
