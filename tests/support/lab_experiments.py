@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+
 from support.coverage import holds
 from support.paths import CONFIGS
-
 from wroll_fem.lab.friction.elastic_slip import fit_elastic_slip
 from wroll_fem.lab.friction.rate_law import fit_rate_laws
 from wroll_fem.lab.friction.state_law import fit_state_laws

@@ -62,8 +62,10 @@ def test_transients_shorter_than_a_sample_leave_the_distance_open() -> None:
 def test_friction_without_state_leaves_b_at_zero() -> None:
     found = fit_state_laws([velocity_steps(RateAndState(b=0.0), np.random.default_rng(4))], skip=SKIP)
     own = found.fits[found.preferred]
-    assert "distance" in own.fit.unidentified or "b" in own.fit.unidentified or any(
-        "b does not differ from 0" in text or text.startswith("b =") for text in found.doubts
+    assert (
+        "distance" in own.fit.unidentified
+        or "b" in own.fit.unidentified
+        or any("b does not differ from 0" in text or text.startswith("b =") for text in found.doubts)
     )
     assert any("fit equally well" in text for text in found.doubts)
 

@@ -42,7 +42,7 @@ def test_elastic_fixture_changes_the_loop_but_not_its_energy() -> None:
 def test_noise_does_not_bias_the_energy() -> None:
     rng = np.random.default_rng(1)
     found = loops(sine_loops(constant, rng, cycles=60, noise=5.0))
-    mean = found.mean(1)[0]
+    mean = found.after(1).means[0]
     low, high = mean.interval()
     assert low < 4.0 * 100.0 * 98e-6 < high
 

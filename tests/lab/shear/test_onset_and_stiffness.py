@@ -48,7 +48,7 @@ def test_a_rule_can_be_chosen_and_thresholds_are_lengths_and_forces() -> None:
         find_event(record, rule="force_drop", drop=8.0)
     smooth = ramp(TEST)
     # the elastic displacement at slip is 5 um; at the end of the record the platen is 7.5 um further than without slip
-    near, far = (find_event(smooth, jump=value).index for value in (0.5e-6, 1.5e-6))
+    near, far = (find_event(smooth, jump=value).onset for value in (0.5e-6, 1.5e-6))
     assert 600 < near < far
 
 

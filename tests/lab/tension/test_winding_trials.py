@@ -64,7 +64,7 @@ def test_variances_within_and_between_are_recovered() -> None:
 def test_skip_leaves_out_start_and_end() -> None:
     tension = np.where((TIME < 3.0) | (TIME > 27.0), 0.0, 40.0)
     assert measure_trial(TIME, tension, 6.0, 0.5, skip=3.5).mean.value == pytest.approx(40.0)
-    with pytest.raises(InputError, match="skip: 10 samples beside skip = 14.75 s at both ends"):
+    with pytest.raises(InputError, match=r"skip: 10 samples beside skip = 14.75 s at both ends"):
         measure_trial(TIME, tension, 6.0, 0.5, skip=14.75)
 
 
@@ -80,5 +80,5 @@ def test_drift_and_single_trials_are_reported() -> None:
 def test_time_that_does_not_rise_is_refused() -> None:
     time = TIME.copy()
     time[7] = time[6]
-    with pytest.raises(InputError, match="time does not rise: sample 8 is at 0.3 s"):
+    with pytest.raises(InputError, match=r"time does not rise: sample 8 is at 0.3 s"):
         measure_trial(time, np.ones(len(time)), 6.0, 0.5)

@@ -60,7 +60,7 @@ def test_wrong_cases_are_refused(tmp_path: Path) -> None:
     file.write_text(text.replace("  web_width: 0.300 # m\n", ""), encoding="utf-8")
     with pytest.raises(InputError, match=r"winding.web_width: required key is missing; add it \(width of the web"):
         WindingModel(file)
-    with pytest.raises(InputError, match="uncertain: winding.web.radial_modulus.law is no number of the case"):
+    with pytest.raises(InputError, match=r"uncertain: winding.web.radial_modulus.law is no number of the case"):
         WindingModel(LAB, {"winding.web.radial_modulus.law": 0.1})
     with pytest.raises(InputError, match="a tension of -1 N winds no roll"):
         WindingModel(LAB).at(Estimate(-1.0, 0.1, 3.0))

@@ -17,8 +17,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.lab.friction.rate_law import pooled
-from wroll_fem.lab.shear.fixture import combined_freedom
-from wroll_fem.numerics.inference import Estimate
+from wroll_fem.numerics.inference import Estimate, combined_freedom
 from wroll_fem.typing import FloatArray
 
 PRELOADS = 3

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from wroll_fem.errors import InputError
+from wroll_fem.lab.common.intervals import entries, variables
 from wroll_fem.lab.friction.elastic_slip import ElasticSlip
 from wroll_fem.lab.friction.rate_law import MODELS, Model, RateFits, RateLaw
 from wroll_fem.lab.friction.section import law_text
 from wroll_fem.lab.friction.settings import FrictionSettings
 from wroll_fem.lab.friction.state_law import StateFits
-from wroll_fem.lab.intervals import entries, variables
 from wroll_fem.lab.shear.evaluation import Measured
 from wroll_fem.numerics.inference import Estimate
 from wroll_fem.progress import Progress
@@ -84,7 +84,8 @@ def slip_results(found: ElasticSlip | None, measured: Sequence[Measured], interf
     if found is None:
         return {}, {}
     summary = {
-        **entries("elastic_slip", "m", found.elastic_slip), **entries("elastic_slip_mu", "", found.mu),
+        **entries("elastic_slip", "m", found.elastic_slip),
+        **entries("elastic_slip_mu", "", found.mu),
         **entries("series_compliance", "", found.series),
     }
     ramps = [one for one in measured if one.capacity is not None and one.stiffness is not None]

@@ -29,9 +29,13 @@ class FrictionSettings(ShearRecordSettings):
     reference_rate: Real | None = Field(
         None, gt=0, description="reference rate V_R of rate and state, m/s; default: the lowest rate of the record"
     )
-    interfaces: Whole = Field(1, ge=1, description="frictional interfaces of one stack in the ramps: layers + 1 (count)")
+    interfaces: Whole = Field(
+        1, ge=1, description="frictional interfaces of one stack in the ramps: layers + 1 (count)"
+    )
     series_compliance: Real | None = Field(
-        None, ge=0, description="compliance of layers and fixture in series in m per N, dimensionless times m/N; default: fitted"
+        None,
+        ge=0,
+        description="compliance of layers and fixture in series in m per N, dimensionless times m/N; default: fitted",
     )
     elastic_slip: Real | None = Field(
         None, gt=0, description="elastic slip gamma* for friction.yaml, m; default: the fitted one"

@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 from wroll_fem.errors import InputError
 from wroll_fem.lab.shear.record import ShearRecord
 from wroll_fem.lab.shear.segments import Part, constant_rates
-from wroll_fem.numerics.inference import Estimate, Fit, fit, linear_fit
+from wroll_fem.numerics.inference import Estimate, Fit, fit
 from wroll_fem.tribology.rate_and_state import LAWS, RateAndState, StateLaw
 from wroll_fem.typing import FloatArray
 

@@ -64,16 +64,16 @@ def capacity(record: ShearRecord, event: Event) -> Capacity:
 
 
 def _before_drop(record: ShearRecord, event: Event) -> Capacity:
-    count = max(24, round(BEFORE * event.index))
-    stop = event.index - WIDTH
+    count = max(24, round(BEFORE * event.onset))
+    stop = event.onset - WIDTH
     start = stop - count
     if start < 0:
         raise InputError(
-            f"{event.index} samples before the force drop", file=record.source,
+            f"{event.onset} samples before the force drop", file=record.source,
             remedy=f"sample faster: {count + WIDTH} are needed",
         )  # fmt: skip
     first = _line(record, start, stop, 1)
-    onset = _first_below(record, first, start, stop, min(event.index + WIDTH, len(record.time) - 1))
+    onset = _first_below(record, first, start, stop, min(event.onset + WIDTH, len(record.time) - 1))
     line = _line(record, start, onset, 1)
     curve = _line(record, start, onset, 2)
     doubts = []
@@ -111,14 +111,14 @@ def _first_below(record: ShearRecord, line: Fit, start: int, stop: int, found: i
 
 def _at_knee(record: ShearRecord, event: Event) -> Capacity:
     smooth, x = record.smooth_force, record.displacement
-    top = float(smooth[: event.index + 1].max())
-    start = int(np.flatnonzero(smooth[: event.index] <= FROM * top)[-1]) + 1 if smooth[0] <= FROM * top else 0
+    top = float(smooth[: event.onset + 1].max())
+    start = int(np.flatnonzero(smooth[: event.onset] <= FROM * top)[-1]) + 1 if smooth[0] <= FROM * top else 0
     slope = record.slope(start, max(start + 10, int(np.argmax(smooth > 0.9 * top))))
     elastic = top / slope
-    stop = int(np.argmax(x > x[event.index] + elastic)) or len(x)
-    if stop - event.index < 10:
+    stop = int(np.argmax(x > x[event.onset] + elastic)) or len(x)
+    if stop - event.onset < 10:
         raise InputError(
-            f"{stop - event.index} samples after the onset of slip", file=record.source,
+            f"{stop - event.onset} samples after the onset of slip", file=record.source,
             remedy="record longer or sample faster: 10 are needed",
         )  # fmt: skip
     own, y = x[start:stop], record.force[start:stop]

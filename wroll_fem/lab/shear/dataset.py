@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from wroll_fem.lab.common.intervals import entries, variables
 from wroll_fem.lab.friction.rate_law import pooled
-from wroll_fem.lab.intervals import entries, variables
 from wroll_fem.lab.shear.evaluation import Measured
 from wroll_fem.lab.shear.stiffness import moduli
 from wroll_fem.numerics.inference import Estimate
@@ -21,7 +21,7 @@ SAMPLES = 800
 
 
 def record_dataset(found: Sequence[Measured], area: float | None, thickness: float | None) -> xr.Dataset:
-    """Dataset of evaluated records: results over `test_record`, coefficients over `point`, thinned curves over `sample`."""
+    """Dataset of records: results over `test_record`, coefficients over `point`, thinned curves over `sample`."""
     data: dict[str, tuple[Any, Any]] = {
         "record_profile": ("test_record", [one.read.profile for one in found]),
         "normal_force": ("test_record", [one.read.record.normal_force for one in found]),
@@ -63,7 +63,8 @@ def _curves(found: Sequence[Measured]) -> dict[str, tuple[Any, Any]]:
         rows.append((one.read.specimen.displacement[at], one.read.specimen.force[at]))
     table = np.array(rows)
     return {
-        "curve_displacement": (("test_record", "sample"), table[:, 0]), "curve_force": (("test_record", "sample"), table[:, 1])
+        "curve_displacement": (("test_record", "sample"), table[:, 0]),
+        "curve_force": (("test_record", "sample"), table[:, 1]),
     }
 
 

@@ -47,8 +47,8 @@ class Measured:
 
     @property
     def loop_means(self) -> tuple[Estimate, Estimate, Estimate] | None:
-        """Energy per cycle, J, displacement amplitude, m, and force amplitude, N, of the loops; None if there are none."""
-        return None if self.loops is None else self.loops.mean(0)
+        """Means of energy, J, displacement, m, and force, N, over the loops (amplitudes); None if there are none."""
+        return None if self.loops is None else self.loops.means
 
 
 def measured(read: Read, fixture: Fixture | None, settings: ShearRecordSettings) -> Measured:
@@ -93,7 +93,7 @@ def _loops(read: Read, settings: ShearRecordSettings) -> Measured:
             f"{count} complete cycles, of which skip_cycles leaves out {skip}", file=read.record.source,
             key="skip_cycles", remedy="record more cycles, or lower it",
         )  # fmt: skip
-    kept = Loops(*(values[skip:] for values in found[:6]), found.doubts)
+    kept = found.after(skip)
     doubts = [f"{read.record.source}: {text}" for text in found.doubts]
     points: list[RatePoint] = []
     if not np.isnan(read.record.normal_force):

@@ -29,10 +29,10 @@ CLEAR = 6.0
 
 
 class Event(NamedTuple):
-    """Onset of slip: the rule that found it, and the index of the first sample beyond its threshold."""
+    """Onset of slip: the rule that found it, and the number of the first sample beyond its threshold."""
 
     rule: Rule
-    index: int
+    onset: int
 
 
 def find_event(

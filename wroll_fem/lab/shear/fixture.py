@@ -11,7 +11,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.lab.shear.record import ShearRecord
-from wroll_fem.numerics.inference import Estimate, linear_fit
+from wroll_fem.numerics.inference import Estimate, combined_freedom, linear_fit
 from wroll_fem.typing import FloatArray
 
 BEYOND = 0.02
@@ -137,10 +137,3 @@ class Fixture:
             f"{record.source}: forces of {low:.3g} to {high:.3g} N exceed those of the rigid specimen, "
             f"{self.span[0]:.3g} to {self.span[1]:.3g} N; its polynomial is extrapolated"
         )
-
-
-def combined_freedom(variances: tuple[float, ...], freedoms: tuple[float, ...]) -> float:
-    """Degrees of freedom of a sum of independent estimates (Welch and Satterthwaite)."""
-    total = sum(variances)
-    below = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True) if v > 0.0)
-    return float(total**2 / below) if below > 0.0 else float(np.inf)

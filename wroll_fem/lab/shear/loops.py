@@ -8,7 +8,8 @@ fixture does not change the energy.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,7 +25,8 @@ SAMPLES = 40
 """Samples per cycle below which the energy is doubtful: the loop is a polygon."""
 
 
-class Loops(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Loops:
     """Hysteresis loops of a record.
 
     Attributes
@@ -47,15 +49,17 @@ class Loops(NamedTuple):
     start: FloatArray
     stop: FloatArray
     duration: FloatArray
-    doubts: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
 
-    def mean(self, skip: int) -> tuple[Estimate, Estimate, Estimate]:
-        """Means of energy, displacement and force amplitude over the cycles after the first ``skip``."""
-        return (
-            mean_estimate(self.energy[skip:]),
-            mean_estimate(self.displacement[skip:]),
-            mean_estimate(self.force[skip:]),
-        )
+    def after(self, skip: int) -> Loops:
+        """Cycles without the first ``skip``."""
+        names = ("energy", "displacement", "force", "start", "stop", "duration")
+        return replace(self, **{name: getattr(self, name)[skip:] for name in names})
+
+    @property
+    def means(self) -> tuple[Estimate, Estimate, Estimate]:
+        """Means of energy, J, displacement amplitude, m, and force amplitude, N, over the cycles."""
+        return mean_estimate(self.energy), mean_estimate(self.displacement), mean_estimate(self.force)
 
 
 def loops(record: ShearRecord) -> Loops:
@@ -74,11 +78,11 @@ def loops(record: ShearRecord) -> Loops:
             remedy="record two passages of the middle in the same direction, or use test: ramp",
         )  # fmt: skip
     rows = []
-    for one, other in zip(ends[:-1], ends[1:], strict=True):
+    for one, other in pairwise(ends):
         at = np.concatenate([[one], np.arange(int(np.ceil(one)), int(np.floor(other)) + 1), [other]])
         index = np.arange(len(x))
         own_x, own_f = np.interp(at, index, x), np.interp(at, index, force)
-        energy = np.trapezoid(own_f, own_x) if hasattr(np, "trapezoid") else np.trapz(own_f, own_x)
+        energy = np.sum(0.5 * (own_f[1:] + own_f[:-1]) * np.diff(own_x))
         duration = np.interp(other, index, time) - np.interp(one, index, time)
         rows.append((energy, np.ptp(own_x) / 2.0, np.ptp(own_f) / 2.0, np.ceil(one), np.ceil(other), duration))
     table = np.array(rows).T
@@ -88,7 +92,8 @@ def loops(record: ShearRecord) -> Loops:
         doubts.append(f"{fewest} samples per cycle: the energy of a loop needs {SAMPLES} or more")
     if np.any(table[0] < 0.0):
         doubts.append("a loop runs backwards: check the signs of force and displacement")
-    return Loops(*table, tuple(doubts))
+    energy, displacement, amplitude, start, stop, duration = table
+    return Loops(energy, displacement, amplitude, start, stop, duration, tuple(doubts))
 
 
 def crossings(x: FloatArray) -> FloatArray:

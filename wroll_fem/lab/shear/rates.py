@@ -9,6 +9,7 @@ both directions averaged, so that an offset of the force cancels.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from wroll_fem.lab.shear.loops import crossings
 from wroll_fem.lab.shear.record import ShearRecord
 from wroll_fem.lab.shear.segments import FEWEST, constant_rates
 from wroll_fem.numerics.inference import Estimate, fit, linear_fit, mean_estimate
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import BoolArray, FloatArray
 
 STEADY = 0.5
 """Last part of a stretch that is averaged."""
@@ -124,7 +125,7 @@ def in_sine(record: ShearRecord, *, moving_mass: float = 0.0) -> RatePoints:
     edges = largest * np.geomspace(SLOWEST, 1.0 + 1e-9, CLASSES + 1)
     cycle = np.searchsorted(ends, np.arange(len(mu)), side="right")
     points = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         inside = slides & (np.abs(speed) >= low) & (np.abs(speed) < high)
         values = []
         for k in range(1, len(ends)):
@@ -157,14 +158,14 @@ def _sine(record: ShearRecord, ends: FloatArray) -> tuple[FloatArray, FloatArray
 
     start = {"middle": 0.0, "sine": 1.0, "cosine": 0.0, "frequency": 1.0}
     found = fit(model, x, start, scales={"middle": 0.1, "cosine": 0.1}, correlated=False)
-    offset, sine, cosine, factor = found.x
+    _, sine, cosine, factor = found.x
     phase = omega * factor * (t - at[0])
     motion = size * (sine * np.sin(phase) + cosine * np.cos(phase))
     speed = omega * factor * size * (sine * np.cos(phase) - cosine * np.sin(phase))
     return motion, speed, float(omega * factor), found.noise_level / (size * np.hypot(sine, cosine))
 
 
-def _sliding(record: ShearRecord, motion: FloatArray, forward: FloatArray) -> FloatArray:
+def _sliding(record: ShearRecord, motion: FloatArray, forward: BoolArray) -> BoolArray:
     """Samples at which the travel since the last reversal exceeds the elastic one, 2 F/K."""
     turns = np.flatnonzero(np.diff(forward.astype(int))) + 1
     bounds = [0, *turns.tolist(), len(motion)]
@@ -172,7 +173,7 @@ def _sliding(record: ShearRecord, motion: FloatArray, forward: FloatArray) -> Fl
     top = 0.5 * float(np.quantile(record.force, 0.98) - np.quantile(record.force, 0.02))
     inner = np.abs(record.force - middle) < 0.6 * top
     slopes, travel = [], np.zeros(len(motion))
-    for start, stop in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, stop in pairwise(bounds):
         own = np.arange(start, stop)
         travel[own] = np.abs(motion[own] - motion[start]) if start else 0.0
         early = own[inner[own]]

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.channels import Channel, per_file, read_channels
+from wroll_fem.lab.common.channels import Channel, per_file, read_channels
 from wroll_fem.lab.shear.events import find_event
 from wroll_fem.lab.shear.fixture import Fixture
 from wroll_fem.lab.shear.loops import crossings
@@ -134,7 +134,7 @@ def profile_of(record: ShearRecord) -> Found:
     if smooth[0] > 0.5 * smooth.max():
         return "sliding"
     try:
-        onset = find_event(record).index
+        onset = find_event(record).onset
     except InputError:
         return "ramp"
     return "sliding" if x[-1] - x[0] > LONG * (x[onset] - x[0]) else "ramp"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.lab.shear.record import ShearRecord
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 FEWEST = 10
 """Samples of a part at least."""
@@ -72,8 +73,8 @@ def _needless(sums: _Sums, bounds: list[int]) -> int | None:
     k = int(np.argmin(lengths))
     if lengths[k] < SHORT:
         return min(max(k, 1), len(bounds) - 2)
-    slopes = [sums.line(a, b)[1] for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
-    ratios = [_ratio(a, b) for a, b in zip(slopes[:-1], slopes[1:], strict=True)]
+    slopes = [sums.line(a, b)[1] for a, b in pairwise(bounds)]
+    ratios = [_ratio(a, b) for a, b in pairwise(slopes)]
     return 1 + int(np.argmin(ratios)) if min(ratios) < ALIKE else None
 
 
@@ -84,7 +85,7 @@ def _ratio(one: float, other: float) -> float:
 
 def _parts(record: ShearRecord, sums: _Sums, bounds: list[int]) -> list[Part]:
     whole = record.time[-1] - record.time[0]
-    lines = [sums.line(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    lines = [sums.line(a, b) for a, b in pairwise(bounds)]
     edges = [float(record.time[0])]
     for at, (c0, r0), (c1, r1) in zip(bounds[1:-1], lines[:-1], lines[1:], strict=True):
         meet = record.time[0] + whole * (c0 - c1) / (r1 - r0)
@@ -114,7 +115,7 @@ class _Sums(NamedTuple):
         slope = (tx - t * x / n) / (tt - t * t / n)
         return float((x - slope * t) / n), float(slope)
 
-    def squares(self, start: FloatArray, stop: FloatArray) -> FloatArray:
+    def squares(self, start: IntArray, stop: IntArray) -> FloatArray:
         """Sum of the squared distances from the line of each range, at least what the floor gives."""
         n, t, x, tt, tx, xx = self.table[:, stop] - self.table[:, start]
         with np.errstate(divide="ignore", invalid="ignore"):

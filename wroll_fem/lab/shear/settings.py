@@ -1,4 +1,4 @@
-"""Settings shared by the evaluations `shear` and `friction`: columns, units, preload, fixture, profile of each record."""
+"""Settings shared by the evaluations `shear` and `friction`: columns, units, preload, fixture, profiles."""
 
 from __future__ import annotations
 
@@ -81,6 +81,3 @@ class ShearSettings(ShearRecordSettings):
 
     area: Real | None = Field(None, gt=0, description="contact area of a stack, m^2, for the shear modulus")
     thickness: Real | None = Field(None, gt=0, description="thickness of a stack, m, for the shear modulus")
-
-
-

@@ -66,10 +66,10 @@ def ramp(
 
 
 def rigid(
-    stiffness: float, rng: np.random.Generator | None = None, *, span: tuple[float, float] = (-150.0, 250.0), count: int = 600,
-    force_noise: float = 0.3, length_noise: float = 2e-8,
+    stiffness: float, rng: np.random.Generator | None = None, *, span: tuple[float, float] = (-150.0, 250.0),
+    count: int = 600, force_noise: float = 0.3, length_noise: float = 2e-8,
 ) -> ShearRecord:  # fmt: skip
-    """Loading of a specimen without shear deformation: the fixture of a stiffness (N/m) alone, over a span of forces (N)."""
+    """Loading of a rigid specimen: the fixture of a stiffness (N/m) alone, over a span of forces (N)."""
     force = np.linspace(*span, count)
     x = force / stiffness
     if rng is not None:

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from wroll_fem.case.base import Real, Section, Switch, Whole
 from wroll_fem.errors import InputError
-from wroll_fem.lab.channels import Channel, per_file, read_channels
-from wroll_fem.lab.intervals import entries, variables
+from wroll_fem.lab.common.channels import Channel, per_file, read_channels
+from wroll_fem.lab.common.intervals import entries, variables
 from wroll_fem.lab.kinds import Figure, Kind
 from wroll_fem.lab.result import LabResult
 from wroll_fem.lab.settings import LabSettings

@@ -21,8 +21,7 @@ from scipy.special import stdtrit
 from wroll_fem.case import Case, load_case
 from wroll_fem.case.winding import Winding
 from wroll_fem.errors import InputError
-from wroll_fem.lab.shear.fixture import combined_freedom
-from wroll_fem.numerics.inference import Estimate
+from wroll_fem.numerics.inference import Estimate, combined_freedom
 from wroll_fem.typing import FloatArray
 from wroll_fem.winding import wound_roll
 
@@ -159,7 +158,9 @@ class WindingModel:
             curve = CubicSpline(nodes, [self.pressures(float(node), fine=False)[0] for node in nodes])
             return np.asarray(curve(tensions))
         normal = stdtrit(1e9, levels)
-        factors = {key: np.maximum(1.0 + size * rng.permutation(normal), SMALLEST) for key, size in self.uncertain.items()}
+        factors = {
+            key: np.maximum(1.0 + size * rng.permutation(normal), SMALLEST) for key, size in self.uncertain.items()
+        }
         found = [
             self.pressures(float(one), {key: self.values[key] * float(factors[key][k]) for key in factors}, fine=False)
             for k, one in enumerate(tensions)

@@ -63,3 +63,10 @@ def mean_estimate(values: FloatArray) -> Estimate:
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else math.inf
     return Estimate(float(np.mean(values)), error, count - 1.0)
+
+
+def combined_freedom(variances: tuple[float, ...], freedoms: tuple[float, ...]) -> float:
+    """Degrees of freedom of a sum of independent estimates (Welch and Satterthwaite)."""
+    total = sum(variances)
+    below = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True) if v > 0.0)
+    return float(total**2 / below) if below > 0.0 else float(np.inf)

@@ -102,14 +102,14 @@ class Fit:
 
     def predicted(self, gradient: FloatArray, value: float) -> Estimate:
         """Estimate of a function of the parameters with the given value and gradient (p,) with respect to x."""
-        return Estimate(value, float(np.sqrt(max(0.0, gradient @ self.covariance @ gradient))), self.freedom)
+        return Estimate(value, float(np.sqrt(np.maximum(0.0, gradient @ self.covariance @ gradient))), self.freedom)
 
     def criterion(self, noise: NoiseModel | None = None) -> float:
         """Akaike's information criterion with its correction for short records, with this noise or another one."""
         model = self.noise if noise is None else noise
         white = model.whiten(self.residuals, self.lengths)
         n, k = len(white), len(self.x) + 1
-        return float(n * np.log(np.mean(white**2)) + 2.0 * k + 2.0 * k * (k + 1.0) / max(1.0, n - k - 1.0))
+        return float(n * np.log(np.mean(white**2) + 1e-300) + 2.0 * k + 2.0 * k * (k + 1.0) / max(1.0, n - k - 1.0))
 
 
 def fit(

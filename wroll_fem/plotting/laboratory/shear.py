@@ -93,7 +93,15 @@ def draw_points(data: xr.Dataset, drawn: Axes) -> None:
         if own.any():
             text = {"constant": "constant rate", "steps": "velocity steps", "sine": "sine"}[name]
             drawn.errorbar(
-                rate[own], value[own], reach[:, own], fmt=mark, color=style.LINES[k], ms=5, capsize=2, lw=1.0, label=text
+                rate[own],
+                value[own],
+                reach[:, own],
+                fmt=mark,
+                color=style.LINES[k],
+                ms=5,
+                capsize=2,
+                lw=1.0,
+                label=text,
             )
     drawn.set_xscale("log")
     drawn.set_xlabel("Slip rate (m/s)")

@@ -23,7 +23,9 @@ for _law in ("ageing", "slip"):
 ENTRIES: dict[str, Entry] = {
     "rate_model": Entry("", "model of mu(V)", "of the file friction.yaml", "si", "{}"),
     "rate_criterion": number(
-        "", "Akaike's criterion of each model of mu(V)", "constant, logarithmic, table; `null` without; the smallest is best"
+        "",
+        "Akaike's criterion of each model of mu(V)",
+        "constant, logarithmic, table; `null` without; the smallest is best",
     ),
     "rate_table_m_s": number("m/s", "slip rates of the table"),
     "rate_table_mu": number("", "coefficient of friction per slip rate of the table"),
@@ -35,7 +37,9 @@ ENTRIES: dict[str, Entry] = {
         "", "difference of Akaike's criterion between the laws", "above 10 the record decides"
     ),
     **_STATE,
-    "elastic_slip_m": Entry("m", "elastic slip gamma*", "from stiffness and capacity over the preload", "si", "{:.3g} m"),
+    "elastic_slip_m": Entry(
+        "m", "elastic slip gamma*", "from stiffness and capacity over the preload", "si", "{:.3g} m"
+    ),
     "elastic_slip_interval_m": Entry("m", "interval of the elastic slip", ENDS),
     "elastic_slip_mu": number("", "coefficient of friction from the capacities", "F_c = 2 mu F_N"),
     "elastic_slip_mu_interval": number("", "interval of this coefficient", ENDS),
