@@ -148,6 +148,32 @@ def studies() -> None:
             print(save(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
 
 
+LAB = {
+    ("shear", "force_displacement"): "lab_shear",
+    ("friction", "rate"): "lab_friction_rate",
+    ("friction", "state"): "lab_friction_state",
+    ("tension", "tension"): "lab_tension",
+}
+"""Kind and figure of a laboratory evaluation -> its picture, drawn from the example of the kind."""
+
+
+def laboratory() -> None:
+    """Draw the figures of docs/laboratory.md from the examples of the kinds."""
+    import tempfile
+
+    import wroll_fem as wf
+    from wroll_fem.lab.examples import example_files
+    from wroll_fem.plotting.names import save
+
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in dict.fromkeys(kind for kind, _ in LAB):
+            files = example_files(kind, Path(folder) / kind)
+            result = wf.lab.evaluate(kind, files, settings_file=files[0].parent / "settings.yaml")
+            for (other, figure), name in LAB.items():
+                if other == kind:
+                    print(save(result.plot(figure), FIGURES / f"{name}.png"), flush=True)
+
+
 def main() -> None:
     """Run everything, then copy pictures and write tables."""
     FIGURES.mkdir(parents=True, exist_ok=True)
@@ -177,6 +203,7 @@ def main() -> None:
     (ROOT / "docs" / "tables" / "base.md").write_text(base_table(summaries))
     (ROOT / "docs" / "tables" / "mesh.md").write_text(mesh_table(summaries))
     studies()
+    laboratory()
 
 
 if __name__ == "__main__":

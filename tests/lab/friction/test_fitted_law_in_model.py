@@ -45,10 +45,10 @@ def test_example_returns_the_truth_that_made_it(fitted: Path) -> None:
 
 
 def test_fitted_law_runs_in_the_smallest_case(fitted: Path, tmp_path: Path) -> None:
-    text = (fitted / "friction.yaml").read_text(encoding="utf-8")
-    out = tmp_path / "run"
+    file, out = fitted / "friction.yaml", tmp_path / "run"
+    text = file.read_text(encoding="utf-8")
     done = CliRunner().invoke(
-        app, ["run", str(CONFIGS / "tiny.yaml"), "--set", f"contact.friction={text}", "--out", str(out)]
+        app, ["run", str(CONFIGS / "tiny.yaml"), "--set", f"contact.friction=@{file}", "--out", str(out)]
     )
     assert done.exit_code == 0, done.output
     section = load_case(out / "case.yaml").contact.friction
@@ -60,6 +60,11 @@ def test_fitted_law_runs_in_the_smallest_case(fitted: Path, tmp_path: Path) -> N
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     assert summary["friction_energy_j"] > 0.0
     assert abs(summary["energy_balance_error"]) < 1e-6
+
+
+def test_missing_file_of_a_value_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none.yaml: --set contact.friction: cannot be read \(no such file"):
+        load_case(CONFIGS / "tiny.yaml", [f"contact.friction=@{tmp_path / 'none.yaml'}"])
 
 
 def test_fitted_law_reaches_python_as_a_mapping(fitted: Path) -> None:

@@ -86,7 +86,7 @@ def slip_results(found: ElasticSlip | None, measured: Sequence[Measured], interf
     summary = {
         **entries("elastic_slip", "m", found.elastic_slip),
         **entries("elastic_slip_mu", "", found.mu),
-        **entries("series_compliance", "", found.series),
+        **entries("series_compliance", "m_per_n", found.series),
     }
     ramps = [one for one in measured if one.capacity is not None and one.stiffness is not None]
     force = np.array([one.read.record.normal_force for one in ramps])

@@ -21,7 +21,7 @@ def law_text(section: dict[str, object], remarks: Sequence[str]) -> str:
     """
     head = [
         "# Section contact.friction of a case file; run a case with it by",
-        '#   wroll run CASE.yaml --set contact.friction="$(cat friction.yaml)"',
+        "#   wroll run CASE.yaml --set contact.friction=@friction.yaml",
         *(f"# {text}" for text in remarks),
     ]
     _check(section)

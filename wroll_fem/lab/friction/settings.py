@@ -35,7 +35,7 @@ class FrictionSettings(ShearRecordSettings):
     series_compliance: Real | None = Field(
         None,
         ge=0,
-        description="compliance of layers and fixture in series in m per N, dimensionless times m/N; default: fitted",
+        description="compliance of layers and fixture in series, m/N; default: fitted",
     )
     elastic_slip: Real | None = Field(
         None, gt=0, description="elastic slip gamma* for friction.yaml, m; default: the fitted one"

@@ -43,8 +43,8 @@ ENTRIES: dict[str, Entry] = {
     "elastic_slip_interval_m": Entry("m", "interval of the elastic slip", ENDS),
     "elastic_slip_mu": number("", "coefficient of friction from the capacities", "F_c = 2 mu F_N"),
     "elastic_slip_mu_interval": number("", "interval of this coefficient", ENDS),
-    "series_compliance": number("m/N", "compliance in series with the interfaces, m/N", "of layers and fixture"),
-    "series_compliance_interval": number("m/N", "interval of this compliance, m/N", ENDS),
+    "series_compliance_m_per_n": number("m/N", "compliance in series with the interfaces", "of layers and fixture"),
+    "series_compliance_interval_m_per_n": number("m/N", "interval of this compliance", ENDS),
 }
 """Name in summary.json -> entry."""
 
