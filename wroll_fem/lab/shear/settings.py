@@ -18,11 +18,16 @@ Profile = Literal["auto", "ramp", "loops", "sliding"]
 class ShearColumns(Section):
     """Columns of the files: a name, or the place counted from 1."""
 
-    time: str | int = Field("time", description="column of the time")
-    displacement: str | int = Field("displacement", description="column of the displacement of the platen")
-    force: str | int = Field("force", description="column of the force of the machine on both stacks")
+    time: str | int = Field("time", description="column of the time: name, or place (count)")
+    displacement: str | int = Field(
+        "displacement", description="column of the displacement of the platen: name, or place (count)"
+    )
+    force: str | int = Field(
+        "force", description="column of the force of the machine on both stacks: name, or place (count)"
+    )
     normal_force: str | int | None = Field(
-        None, description="column of the normal force of one piston, in place of the key normal_force"
+        None,
+        description="column of the normal force, in place of the key normal_force: name, or place (count)",
     )
 
 

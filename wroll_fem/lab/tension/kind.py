@@ -30,10 +30,14 @@ STEADY = 0.02
 class TensionColumns(Section):
     """Columns of the files: a name, or the place counted from 1."""
 
-    time: str | int = Field("time", description="column of the time")
-    tension: str | int = Field("tension", description="column of the tension of the web")
-    voltage: str | int | None = Field(None, description="column of the voltage, in place of the key voltage")
-    current: str | int | None = Field(None, description="column of the current, in place of the key current")
+    time: str | int = Field("time", description="column of the time: name, or place (count)")
+    tension: str | int = Field("tension", description="column of the tension of the web: name, or place (count)")
+    voltage: str | int | None = Field(
+        None, description="column of the voltage, in place of the key voltage: name, or place (count)"
+    )
+    current: str | int | None = Field(
+        None, description="column of the current, in place of the key current: name, or place (count)"
+    )
 
 
 class TensionUnits(Section):
