@@ -156,6 +156,7 @@ def names_of_python(page: str) -> list[dict[str, Any]]:
 
 PYTHON_OF_PAGES: dict[str, Callable[..., bool]] = {
     "install.md": lambda run: run["result"]["friction_energy"][-1] > 1e-3,  # J
+    "laboratory.md": lambda fit: fit["result"].summary["parameters"]["elastic_slip_m"] < 1e-5,
     "damping-estimators.md": lambda choice: abs(choice["found"].zeta / 0.4 - 1.0) < 0.05,
     "bench-tests.md": lambda stack, rates: (
         abs(stack["data"].attrs["shear_capacity_n"] / stack["test"].capacity - 1.0) < 1e-6

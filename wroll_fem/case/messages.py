@@ -122,7 +122,9 @@ def _explain(detail: ErrorDetails, model: type[BaseModel], known: Sequence[str])
             key, value = f"{key}.{tag}", value.get(tag)
         return key, f"is not one of the choices, got {_show(value)}", f"use {options.replace(' or ', ', ')}", ""
     if kind == "union_tag_not_found":
-        return f"{key}.kind", "required key is missing", f"add it ({what}): chirp, dwell or sine", ""
+        found = [str(tag) for one in sections(field.annotation) for tag in _tags(one)] if field is not None else []
+        kinds = "chirp, dwell or sine" if not found or keys[-1] == "excitation" else " or ".join(found)
+        return f"{key}.kind", "required key is missing", f"add it ({what}): {kinds}", ""
     if kind in _BOUNDS:
         return key, f"{_BOUNDS[kind].format(**context)}{got}", f"give the {what}", ""
     if kind in _KINDS:

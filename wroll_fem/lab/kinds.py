@@ -38,6 +38,9 @@ KINDS: dict[str, Listed] = {
         "wroll_fem.lab.transmissibility",
         "Transmissibility, resonance frequency and damping from records of base and tip.",
     ),
+    "fit": Listed(
+        "wroll_fem.lab.fit", "Two-mass model, or friction and elastic slip of a roll, from measured transmissibilities."
+    ),
     "shear": Listed(
         "wroll_fem.lab.shear.kind",
         "Capacity, stiffness, modulus, loops and coefficient of friction from shear tests.",

@@ -21,7 +21,7 @@ class LabSettings(Section):
     Attributes
     ----------
     PATHS
-        Keys with paths. A relative path in a settings file is taken relative to this file.
+        Dotted keys with paths. A relative path in a settings file is taken relative to this file.
     """
 
     PATHS: ClassVar[tuple[str, ...]] = ()
@@ -62,8 +62,12 @@ def read_settings(
     data = {} if path is None else read_yaml(path, "settings file")
     if path is not None:
         for key in model.PATHS:
-            if isinstance(data.get(key), str):
-                data[key] = str((path.parent / data[key]).resolve())
+            *outer, last = key.split(".")
+            here: Any = data
+            for part in outer:
+                here = here.get(part) if isinstance(here, dict) else None
+            if isinstance(here, dict) and isinstance(here.get(last), str):
+                here[last] = str((path.parent / here[last]).resolve())
     source = None if path is None else str(path)
     merged, (keys, _) = overridden(data, [*overrides, *override_texts(dict(values or {}))], source)
     try:

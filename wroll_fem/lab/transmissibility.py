@@ -44,8 +44,8 @@ class TransmissibilitySettings(LabSettings):
     tip: str | int = Field("tip", description="column of the tip, by name, or by its place (count, the first is 1)")
     base_unit: str = Field(
         "m/s^2",
-        description="unit of the base, which also tells its quantity: m/s^2, g, mm/s^2 (acceleration), m/s, mm/s, um/s "
-        "(velocity), m, mm, um (displacement)",
+        description="unit of the base, which also tells its quantity: acceleration `m/s^2` `g` `mm/s^2`; velocity "
+        "`m/s` `mm/s` `um/s`; displacement `m` `mm` `um`",
     )
     tip_unit: str = Field("m/s^2", description="unit of the tip, as for the base")
     tip_relative: Switch = Field(False, description="whether the tip is measured relative to the base")

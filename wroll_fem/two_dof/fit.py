@@ -15,9 +15,10 @@ from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.identifiability import Uncertainty, uncertainty
 from wroll_fem.two_dof.model import TwoMasses
 from wroll_fem.two_dof.periodic import PeriodicSolver
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 FREE = ("m1", "k1", "c1", "m2", "k2", "c2", "base_amplitude", "smoothing")
 """Names of the parameters that can be fitted, besides the friction capacities."""
@@ -38,6 +39,8 @@ class Measured:
     omega : (n,) frequencies, rad/s, ascending (for a scaled model, relative to the natural frequency of the primary)
     transmissibility : (n,) largest abs(x_1) divided by Y_0, above 0
     capacity : friction capacity, N; the initial value if capacities are fitted
+    base_amplitude : amplitude Y_0 of the base of this curve, m; None for that of the model
+    roll : number of the roll; fitted capacities are shared by the curves of a roll; None for a roll of its own
 
     Raises
     ------
@@ -48,6 +51,8 @@ class Measured:
     omega: FloatArray
     transmissibility: FloatArray
     capacity: float
+    base_amplitude: float | None = None
+    roll: int | None = None
 
     def __post_init__(self) -> None:
         omega, values = np.asarray(self.omega, float), np.asarray(self.transmissibility, float)
@@ -78,7 +83,8 @@ class Fit:
     capacities : friction capacity of each curve, N, fitted or given
     error : root mean square of ln(model / measured)
     errors : error of each start, smallest first; equal values indicate a unique minimum
-    at_bound : names of parameters that ended on a bound and are doubtful (`capacity k` for the k-th curve)
+    at_bound : names of parameters that ended on a bound and are doubtful (`capacity k` for the k-th roll)
+    uncertainty : confidence of the parameters, and what the data do not determine
     """
 
     model: TwoMasses
@@ -86,6 +92,7 @@ class Fit:
     error: float
     errors: FloatArray
     at_bound: tuple[str, ...]
+    uncertainty: Uncertainty
 
 
 @dataclass(frozen=True)
@@ -95,6 +102,7 @@ class _Problem:
     names: tuple[str, ...]
     low: FloatArray
     high: FloatArray
+    accuracy: float = ACCURACY
 
     def unpack(self, x: FloatArray) -> tuple[TwoMasses, FloatArray]:
         """Model and friction capacities (N) that belong to the logarithms of the free parameters."""
@@ -103,7 +111,14 @@ class _Problem:
         changes: dict[str, Any] = dict(zip(self.names, map(float, values[:count]), strict=True))
         model = replace(self.model, **changes)
         given = np.array([m.capacity for m in self.measured])
-        return model, values[count:] if len(values) > count else given
+        return model, values[count:][self.rolls] if len(values) > count else given
+
+    @property
+    def rolls(self) -> IntArray:
+        """(n,) place of the roll of each curve among the rolls."""
+        keys = [("own", k) if one.roll is None else ("roll", one.roll) for k, one in enumerate(self.measured)]
+        places = {key: k for k, key in enumerate(dict.fromkeys(keys))}
+        return np.array([places[key] for key in keys])
 
     def residuals(self, x: FloatArray) -> FloatArray:
         """Differences of ln(T) between model and measurement at all points of all curves."""
@@ -111,19 +126,26 @@ class _Problem:
         found = []
         for one, capacity in zip(self.measured, capacities, strict=True):
             try:
-                curve = PeriodicSolver(model.preloaded(float(capacity)), accuracy=ACCURACY).curve(one.omega)
+                own = model if one.base_amplitude is None else replace(model, base_amplitude=one.base_amplitude)
+                curve = PeriodicSolver(own.preloaded(float(capacity)), accuracy=self.accuracy).curve(one.omega)
                 found.append(np.log([m.transmissibility for m in curve]) - np.log(one.transmissibility))
             except ConvergenceError:
                 found.append(np.full(len(one.omega), LOST))
         return np.concatenate(found)
 
-    def solve(self, start: FloatArray) -> tuple[FloatArray, float]:
-        """Logarithms of the best parameters from one starting point, and root mean square residual."""
+    def solve(self, start: FloatArray) -> tuple[FloatArray, float, FloatArray, FloatArray]:
+        """Logarithms of the best parameters from one start, root mean square residual, Jacobian and residuals."""
         with threadpool_limits(1, "blas"):
             done = least_squares(
-                self.residuals, start, bounds=(self.low, self.high), diff_step=STEP, x_scale=1.0, xtol=1e-5, ftol=1e-5
+                self.residuals,
+                start,
+                bounds=(self.low, self.high),
+                diff_step=STEP / ACCURACY * self.accuracy,
+                x_scale=1.0,
+                xtol=1e-5,
+                ftol=1e-5,
             )
-        return done.x, float(np.sqrt(2.0 * done.cost / len(done.fun)))
+        return done.x, float(np.sqrt(2.0 * done.cost / len(done.fun))), np.asarray(done.jac), np.asarray(done.fun)
 
 
 def fit_curves(
@@ -135,6 +157,7 @@ def fit_curves(
     starts: int = 4,
     seed: int = 1,
     workers: int | None = None,
+    accuracy: float = ACCURACY,
 ) -> Fit:
     """Fit the model to transmissibility curves measured at several preloads.
 
@@ -157,6 +180,8 @@ def fit_curves(
         Number of starts; seed of the hypercube.
     workers
         Number of processes; None for the number of cores.
+    accuracy
+        Relative accuracy of the computed curves; the steps of the finite differences are a hundred times larger.
 
     Raises
     ------
@@ -187,33 +212,43 @@ def fit_curves(
             remedy="give the lower bound first",
         )  # fmt: skip
     names = tuple(bounds)
-    free = [bounds[name] for name in names] + [capacity_bounds] * len(measured) * (capacity_bounds is not None)
+    problem = _Problem(tuple(measured), model, names, np.zeros(0), np.zeros(0), accuracy)
+    count = int(problem.rolls.max()) + 1 if capacity_bounds is not None else 0
+    free = [bounds[name] for name in names] + [capacity_bounds] * count
     if not free or starts < 1:
         raise InputError("there is nothing to fit", remedy="free at least one parameter and use at least one start")
     low, high = (np.log(np.array([pair[i] for pair in free if pair is not None])) for i in (0, 1))
     first = [getattr(model, name) for name in names]
-    first += [one.capacity for one in measured] if capacity_bounds is not None else []
-    problem = _Problem(tuple(measured), model, names, low, high)
+    first += [measured[int(np.argmax(problem.rolls == k))].capacity for k in range(count)]
+    problem = replace(problem, low=low, high=high)
     inside = 1e-6 * (high - low)
     points = [np.clip(np.log(first), low + inside, high - inside)]
     points += (
         list(low + (high - low) * qmc.LatinHypercube(len(low), seed=seed).random(starts - 1)) if starts > 1 else []
     )
-    count = min(len(os.sched_getaffinity(0)) if workers is None else workers, starts)
-    if count > 1:
-        with ProcessPoolExecutor(count) as pool:
-            found = list(pool.map(partial(_Problem.solve, problem), points))
-    else:
-        found = [problem.solve(point) for point in points]
-    found.sort(key=lambda pair: pair[1])
-    best, error = found[0]
-    labels = [*names, *(f"capacity {k + 1}" for k in range(len(measured)))]
+    found = _solved(problem, points, workers)
+    best, error, jacobian, residuals = found[0]
+    labels = [*names, *(f"capacity {k + 1}" for k in range(count))]
     edge = np.minimum(best - low, high - best) < 1e-3 * (high - low)
     fitted, capacities = problem.unpack(best)
     return Fit(
         fitted,
         np.asarray(capacities),
         error,
-        np.array([e for _, e in found]),
-        tuple(label for label, at in zip(labels, edge, strict=False) if at),
+        np.array([one[1] for one in found]),
+        tuple(label for label, at in zip(labels, edge, strict=True) if at),
+        uncertainty(labels, best, jacobian, residuals),
     )
+
+
+def _solved(
+    problem: _Problem, points: Sequence[FloatArray], workers: int | None
+) -> list[tuple[FloatArray, float, FloatArray, FloatArray]]:
+    """Solutions from all starting points, best first; see `_Problem.solve`."""
+    count = min(len(os.sched_getaffinity(0)) if workers is None else workers, len(points))
+    if count > 1:
+        with ProcessPoolExecutor(count) as pool:
+            found = list(pool.map(partial(_Problem.solve, problem), points))
+    else:
+        found = [problem.solve(point) for point in points]
+    return sorted(found, key=lambda one: one[1])

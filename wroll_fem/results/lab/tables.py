@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wroll_fem.results.entry import Entry, Field
-from wroll_fem.results.lab import friction, shear, tension, transmissibility
+from wroll_fem.results.lab import fit, friction, shear, tension, transmissibility
 
 LAB_ENTRIES: dict[str, dict[str, Entry]] = {
     "Every evaluation of the laboratory": {
@@ -11,6 +11,7 @@ LAB_ENTRIES: dict[str, dict[str, Entry]] = {
         "files": Entry("", "number of input files", "", "number"),
     },
     "Laboratory: transmissibility": transmissibility.ENTRIES,
+    "Laboratory: fit": fit.ENTRIES,
     "Laboratory: shear": shear.ENTRIES,
     "Laboratory: friction": friction.ENTRIES,
     "Laboratory: tension": tension.ENTRIES,
@@ -19,6 +20,7 @@ LAB_ENTRIES: dict[str, dict[str, Entry]] = {
 
 LAB_FIELDS: dict[str, dict[str, Field]] = {
     "Laboratory: transmissibility": transmissibility.FIELDS,
+    "Laboratory: fit": fit.FIELDS,
     "Laboratory: shear": shear.FIELDS,
     "Laboratory: friction": friction.FIELDS,
     "Laboratory: tension": tension.FIELDS,
