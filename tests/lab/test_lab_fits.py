@@ -13,10 +13,10 @@ from scipy.stats import binom
 
 import wroll_fem as wf
 from wroll_fem.errors import InputError
-from wroll_fem.lab import synthetic_roll as roll
-from wroll_fem.lab.backbone_fit import BackboneSettings, fit_backbones, predicted, read_backbones
 from wroll_fem.lab.examples import example_files
-from wroll_fem.lab.family_file import read_families
+from wroll_fem.lab.fits import synthetic_roll as roll
+from wroll_fem.lab.fits.backbone_fit import BackboneSettings, fit_backbones, predicted, read_backbones
+from wroll_fem.lab.fits.family_file import read_families
 from wroll_fem.numerics.identifiability import uncertainty
 from wroll_fem.results.dataset import save_dataset
 from wroll_fem.signals.estimators import estimate_damping
@@ -159,6 +159,15 @@ def check_two_masses(folder: Path, model: dict, amplitudes: tuple[float, ...], t
     np.testing.assert_allclose(found.data["fit_computed"], found.data["fit_measured"], rtol=0.05)
 
 
+def test_curves_that_stick_give_the_stiffness_of_two_masses_but_not_the_capacity(tmp_path: Path) -> None:
+    path = save_dataset(two_mass_family(TWO_MASSES, 30.0, (1.0,)), tmp_path / "results.nc")
+    found = wf.lab.evaluate("fit", [path], model=MODEL | {"capacity": [15.0, 60.0], "points": 6})
+    assert found.summary["parameters"]["stiffness_ratio"] == pytest.approx(0.8, rel=0.01)  # of an interpolated curve
+    np.testing.assert_allclose(found.data["fit_computed"], found.data["fit_measured"], rtol=0.05)
+    assert set(np.unique(found.data["datum_quantity"].values)) == {"transmissibility"}
+
+
+@pytest.mark.slow
 def test_stiffness_and_capacity_of_two_masses_are_fitted_from_sweeps(tmp_path: Path) -> None:
     check_two_masses(tmp_path, MODEL, (1.0,), 0.01)  # the curve is interpolated between 60 frequencies
 

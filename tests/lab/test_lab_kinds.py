@@ -115,7 +115,7 @@ def test_a_folder_of_an_interrupted_evaluation_can_be_used_again(
     file, out = str(examples["transmissibility"][0]), tmp_path / "out"
     out.mkdir()
     (out / "provenance.json").write_text('{"status": "failed"}', encoding="utf-8")
-    words = ["lab", "transmissibility", file, "--set", "figures=false", "--out", str(out)]
+    words = ["lab", "transmissibility", file, "--set", "figures=false", "--set", "resolution=1", "--out", str(out)]
     assert CliRunner().invoke(app, words).exit_code == 0
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine.txt").touch()
@@ -125,12 +125,13 @@ def test_a_folder_of_an_interrupted_evaluation_can_be_used_again(
 
 
 def test_the_python_call_gives_the_result_of_the_command(examples: dict[str, list[Path]]) -> None:
-    found = wf.lab.evaluate("transmissibility", examples["transmissibility"])
-    assert found.kind == "transmissibility"
+    files = examples["fit"]
+    found = wf.lab.evaluate("fit", files, settings_file=files[0].parent / "settings.yaml")
+    assert found.kind == "fit"
     assert found.inputs[0]["bytes"] > 0
     assert found.warnings == []
-    assert found.data.attrs["evaluation"] == "transmissibility"
+    assert found.data.attrs["evaluation"] == "fit"
     with pytest.raises(InputError, match="use one of"):
         found.plot("nonsense")
     with pytest.raises(InputError, match="unknown kind 'nonsense' of evaluation; use one of"):
-        wf.lab.evaluate("nonsense", examples["transmissibility"])
+        wf.lab.evaluate("nonsense", files)

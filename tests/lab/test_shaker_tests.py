@@ -14,10 +14,10 @@ from scipy.stats import binom
 import wroll_fem as wf
 from wroll_fem.errors import InputError
 from wroll_fem.lab.examples import example_files
-from wroll_fem.lab.random_trials import random_curve, suited_resolution
-from wroll_fem.lab.sweep_trials import sweep_curve, swept
-from wroll_fem.lab.synthetic import oscillator_tip
-from wroll_fem.lab.trial import Trial
+from wroll_fem.lab.shaker.random_trials import random_curve, suited_resolution
+from wroll_fem.lab.shaker.sweep_trials import sweep_curve, swept
+from wroll_fem.lab.shaker.synthetic import oscillator_tip
+from wroll_fem.lab.shaker.trial import Trial
 from wroll_fem.signals.random.random_motion import random_record
 from wroll_fem.signals.sweeps import Chirp, LinearSweep, Sweep
 

@@ -35,11 +35,12 @@ class Listed(NamedTuple):
 
 KINDS: dict[str, Listed] = {
     "transmissibility": Listed(
-        "wroll_fem.lab.transmissibility",
+        "wroll_fem.lab.shaker.transmissibility",
         "Transmissibility, resonance frequency and damping from records of base and tip.",
     ),
     "fit": Listed(
-        "wroll_fem.lab.fit", "Two-mass model, or friction and elastic slip of a roll, from measured transmissibilities."
+        "wroll_fem.lab.fits.fit",
+        "Two-mass model, or friction and elastic slip of a roll, from measured resonances.",
     ),
     "shear": Listed(
         "wroll_fem.lab.shear.kind",

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.curve import Curve
-from wroll_fem.lab.trial import Trial, check_rate, to_acceleration
+from wroll_fem.lab.shaker.curve import Curve
+from wroll_fem.lab.shaker.trial import Trial, check_rate, to_acceleration
 from wroll_fem.signals.quality import Circumstances, judge
 from wroll_fem.signals.random.h1_damping import damping_of_h1
 from wroll_fem.signals.random.welch import Spectra, averaged_spectra, peak_bias, wanted_resolution

@@ -12,16 +12,16 @@ from scipy.signal import stft
 
 from wroll_fem.case.base import Real, Switch, validation_error
 from wroll_fem.errors import InputError
-from wroll_fem.lab.conditions import ConditionSettings, grouped
-from wroll_fem.lab.curve import Curve
-from wroll_fem.lab.family import Measured, family_dataset, family_doubts, family_summary
 from wroll_fem.lab.kinds import Figure, Kind
-from wroll_fem.lab.random_trials import random_curve, suited_resolution, with_doubts
 from wroll_fem.lab.result import LabResult
 from wroll_fem.lab.settings import LabSettings
-from wroll_fem.lab.sweep_trials import Swept, sweep_curve, swept
-from wroll_fem.lab.synthetic import shaker_example
-from wroll_fem.lab.trial import Trial, read_trial
+from wroll_fem.lab.shaker.conditions import ConditionSettings, grouped
+from wroll_fem.lab.shaker.curve import Curve
+from wroll_fem.lab.shaker.family import Measured, family_dataset, family_doubts, family_summary
+from wroll_fem.lab.shaker.random_trials import random_curve, suited_resolution, with_doubts
+from wroll_fem.lab.shaker.sweep_trials import Swept, sweep_curve, swept
+from wroll_fem.lab.shaker.synthetic import shaker_example
+from wroll_fem.lab.shaker.trial import Trial, read_trial
 from wroll_fem.progress import Progress
 
 Method = Literal["random", "sweep"]

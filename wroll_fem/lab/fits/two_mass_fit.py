@@ -17,7 +17,7 @@ from pydantic import Field, field_validator
 
 from wroll_fem.case.base import Real, Switch, TaggedSection, Whole, validation_error
 from wroll_fem.errors import InputError
-from wroll_fem.lab.family_file import Resonance
+from wroll_fem.lab.fits.family_file import Resonance
 from wroll_fem.two_dof.fit import Fit, Measured, fit_curves
 from wroll_fem.two_dof.model import Arrangement, TwoMasses
 from wroll_fem.typing import FloatArray

@@ -16,8 +16,8 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t as student
 
-from wroll_fem.lab.conditions import Condition
-from wroll_fem.lab.curve import Curve
+from wroll_fem.lab.shaker.conditions import Condition
+from wroll_fem.lab.shaker.curve import Curve
 from wroll_fem.typing import FloatArray
 
 NORMAL_95 = 1.96

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from typing import Literal
@@ -27,13 +28,16 @@ from scipy.optimize import least_squares
 
 from wroll_fem.case.base import Real, Switch, TaggedSection
 from wroll_fem.errors import InputError
-from wroll_fem.lab.family_file import Resonance
+from wroll_fem.lab.fits.family_file import Resonance
 from wroll_fem.numerics.identifiability import Uncertainty, uncertainty
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.typing import FloatArray, IntArray
 
 WIDEST = 1e3
 """Factor around the elastic slip of the grid within which that of the roll is searched."""
+
+LEAST_LOSS = 0.2
+"""Increase of the base acceleration over the amplitude from which a backbone slides."""
 
 STEP = 1e-6
 """Step of the differences of logarithms."""
@@ -83,26 +87,40 @@ class Backbone:
     frequency: FloatArray
     base: FloatArray
 
-    def at(self, amplitude: FloatArray, slip: float) -> tuple[FloatArray, FloatArray]:
-        """Logarithms of frequency and base acceleration at amplitudes (m), for an elastic slip (m).
+    @cached_property
+    def onset(self) -> float:
+        """Logarithm of the amplitude over gamma* at which half of the largest damping by sliding is reached."""
+        ratio = self.base / self.amplitude
+        excess = ratio - ratio[0]
+        top = int(np.argmax(excess))
+        if not excess[top] > LEAST_LOSS * ratio[0]:
+            return float(np.log(self.amplitude[-1] / self.slip))
+        return float(
+            np.log(
+                np.interp(0.5 * excess[top], np.maximum.accumulate(excess[: top + 1]), self.amplitude[: top + 1])
+                / self.slip
+            )
+        )
 
-        Beyond its ends the frequency is constant, and the base acceleration proportional to the amplitude.
+    def at(self, relative: FloatArray) -> FloatArray:
+        """(2, n) logarithms of frequency and of base acceleration over amplitude, at amplitudes relative to the onset.
+
+        ``relative`` are logarithms of amplitudes over that of `onset`. Beyond the ends both are constant.
         """
-        scaled, own = np.log(amplitude * self.slip / slip), np.log(self.amplitude)
-        ratio = np.log(self.base / self.amplitude)
-        return (
-            np.interp(scaled, own, np.log(self.frequency)),
-            np.interp(scaled, own, ratio) + np.log(amplitude),
-        )  # fmt: skip
+        own = np.log(self.amplitude / self.slip) - self.onset
+        return np.array([
+            np.interp(relative, own, np.log(self.frequency)),
+            np.interp(relative, own, np.log(self.base / self.amplitude)),
+        ])  # fmt: skip
 
 
-def read_backbones(folder: Path) -> list[Backbone]:
-    """Backbones of all run folders inside a folder, by ascending stick stiffness.
+def read_backbones(folder: Path, *, fewest: int = 2) -> list[Backbone]:
+    """Backbones of all run folders inside a folder, by ascending stick stiffness; ``fewest`` or more.
 
     Raises
     ------
     InputError
-        If there are fewer than two backbones of penalty Coulomb friction, or two have the same stick stiffness.
+        If there are too few backbones of penalty Coulomb friction, or two have the same stick stiffness.
     """
     found = []
     for file in sorted(folder.glob("**/results.nc")):
@@ -124,7 +142,7 @@ def read_backbones(folder: Path) -> list[Backbone]:
         rows = (data[n].values[order] for n in ("tip_amplitude", "resonance_frequency", "resonant_base_acceleration"))
         found.append(Backbone(float(friction["mu"]) * mean / slip, slip, *rows))
     found.sort(key=lambda one: one.stick)
-    if len(found) < 2 or min(np.diff(np.log([one.stick for one in found]))) < 1e-6:
+    if len(found) < fewest or np.diff(np.log([one.stick for one in found])).min(initial=1.0) < 1e-6:
         raise InputError(
             f"{len(found)} backbones with different stick stiffness are needed: two or more", file=str(folder),
             key="model.grid", remedy="run a batch of analysis: backbone over preload.pressure",
@@ -179,13 +197,19 @@ class BackboneFit:
 def predicted(
     grid: Sequence[Backbone], stick: float, slip: float, amplitude: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Logarithms of frequency and base acceleration, interpolated between the backbones in the logarithm of kappa."""
+    """Logarithms of frequency and base acceleration at amplitudes (m), for stick stiffness (Pa/m) and elastic slip (m).
+
+    The backbones are interpolated over ln(kappa) at equal amplitude relative to the onset of sliding, and so is the
+    onset: at equal amplitude one backbone may slide and its neighbour not.
+    """
     sticks = np.log([one.stick for one in grid])
-    each = np.array([one.at(amplitude, slip) for one in grid])  # backbone, quantity, amplitude
     at = float(np.clip(np.log(stick), sticks[0], sticks[-1]))
-    spline = make_interp_spline(sticks, each, k=min(3, len(grid) - 1), axis=0)
-    frequency, base = spline(at)
-    return np.asarray(frequency), np.asarray(base)
+    order = min(3, len(grid) - 1)
+    onset = float(make_interp_spline(sticks, np.array([one.onset for one in grid]), k=order)(at))
+    relative = np.log(amplitude / slip) - onset
+    each = np.array([one.at(relative) for one in grid])  # backbone, quantity, amplitude
+    frequency, ratio = make_interp_spline(sticks, each, k=order, axis=0)(at)
+    return np.asarray(frequency), np.asarray(ratio + np.log(amplitude))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,13 +13,13 @@ import xarray as xr
 from pydantic import Field
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.backbone_fit import BackboneSettings, fit_backbones, read_backbones
-from wroll_fem.lab.family_file import Resonance, read_families
+from wroll_fem.lab.fits.backbone_fit import BackboneSettings, fit_backbones, read_backbones
+from wroll_fem.lab.fits.family_file import Resonance, read_families
+from wroll_fem.lab.fits.synthetic_roll import roll_example
+from wroll_fem.lab.fits.two_mass_fit import TwoMassSettings, fit_two_masses
 from wroll_fem.lab.kinds import Figure, Kind
 from wroll_fem.lab.result import LabResult
 from wroll_fem.lab.settings import LabSettings
-from wroll_fem.lab.synthetic_roll import roll_example
-from wroll_fem.lab.two_mass_fit import TwoMassSettings, fit_two_masses
 from wroll_fem.numerics.identifiability import Uncertainty
 from wroll_fem.progress import Progress
 from wroll_fem.two_dof.model import TwoMasses

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.signal import fftconvolve, hilbert, resample_poly
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.curve import Curve
-from wroll_fem.lab.trial import Trial, check_rate, to_acceleration
+from wroll_fem.lab.shaker.curve import Curve
+from wroll_fem.lab.shaker.trial import Trial, check_rate, to_acceleration
 from wroll_fem.signals.attainment import swept_peak
 from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping

@@ -1,0 +1,1 @@
+"""Fits of models to families of measured resonances."""
