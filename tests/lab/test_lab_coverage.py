@@ -6,7 +6,7 @@ import pytest
 from support.coverage import misses
 from support.lab_experiments import EXPERIMENTS, repeated
 
-FEWER = {"ageing": 5, "slip": 4, "rate_table": 8, "elastic_slip": 12}
+FEWER = {"ageing": 4, "slip": 3, "rate_table": 5, "elastic_slip": 6, "trials": 8}
 """Repetitions of the experiments that take longer; 20 of the others."""
 
 

@@ -44,7 +44,7 @@ def test_interval_of_a_decay_constant_holds_the_truth() -> None:
         return x[0] * np.exp(-TIME / x[1])
 
     start, truth = {"size": 1.0, "time": 1.0}, model(np.array([3.0, 0.2]))
-    records = [truth + noise(rng, (0.5,)) for _ in range(100)]
+    records = [truth + noise(rng, (0.5,)) for _ in range(60)]
     found = [holds(fit(model, record, start, positive=["time"])["time"], 0.2) for record in records]
     assert not misses(found)
 
