@@ -31,6 +31,13 @@ def test_constants_of_a_record_without_noise_are_recovered(law: StateLaw, seed: 
     assert slope.value == pytest.approx(truth.a - truth.b, abs=1e-7)
 
 
+def test_transients_that_do_not_end_before_the_next_step_are_followed() -> None:
+    truth = RateAndState(distance=3e-4)  # after 0.5 mm, exp(-5/3) of a transient is left
+    fitted = fit_state_laws([velocity_steps(truth)], skip=SKIP, rate=1e-6).fits["ageing"].friction
+    for name in ("mu", "a", "b", "distance"):
+        assert getattr(fitted, name) == pytest.approx(getattr(truth, name), rel=1e-4), name
+
+
 def test_the_reference_rate_moves_mu_alone() -> None:
     record = velocity_steps(RateAndState(), np.random.default_rng(1))
     low, high = (fit_state_laws([record], skip=SKIP, rate=rate).fits["ageing"] for rate in (1e-6, 1e-5))
