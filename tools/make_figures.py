@@ -149,17 +149,32 @@ def studies() -> None:
             print(save(study_figure(study, figure)(evidence), FIGURES / f"{name}.png"), flush=True)
 
 
-def laboratory() -> None:
-    """Figures of docs/laboratory.md, from the examples with known truth."""
-    from wroll_fem.lab import evaluate
-    from wroll_fem.lab.examples import example_files
-    from wroll_fem.plotting.style import save_figure
+LAB = {
+    ("slip", "slip_groups"): "laboratory_slip_groups",
+    ("slip", "noise"): "laboratory_noise",
+    ("shear", "force_displacement"): "lab_shear",
+    ("friction", "rate"): "lab_friction_rate",
+    ("friction", "state"): "lab_friction_state",
+    ("tension", "tension"): "lab_tension",
+}
+"""Kind and figure of a laboratory evaluation -> its picture, drawn from the example of the kind."""
 
-    with TemporaryDirectory() as folder:
-        files = example_files("slip", Path(folder) / "slip")
-        result = evaluate("slip", files, settings_file=files[0].parent / "settings.yaml")
-        for name in ("slip_groups", "noise"):
-            print(save_figure(result.plot(name), FIGURES / f"laboratory_{name}.png"), flush=True)
+
+def laboratory() -> None:
+    """Draw the figures of docs/laboratory.md from the examples of the kinds."""
+    import tempfile
+
+    import wroll_fem as wf
+    from wroll_fem.lab.examples import example_files
+    from wroll_fem.plotting.names import save
+
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in dict.fromkeys(kind for kind, _ in LAB):
+            files = example_files(kind, Path(folder) / kind)
+            result = wf.lab.evaluate(kind, files, settings_file=files[0].parent / "settings.yaml")
+            for (other, figure), name in LAB.items():
+                if other == kind:
+                    print(save(result.plot(figure), FIGURES / f"{name}.png"), flush=True)
 
 
 def main() -> None:

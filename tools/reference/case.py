@@ -122,6 +122,8 @@ def type_name(annotation: Any) -> str:
         return "pair"
     if origin is list:
         return f"list of {type_name(arguments[0])}s"
+    if origin is dict and not sections(annotation):
+        return f"{type_name(arguments[1])} per key"
     if origin in (Union, UnionType):
         models = sections(annotation)
         if models:

@@ -11,8 +11,8 @@ UNITS = (
     "px^2", "px", "grey values", "bytes",
     "octaves per minute", "Hz/s", "cycles", "count", "dimensionless", "multiples of 9.80665 m/s^2", "kg/m^3", "kg m^2",
     "N s/m", "N m/rad", "N/m^2", "g^2/Hz",
-    "N/m", "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "rad", "deg", "Pa", "Hz", "dB", "1/s", "kg/m^2", "kg", "m", "s", "N",
-    "V", "A",
+    "N/m", "m/N", "s/m", "Pa/m", "m/s^2", "m/s", "rad/s", "rad", "deg", "Pa", "Hz", "dB", "1/s", "kg/m^2", "kg",
+    "m^2", "m", "s", "N", "V", "A",
 )  # fmt: skip
 """Units, spelled as in the descriptions of case fields."""
 

@@ -46,7 +46,7 @@ def overridden(
     data
         Content of a case file.
     overrides
-        "dotted.key=value" texts, with values in YAML.
+        "dotted.key=value" texts, with values in YAML, or "dotted.key=@file" with the value in a YAML file.
     file
         File of the data, for messages.
 
@@ -58,7 +58,8 @@ def overridden(
     Raises
     ------
     InputError
-        If a text is not "dotted.key=value", its value is not YAML, or its key is not in a section.
+        If a text is not "dotted.key=value", its value is not YAML, its file cannot be read, or its key is not in a
+        section.
     """
     merged = _copy(dict(data))
     keys, former = [], []
@@ -81,12 +82,24 @@ def overridden(
                 remedy = "set the whole key instead"
                 problem = f"{'.'.join(parts[: depth + 1])} is not a section, so it has no key {parts[depth + 1]!r}"
                 raise InputError(problem, key=f"--set {key}", remedy=remedy, file=file)
-        parsed = parse_yaml(value, f"--set {key}")
+        parsed = _from_file(value[1:], key) if value.startswith("@") else parse_yaml(value, f"--set {key}")
         if key in (f"{name}.file" for name in WITH_FILE) and isinstance(parsed, str):
             parsed = str(Path(parsed).resolve())
         here[parts[-1]] = parsed
         keys.append(key)
     return merged, (keys, tuple(former))
+
+
+def _from_file(path: str, key: str) -> Any:
+    """Value of a key from a YAML file; "@" cannot start a value in YAML, so no value is mistaken for a file."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "no UTF-8 text"
+        raise InputError(
+            f"cannot be read ({reason.lower()})", file=path, key=f"--set {key}", remedy="give the path of a YAML file"
+        ) from None
+    return parse_yaml(text, path)
 
 
 def _copy(data: Any) -> Any:

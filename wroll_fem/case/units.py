@@ -50,6 +50,8 @@ KINDS = {
     "N s/m": Kind("damping coefficient", "N s/m", "5 N s/mm"),
     "N m/rad": Kind("rotational stiffness", "N m/rad", "5 kN m/rad"),
     "kg m^2": Kind("moment of inertia", "kg m^2", "3 kg mm^2"),
+    "m/N": Kind("compliance", "m/N", "50 nm/N"),
+    "m^2": Kind("area", "m^2", "20 cm^2"),
     "Pa/m": Kind("stiffness per area", "Pa/m", "5 MPa/mm"),
     "V": Kind("voltage", "V", "500 mV"),
     "A": Kind("current", "A", "200 mA"),

@@ -85,12 +85,12 @@ def run_lab(
 
 
 def _save(result: LabResult, folder: ResultFolder, progress: Progress) -> list[Path]:
-    """Write results.nc, further files, figures and, last, summary.json; return the figures."""
+    """Write results.nc, texts, figures and, last, summary.json; return the figures."""
     from wroll_fem.results.dataset import provenance, save_dataset
 
     save_dataset(result.data.assign_attrs(provenance=provenance(), complete=True), folder.results_file)
     for name, text in result.texts.items():
-        (folder.path / name).write_text(text, encoding="utf-8")
+        folder.write_text(folder.path / name, text)
     figures: list[Path] = []
     if result.settings is not None and result.settings.figures and result.figures:
         folder.figures.mkdir(exist_ok=True)

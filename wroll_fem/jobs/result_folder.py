@@ -114,7 +114,7 @@ class ResultFolder:
         with held:
             self.summary_file.unlink(missing_ok=True)
             head = f"# resolved by wroll_fem {program_version()}; all defaults are filled in\n"
-            self._write(self.input_file, head + text)
+            self.write_text(self.input_file, head + text)
             self.record("running", **entries)
             yield
 
@@ -128,9 +128,10 @@ class ResultFolder:
 
     def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
         """Write JSON atomically, with null for numbers that are not finite."""
-        self._write(path, json.dumps(json_types(content), indent=2, allow_nan=False) + "\n")
+        self.write_text(path, json.dumps(json_types(content), indent=2, allow_nan=False) + "\n")
 
-    def _write(self, path: Path, text: str) -> None:
+    def write_text(self, path: Path, text: str) -> None:
+        """Write a text atomically."""
         with replacing(path) as file:
             file.write_text(text, encoding="utf-8")
 

@@ -46,6 +46,18 @@ KINDS: dict[str, Listed] = {
         "wroll_fem.lab.slip_images.evaluation",
         "Slip of layers to the mandrel and between each other from high-speed images of targets.",
     ),
+    "shear": Listed(
+        "wroll_fem.lab.shear.kind",
+        "Capacity, stiffness, modulus, loops and coefficient of friction from shear tests.",
+    ),
+    "friction": Listed(
+        "wroll_fem.lab.friction.kind",
+        "Friction laws fitted to shear tests: mu over slip rate, rate and state, elastic slip.",
+    ),
+    "tension": Listed(
+        "wroll_fem.lab.tension.kind",
+        "Tension of a winding machine over voltage and current, and the pressure that it winds.",
+    ),
 }
 """Name of a kind -> module and sentence, in the order of `wroll lab --help`."""
 

@@ -27,6 +27,8 @@ class LabResult:
         Entries of summary.json: flat, in SI, with units in the names; `warnings` is a list of sentences.
     data
         Dataset with `units` and `long_name` on every variable.
+    texts
+        Name of a further file of the result folder -> its text.
     kind
         Kind of the evaluation; filled in by `evaluate`, like the next ones.
     settings
@@ -41,6 +43,7 @@ class LabResult:
 
     summary: dict[str, Any]
     data: xr.Dataset
+    texts: Mapping[str, str] = field(default_factory=dict)
     kind: str = ""
     settings: LabSettings | None = None
     inputs: tuple[dict[str, Any], ...] = ()

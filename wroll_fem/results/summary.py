@@ -337,12 +337,13 @@ SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name
 """Name in summary.json -> its entry."""
 
 _SUFFIXES = {
-    "m_s2": "m/s²", "m_s": "m/s", "n_per_m": "N/m", "n_m": "N/m", "rad_s": "rad/s", "hz": "Hz", "j": "J", "pa": "Pa",
-    "m": "m", "s": "s", "kg": "kg", "n": "N", "nm": "N m", "rad": "rad", "g": "g", "w": "W", "db": "dB", "px": "px",
+    "m_s2": "m/s²", "m_s": "m/s", "n_per_m": "N/m", "m_per_n": "m/N", "n_m": "N/m", "rad_s": "rad/s",
+    "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
+    "n": "N", "nm": "N m", "rad": "rad", "g": "g", "w": "W", "db": "dB", "px": "px",
 }  # fmt: skip
 """Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 
-_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1", "m/s": "m s-1"}
+_NETCDF = {"": "1", "m/s²": "m s-2", "rad/s": "rad s-1", "N/m": "N m-1", "m/N": "m N-1", "m/s": "m s-1"}
 """Unit -> its spelling in NetCDF, where this differs."""
 
 

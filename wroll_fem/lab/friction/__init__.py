@@ -1,0 +1,1 @@
+"""Friction laws fitted to shear tests."""

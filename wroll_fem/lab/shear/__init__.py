@@ -1,0 +1,1 @@
+"""Shear tests: capacity, stiffness and modulus, hysteresis loops, coefficient over slip rate."""

@@ -1,0 +1,1 @@
+"""Tension of a winding machine, and the pressure that it winds."""
