@@ -81,6 +81,11 @@ FIELDS: dict[str, Field] = {
     "transmissibility_spectrum_real": Field("1", "transmissibility, real part (spectrum ratio)"),
     "transmissibility_spectrum_imag": Field("1", "transmissibility, imaginary part (spectrum ratio)"),
     "transmissibility_spectrum_magnitude": Field("1", "transmissibility |T| (spectrum ratio)"),
+    "down_transmissibility_real": Field("1", "transmissibility of the downward sweep, real part"),
+    "down_transmissibility_imag": Field("1", "transmissibility of the downward sweep, imaginary part"),
+    "down_transmissibility_magnitude": Field("1", "transmissibility |T| of the downward sweep"),
+    "down_transmissibility_spectrum_real": Field("1", "transmissibility of the downward sweep, real (spectrum ratio)"),
+    "down_transmissibility_spectrum_imag": Field("1", "transmissibility of the downward sweep, imag. (spectrum ratio)"),
     # averaged spectra of a random motion; its "transmissibility" is H1
     "base_psd": Field("m2 s-3", "PSD of the base acceleration"),
     "tip_psd": Field("m2 s-3", "PSD of the absolute tip acceleration"),

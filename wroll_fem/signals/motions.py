@@ -13,6 +13,7 @@ from wroll_fem.signals.base_motion import BaseMotion, Dwell
 from wroll_fem.signals.random.random_motion import RandomMotion
 from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
 from wroll_fem.signals.sweeps import Chirp, LinearSweep, Profile, Sweep
+from wroll_fem.signals.there_and_back import ThereAndBack
 
 if TYPE_CHECKING:
     from wroll_fem.signals.records.record import Record
@@ -33,6 +34,10 @@ def _chirp(e: Any) -> Sweep:
     if linear is not None:
         return LinearSweep(*ends, float(linear), **_ramp(e), profile=profile)
     return Chirp(*ends, float(e.rate_oct_per_min), **_ramp(e), profile=profile)
+
+
+def _passes(e: Any) -> Sweep | ThereAndBack:
+    return ThereAndBack(_chirp(e)) if getattr(e, "sweep_direction", None) == "up_down" else _chirp(e)
 
 
 def _dwell(e: Any) -> Dwell:
@@ -91,7 +96,7 @@ def _record(
 
 
 MOTIONS: dict[str, Callable[[Any], BaseMotion]] = {
-    "chirp": _chirp,
+    "chirp": _passes,
     "dwell": _dwell,
     "random": _random,
     "half_sine": _half_sine,
@@ -127,5 +132,5 @@ def base_motion(excitation: Any) -> BaseMotion:
 
 
 def sweep_motion(excitation: Any) -> Sweep:
-    """Sweep described by a case section `excitation` of kind "chirp"; see `base_motion`."""
+    """Sweep of a case section `excitation` of kind "chirp", of one up and down its first branch; see `base_motion`."""
     return _chirp(excitation)
