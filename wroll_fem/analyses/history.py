@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycl
 from wroll_fem.analyses.shock_plan import unresolved_modes
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -45,8 +46,8 @@ step of `condensed` takes seconds when many points change their contact state.""
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip, summary.base_loads, stress.summary)
 FIGURES = (
-    figures.figure("response", "response"),
-    figures.figure("energy_ledger", "energy_ledger"),
+    figures.figure("response", "response", needs="time"),
+    figures.figure("energy_ledger", "energy_ledger", needs="time"),
     figures.slip_maps,
     figures.slip_in_space,
 )
@@ -61,9 +62,29 @@ VARIABLES: dict[str, tuple[str, ...]] = {
 PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder")
 
 
+class SharedStructure:
+    """System, preload state, modes and reduced basis that several time histories with the same time step share.
+
+    Attributes
+    ----------
+    system, state
+        Prepared system and its preload state.
+    modes
+        Modes of the structure, once a history has needed them.
+    model
+        Reduced model at the end of the last history by `reduced`: the basis with which the next one starts.
+    """
+
+    def __init__(self, case: HistoryCase, progress: Progress):
+        self.system, self.state = prepare(case, progress)
+        self.modes: Condensation | None = None
+        self.model: ReducedModel | None = None
+
+
 def time_history(
-    case: HistoryCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
-) -> xr.Dataset:
+    case: HistoryCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False,
+    shared: SharedStructure | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Compute the time history with energy ledger and slip fields.
 
     Parameters
@@ -72,6 +93,8 @@ def time_history(
         Checkpoint file; None writes none.
     resume
         Continue from the checkpoint.
+    shared
+        Structure of the histories computed before; prepared here by default.
 
     Raises
     ------
@@ -79,9 +102,9 @@ def time_history(
         If a step does not converge; ``partial`` has the history up to that step.
     """
     solver = case.solver
-    system, state = prepare(case, progress)
+    shared = SharedStructure(case, progress) if shared is None else shared
     saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
-    run = _Integration(case, system, state, progress)
+    run = _Integration(case, shared, progress)
     method, reason = solver.method, "the reduced model was too inaccurate in an earlier part of this run"
     fell_back = method == "reduced" and saved_method(saving) == "condensed"
     if not fell_back:
@@ -109,16 +132,27 @@ class _Integration:
     """Time integration of a prepared case by any `solver.method`."""
 
     case: HistoryCase
-    system: System
-    state: ContactState
+    shared: SharedStructure
     progress: Progress
 
-    @cached_property
+    @property
+    def system(self) -> System:
+        """Prepared system."""
+        return self.shared.system
+
+    @property
+    def state(self) -> ContactState:
+        """Preload state."""
+        return self.shared.state
+
+    @property
     def modes(self) -> Condensation | None:
         """Modes for `reduced` and for the run by `condensed` that may replace it; None for another `solver.method`."""
         if self.case.solver.method != "reduced":
             return None
-        return modes_to_reduce(self.system, self.state, self.scheme, time_step(self.case))
+        if self.shared.modes is None:
+            self.shared.modes = modes_to_reduce(self.system, self.state, self.scheme, time_step(self.case))
+        return self.shared.modes
 
     @property
     def scheme(self) -> Scheme:
@@ -143,6 +177,8 @@ class _Integration:
                 largest_error=self.largest_error if falls_back else np.inf,
                 condensation=self.modes,
             )  # fmt: skip
+            if isinstance(stepper, ReducedStepper) and self.shared.model is not None and not stepper.complete:
+                stepper.adopt(self.shared.model)
             stage.update(1)
         _remarks(case, stepper, self.progress)
         try:
@@ -156,6 +192,8 @@ class _Integration:
             if error.partial is not None:
                 error.partial = _described(error.partial, case, method)
             raise
+        if isinstance(stepper, ReducedStepper):
+            self.shared.model = stepper.model
         found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
 
