@@ -17,7 +17,6 @@ from wroll_fem.case.excitation.random import FEWEST_AVERAGED_LINES
 from wroll_fem.signals.estimators import CurveDamping, estimate_damping
 from wroll_fem.signals.random.welch import (
     CORRELATED_LINES,
-    FEWEST_SEGMENTS,
     Spectra,
     averaged_spectra,
     peak_bias,
@@ -43,6 +42,9 @@ FEWEST_AVERAGES, FIRST_SEGMENTS = 8, 16
 
 HANN_REACH = 1.5
 """Lines next to the ends of the band that are left out: there the Hann window averages over frequencies outside."""
+
+FEWEST_OF_RECORDS = 6
+"""Smallest number of segments of each of several records: four are left where the steady part starts latest."""
 
 PASSES = 3
 """Number of times that steady part and resolution are chosen; they change little after the second."""
@@ -116,7 +118,7 @@ def read_records(
             break
         f_n, zeta = found.resonance
         start = min(LARGEST_SHARE * end, SETTLED / (2.0 * np.pi * f_n * zeta))
-        fewest = max(FEWEST_AVERAGES / count, FEWEST_SEGMENTS)
+        fewest = max(FEWEST_AVERAGES / count, FEWEST_OF_RECORDS)
         finest = 0.5 * (fewest + 1) / (end - start)
         chosen = max(min(wanted_resolution(f_n, zeta, bias), coarsest), finest)
     return found
