@@ -238,7 +238,7 @@ def _common(case: RandomCase, levels: Sequence[Level], found: Reading) -> dict[s
     attrs: dict[str, Any] = {name: first[name] for name in ONCE if name in first}
     attrs |= {name: sum(float(one.attrs[name]) for one in everything) for name in SUMMED if name in first}
     attrs |= {name: max(float(one.attrs[name]) for one in everything) for name in WORST if name in first}
-    attrs["steps"], attrs["step_cuts"] = int(attrs["steps"]), int(attrs["step_cuts"])
+    attrs |= {name: int(attrs[name]) for name in ("steps", "step_cuts", "reduced_coordinates") if name in attrs}
     accurate = accuracy(found)
     del accurate["psd_peak_bias"], accurate["steady_start_s"]  # of one level
     attrs |= accurate | {"f_low_hz": low_high[0], "f_high_hz": low_high[1], "duration_s": case.excitation.duration}

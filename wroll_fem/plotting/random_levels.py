@@ -47,7 +47,7 @@ def plot_random_levels(dataset: xr.Dataset) -> Axes:
     bottom.plot(base, rms[0] * base / base[0], "--", color=style.GREY, lw=1.2, label="proportional to the lowest level")
     bottom.legend(fontsize=8, framealpha=0.9)
     for ax, text in (
-        (top, "Resonance\nfrequency $f_n$ (Hz)"), (middle, "Damping\nratio ζ (%)"),
+        (top, "Resonance\nfrequency $f_n$ (Hz)"), (middle, "Damping ratio (%)"),
         (bottom, "Tip displacement,\nrms (µm)"),
     ):  # fmt: skip
         ax.set_ylabel(text)

@@ -81,18 +81,19 @@ def _file(e: Any) -> BaseMotion:
 
     path = Path(e.file)
     changed = path.stat().st_mtime_ns if path.is_file() else 0
-    record = _record(path, changed, e.unit, e.column, e.time, e.sampling_rate)
+    record = _record(path, changed, e.unit, e.column, e.time, e.sampling_rate, e.rows, e.length)
     return RecordedMotion(record, e.baseline, float(e.taper), e.low_pass, float(e.scale), after=_after(e))
 
 
 @lru_cache(maxsize=4)
 def _record(
-    path: Path, changed: int, unit: str, column: str | int | None, time: str | int | None, rate: float | None
-) -> Record:
+    path: Path, changed: int, unit: str, column: str | int | None, time: str | int | None, rate: float | None,
+    rows: int | None, length: float | None,
+) -> Record:  # fmt: skip
     """Record of a file, which is read again when it has changed."""
     from wroll_fem.signals.records.record import read_record
 
-    return read_record(path, unit=unit, column=column, time=time, sampling_rate=rate)
+    return read_record(path, unit=unit, column=column, time=time, sampling_rate=rate, rows=rows, length=length)
 
 
 MOTIONS: dict[str, Callable[[Any], BaseMotion]] = {
