@@ -13,6 +13,7 @@ import xarray as xr
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
+from wroll_fem.analyses.shared.excited_band import band_remark, excited_to, period_error, span_remark
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
 from wroll_fem.analyses.shock_plan import unresolved_modes
@@ -194,6 +195,8 @@ class _Integration:
             raise
         if isinstance(stepper, ReducedStepper):
             self.shared.model = stepper.model
+        if missing := span_remark(case, stepper):
+            self.progress.warning(missing)
         found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
 
@@ -206,6 +209,8 @@ def _main_mode(stepper: Stepper) -> dict[str, float]:
 
 
 def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
+    if text := band_remark(case):
+        progress.warning(text)
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
@@ -228,4 +233,6 @@ def _described(dataset: xr.Dataset, case: HistoryCase, method: str) -> xr.Datase
     excitation = case.excitation
     direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
     attrs = {"excitation_kind": excitation.kind, "excitation_direction": direction, **excitation.attributes}
+    highest = excited_to(case)
+    attrs |= {"excited_to_hz": highest, "period_error_at_highest": period_error(case, highest)}
     return dataset.assign_attrs(attrs | {"method": method, "steps_per_cycle": steps_per_cycle(case)})

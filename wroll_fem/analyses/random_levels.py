@@ -34,7 +34,16 @@ SERIES = (
 )  # fmt: skip
 """Time series of a history that the results of the levels need."""
 
-ONCE = ("method", "dofs", "interface_points", "steps_per_cycle", "stuck_resonance_hz", "tip_participation")
+ONCE = (
+    "method",
+    "dofs",
+    "interface_points",
+    "steps_per_cycle",
+    "stuck_resonance_hz",
+    "tip_participation",
+    "excited_to_hz",
+    "period_error_at_highest",
+)
 SUMMED = ("steps", "step_cuts", "solver_time_s", "training_time_s")
 WORST = ("reduction_error_estimate", "reduced_coordinates", "energy_balance_error", "newton_iterations_mean")
 """Attributes of histories: the same for all, summed over all, and the largest."""

@@ -276,6 +276,11 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": number("", "time steps", console="{:d}"),
         "steps_per_cycle": number("", "steps per cycle of the highest excitation frequency"),
+        "excited_to_hz": number(
+            "Hz", "highest frequency with energy of the base motion",
+            "99.99 % of the mean square of a random motion and 99 % of the energy of a shock lie below it",
+        ),
+        "period_error_at_highest": share("lengthening of the period at this frequency by the time step"),
         "time_step_error": share(
             "estimated error by the time step",
             "of a dwell: largest error of the tip's history divided by its largest displacement; of a sweep: error of "
