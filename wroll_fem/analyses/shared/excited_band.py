@@ -32,8 +32,8 @@ WITHIN = 0.5
 def excited_to(case: HistoryCase) -> float:
     """Highest frequency with energy of the base motion, Hz.
 
-    It is the highest one of a sine; 99.99 % of the mean square of a random motion and 99 % of the energy of a shock or a
-    record lie below it.
+    Of a sine it is the highest one; 99.99 % of the mean square of a random motion and 99 % of the energy of a shock or
+    a record lie below it.
     """
     if case.excitation.kind not in SHOCK_KINDS:
         return case.excitation.highest_frequency_hz
