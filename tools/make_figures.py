@@ -39,6 +39,8 @@ def jobs() -> dict[str, list[str]]:
     found["case_study"] = ["configs/case_study.yaml"]
     found["slipping_coil"] = ["configs/slipping_coil.yaml"]
     found["random"] = ["configs/lab_random.yaml"]
+    found["levels"] = ["configs/lab_random.yaml", "excitation.levels_db=[-12, -6, 0, 6]"]
+    found["up_and_down"] = ["configs/lab_sweep.yaml", "excitation.sweep_direction=up_down"]
     found["shock"] = ["configs/lab_shock.yaml"]
     found["sizing"] = ["configs/sizing_irosa.yaml"]
     found |= {"harmonic": ["configs/lab_harmonic.yaml"], "backbone": ["configs/lab_backbone.yaml"]}
@@ -168,6 +170,8 @@ def main() -> None:
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
         ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),
         ("random/figures/spectra.png", "random_spectra.png"),
+        ("levels/figures/levels.png", "random_levels.png"),
+        ("up_and_down/figures/transmissibility.png", "up_and_down.png"),
         ("shock/figures/shock.png", "shock.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
