@@ -7,7 +7,7 @@ import pytest
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses.shared.excited_band import band_remark, excited_to, mesh_band, period_error, span_remark
+from wroll_fem.analyses.excited_band import band_remark, basis_remark, excited_to, mesh_band, period_error
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
@@ -79,7 +79,7 @@ def test_a_mode_outside_the_reduced_basis_is_told() -> None:
     stepper = make_stepper(system, state, method="reduced", scheme=Scheme.hht(-0.05), options=NewtonOptions(), dt=dt)
     assert isinstance(stepper, ReducedStepper)
     assert not stepper.complete
-    assert span_remark(case, stepper) == ""
+    assert basis_remark(case, stepper) == ""
     modes = stepper.condensation
     share = np.abs(modes.base * modes.tip)
     natural = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
@@ -87,7 +87,7 @@ def test_a_mode_outside_the_reduced_basis_is_told() -> None:
     kept = stepper.vectors.copy()
     kept[second] = 0.0
     stepper._use(ReducedModel.of_vectors(modes, kept[:, :]))
-    text = span_remark(case, stepper)
+    text = basis_remark(case, stepper)
     assert f"the lowest at {natural[second]:.4g} Hz" in text
     assert "the time step lengthens periods" in text
 

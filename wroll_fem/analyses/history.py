@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.curve_reading import span_remark
+from wroll_fem.analyses.excited_band import band_remark, basis_remark, excited_to, period_error
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
-from wroll_fem.analyses.shared.excited_band import band_remark, excited_to, period_error, span_remark
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
 from wroll_fem.analyses.shock_plan import unresolved_modes
+from wroll_fem.analyses.slip_modes import path_span, slips_inside
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.dynamics.path_span.span import PathSpan
+from wroll_fem.dynamics.path_span.stepper import PathStepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -64,21 +68,27 @@ PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure
 
 
 class SharedStructure:
-    """System, preload state, modes and reduced basis that several time histories with the same time step share.
+    """System, preload state, modes, span and basis that several time histories with the same time step share.
 
     Attributes
     ----------
+    case
+        Case of the largest motion.
     system, state
         Prepared system and its preload state.
     modes
         Modes of the structure, once a history has needed them.
+    span
+        Modes in the span of the path of a coil whose wraps slide.
     model
         Reduced model at the end of the last history by `reduced`: the basis with which the next one starts.
     """
 
     def __init__(self, case: HistoryCase, progress: Progress):
+        self.case = case
         self.system, self.state = prepare(case, progress)
         self.modes: Condensation | None = None
+        self.span: PathSpan | None = None
         self.model: ReducedModel | None = None
 
 
@@ -125,6 +135,8 @@ def time_history(
             f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide over "
             "large areas; compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
         )
+    if remark := span_remark(history.attrs.get("span_error_estimate", 0.0)):
+        progress.warning(remark)
     return history
 
 
@@ -145,6 +157,13 @@ class _Integration:
     def state(self) -> ContactState:
         """Preload state."""
         return self.shared.state
+
+    @property
+    def span(self) -> PathSpan | None:
+        """Modes in the span of the path of a coil whose wraps slide; None for any other case."""
+        if self.shared.span is None and slips_inside(self.case):
+            self.shared.span = path_span(self.shared.case, self.system, self.state, self.progress)
+        return self.shared.span
 
     @property
     def modes(self) -> Condensation | None:
@@ -170,17 +189,7 @@ class _Integration:
         case, solver, dt = self.case, self.case.solver, time_step(self.case)
         scheme = self.scheme
         options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
-        falls_back = 3 * self.system.n_points <= FALLBACK_SIZE
-        with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
-            stepper = make_stepper(
-                self.system, self.state, method=method, scheme=scheme, options=options, dt=dt,
-                reduction_tolerance=solver.reduction_tolerance,
-                largest_error=self.largest_error if falls_back else np.inf,
-                condensation=self.modes,
-            )  # fmt: skip
-            if isinstance(stepper, ReducedStepper) and self.shared.model is not None and not stepper.complete:
-                stepper.adopt(self.shared.model)
-            stage.update(1)
+        stepper = self._stepper(method, scheme, options, dt)
         _remarks(case, stepper, self.progress)
         try:
             found = simulate(
@@ -195,10 +204,27 @@ class _Integration:
             raise
         if isinstance(stepper, ReducedStepper):
             self.shared.model = stepper.model
-        if missing := span_remark(case, stepper):
+        if missing := basis_remark(case, stepper):
             self.progress.warning(missing)
         found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
+
+    def _stepper(self, method: str, scheme: Scheme, options: NewtonOptions, dt: float) -> Stepper:
+        system, state, tolerance, span = self.system, self.state, self.case.solver.reduction_tolerance, self.span
+        falls_back = 3 * system.n_points <= FALLBACK_SIZE
+        with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
+            stepper: Stepper
+            if span is not None:
+                stepper = PathStepper(system, state, scheme, options, dt=dt, tolerance=tolerance, span=span)
+            else:
+                stepper = make_stepper(
+                    system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,
+                    largest_error=self.largest_error if falls_back else np.inf, condensation=self.modes,
+                )  # fmt: skip
+            if isinstance(stepper, ReducedStepper) and self.shared.model is not None and not stepper.complete:
+                stepper.adopt(self.shared.model)
+            stage.update(1)
+        return stepper
 
 
 def _main_mode(stepper: Stepper) -> dict[str, float]:
@@ -221,7 +247,7 @@ def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
     for text in (detuned, unresolved_modes(case, condensation, time_step(case))):
         if text:
             progress.warning(text)
-    if not condensation.exact:
+    if not condensation.exact and not isinstance(stepper, PathStepper):
         progress.warning(
             "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
             "no subspaces): the structure is approximated by its lowest modes and its responses to loads, with an "

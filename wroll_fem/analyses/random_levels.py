@@ -35,17 +35,14 @@ SERIES = (
 """Time series of a history that the results of the levels need."""
 
 ONCE = (
-    "method",
-    "dofs",
-    "interface_points",
-    "steps_per_cycle",
-    "stuck_resonance_hz",
-    "tip_participation",
-    "excited_to_hz",
-    "period_error_at_highest",
-)
+    "method", "dofs", "interface_points", "steps_per_cycle", "stuck_resonance_hz", "tip_participation",
+    "excited_to_hz", "period_error_at_highest",
+)  # fmt: skip
 SUMMED = ("steps", "step_cuts", "solver_time_s", "training_time_s")
-WORST = ("reduction_error_estimate", "reduced_coordinates", "energy_balance_error", "newton_iterations_mean")
+WORST = (
+    "reduction_error_estimate", "span_error_estimate", "reduced_coordinates", "energy_balance_error",
+    "newton_iterations_mean",
+)  # fmt: skip
 """Attributes of histories: the same for all, summed over all, and the largest."""
 
 LISTED = {
@@ -140,7 +137,8 @@ class _Runs:
             return self._kept(load_dataset(file))
         self.progress.info(f"level {level_db:.4g} dB, record of seed {seed}")
         if self.shared is None:
-            self.shared = SharedStructure(case, self.progress)
+            largest = single(self.case, self.case.excitation.all_levels_db[-1], seed)
+            self.shared = SharedStructure(largest, self.progress)
         begun = self.resume and _holds_history(self.checkpoint)
         self.resume = False
         found = time_history(case, progress=self.progress, checkpoint=self.checkpoint, resume=begun, shared=self.shared)

@@ -70,7 +70,7 @@ def band_remark(case: HistoryCase) -> str:
     )
 
 
-def span_remark(case: HistoryCase, stepper: Stepper) -> str:
+def basis_remark(case: HistoryCase, stepper: Stepper) -> str:
     """Warning if modes that the base motion excites lie outside the basis of a reduced model; empty otherwise."""
     if not isinstance(stepper, ReducedStepper) or stepper.complete:
         return ""
