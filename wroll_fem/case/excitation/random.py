@@ -98,7 +98,8 @@ class RandomSpectrum(TaggedSection):
         description="factors of the record, ascending, dimensionless: one history for each, in one run (random alone)",
     )
     levels_db: list[Real] | None = Field(
-        default=None, description="the same in dB relative to the PSD, ascending: 10^(level / 20) times the record"
+        default=None,
+        description="levels relative to the PSD, dB, ascending: 10^(level / 20) times the record, in place of levels",
     )
     crest_limit: Real | None = Field(
         default=None,
