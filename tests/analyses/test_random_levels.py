@@ -120,6 +120,29 @@ def test_a_resumed_series_equals_one_that_was_not_interrupted(tmp_path: Path, mo
     assert load_dataset(kept[0]).sizes["time"] > 1000
 
 
+def test_a_roll_resumed_between_two_histories_keeps_its_basis(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    coarse = ("mesh.circumferential=8", "mesh.axial=3", "excitation.duration=0.7", "excitation.levels_db=[-3, 0]")
+    case = roll(*coarse, "output.figures=false")
+    whole = wf.run(case, progress=SILENT)
+    advance, calls = simulate._Run.advance, []
+    chunks = -(-whole.attrs["steps"] // 2 // simulate.CHUNK)
+
+    def stopped(run: simulate._Run, *arguments: object) -> None:
+        calls.append(1)
+        if len(calls) == chunks + 1:
+            raise RuntimeError("killed")  # without a checkpoint of the second history
+        advance(run, *arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(simulate._Run, "advance", stopped)
+        with pytest.raises(RuntimeError):
+            wf.run(case, out=tmp_path / "run", progress=SILENT)
+    run_case(case, tmp_path / "run", resume=True, progress=SILENT)
+    again = load_dataset(tmp_path / "run" / "results.nc")
+    for name in ("tip_displacement_rms_at_level", "tip_psd", "cumulative_slip"):
+        np.testing.assert_array_equal(again[name].values, whole[name].values)
+
+
 def roll(*overrides: str) -> wf.Case:
     return wf.load_case(CONFIGS / "lab_random.yaml", list(overrides))
 

@@ -34,6 +34,7 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.motions import base_motion
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import HistoryCase
@@ -80,8 +81,9 @@ class SharedStructure:
         Modes of the structure, once a history has needed them.
     span
         Modes in the span of the path of a coil whose wraps slide.
-    model
-        Reduced model at the end of the last history by `reduced`: the basis with which the next one starts.
+    basis
+        Vectors (r, m) and eigenvalues (m,) of the reduced model at the end of the last history by `reduced`: the next
+        one starts with them.
     """
 
     def __init__(self, case: HistoryCase, progress: Progress):
@@ -89,7 +91,7 @@ class SharedStructure:
         self.system, self.state = prepare(case, progress)
         self.modes: Condensation | None = None
         self.span: PathSpan | None = None
-        self.model: ReducedModel | None = None
+        self.basis: tuple[FloatArray, FloatArray] | None = None
 
 
 def time_history(
@@ -203,7 +205,7 @@ class _Integration:
                 error.partial = _described(error.partial, case, method)
             raise
         if isinstance(stepper, ReducedStepper):
-            self.shared.model = stepper.model
+            self.shared.basis = stepper.vectors, stepper.model.eigenvalues
         if missing := basis_remark(case, stepper):
             self.progress.warning(missing)
         found = annotate(with_yield(found, case))
@@ -221,8 +223,8 @@ class _Integration:
                     system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,
                     largest_error=self.largest_error if falls_back else np.inf, condensation=self.modes,
                 )  # fmt: skip
-            if isinstance(stepper, ReducedStepper) and self.shared.model is not None and not stepper.complete:
-                stepper.adopt(self.shared.model)
+            if isinstance(stepper, ReducedStepper) and self.shared.basis is not None and not stepper.complete:
+                stepper.adopt(ReducedModel.on(stepper.condensation, *self.shared.basis))
             stage.update(1)
         return stepper
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from wroll_fem.case import RandomCase
     from wroll_fem.progress import Progress
+    from wroll_fem.typing import FloatArray
 
 SERIES = (
     "base_acceleration", "tip_acceleration", "tip_displacement", "base_shear", "base_moment", "material_damping",
@@ -139,6 +140,7 @@ class _Runs:
         if self.shared is None:
             largest = single(self.case, self.case.excitation.all_levels_db[-1], seed)
             self.shared = SharedStructure(largest, self.progress)
+            self.shared.basis = _kept_basis(self.checkpoint) if self.resume else None
         begun = self.resume and _holds_history(self.checkpoint)
         self.resume = False
         found = time_history(case, progress=self.progress, checkpoint=self.checkpoint, resume=begun, shared=self.shared)
@@ -157,13 +159,23 @@ class _Runs:
     def _file(self, level_db: float, seed: int) -> Path | None:
         if self.checkpoint is None:
             return None
-        return self.checkpoint.parent / "levels" / f"level_{level_db:+.6g}_dB_seed_{seed}.nc"
+        return self.checkpoint.parent / "levels" / f"level_{level_db:+.9g}_dB_seed_{seed}.nc"
 
     def _between(self) -> None:
-        """Replace the checkpoint of a completed history by one without a history."""
+        """Replace the checkpoint of a completed history by one with the basis of the next one alone."""
+        basis = None if self.shared is None else self.shared.basis
+        arrays = {} if basis is None else {"vectors": basis[0], "values": basis[1]}
         if self.checkpoint is not None:
             with replacing(self.checkpoint) as file, file.open("wb") as stream:
-                np.savez(stream, completed=True)
+                np.savez(stream, completed=True, **arrays)
+
+
+def _kept_basis(checkpoint: Path | None) -> tuple[FloatArray, FloatArray] | None:
+    """Basis of the last completed history of an interrupted series, from its checkpoint."""
+    if checkpoint is None or not checkpoint.is_file() or _holds_history(checkpoint):
+        return None
+    with np.load(checkpoint) as data:
+        return (data["vectors"], data["values"]) if "vectors" in data.files else None
 
 
 def _holds_history(checkpoint: Path | None) -> bool:

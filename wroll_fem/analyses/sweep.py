@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -111,6 +111,9 @@ class _Branch:
             remarks=(coarse, numerical_remark(history)), rigid=rigid_tip(history),
         )  # fmt: skip
         quality = judge(read, frequency, np.abs(T), known)
+        if self.name:  # its first frequency is the last one of the case
+            texts = (text.replace("excitation.f_start", "excitation.f_end") for text in quality.reasons)
+            quality = replace(quality, reasons=tuple(texts))
         for text in quality.reasons:
             progress.warning(f"downward: {text}" if self.name else text)
         attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
