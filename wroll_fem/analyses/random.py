@@ -86,10 +86,6 @@ ANALYSIS = Analysis(
             "base_psd", "tip_psd", "transmissibility_real", "transmissibility_imag", "coherence", "h1_error",
             "hv_real", "hv_imag",
         ),
-        "level": (
-            "base_rms_at_level", "tip_rms_at_level", "tip_displacement_rms_at_level", "frequency_at_level",
-            "damping_at_level",
-        ),
     },
     plots=("spectra", "random_levels", "transmissibility", "comparison", *PLOTS),
     preflight=preflight.CHECKS["random"],

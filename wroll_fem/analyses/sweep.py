@@ -151,15 +151,7 @@ ANALYSIS = Analysis(
     summary=SUMMARY,
     figures=(figure("transmissibility", "transmissibility", needs="transmissibility_real"), *FIGURES),
     fields=FIELDS,
-    variables=VARIABLES
-    | {
-        "frequency": (
-            "transmissibility_real",
-            "transmissibility_imag",
-            "down_transmissibility_real",
-            "down_transmissibility_imag",
-        )
-    },
+    variables=VARIABLES | {"frequency": ("transmissibility_real", "transmissibility_imag")},
     plots=("transmissibility", "comparison", *PLOTS),
     preflight=preflight.CHECKS["sweep"],
     estimate=estimate_history,
