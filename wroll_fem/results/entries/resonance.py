@@ -47,7 +47,8 @@ RESONANCE: dict[str, Entry] = {
 }  # fmt: skip
 """Name -> entry, in the order of summary.json."""
 
-_OF_THE_CURVE = [name for name in RESONANCE if name not in ("stuck_resonance_hz", "tip_participation")]
+_OF_THE_RUN = ("stuck_resonance_hz", "tip_participation", "zeta_reason", "zeta_spread")
+_OF_THE_CURVE = [name for name in RESONANCE if name not in _OF_THE_RUN]
 
 DOWNWARD: dict[str, Entry] = {
     f"down_{name}": RESONANCE[name]._replace(label=f"{RESONANCE[name].label}, downward", sentence="")
