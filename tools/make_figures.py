@@ -7,6 +7,7 @@ what is already there is not computed again. About half an hour on two cores.
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -162,19 +163,28 @@ LAB = {
 
 def laboratory() -> None:
     """Draw the figures of docs/laboratory.md from the examples of the kinds."""
-    import tempfile
-
     import wroll_fem as wf
     from wroll_fem.lab.examples import example_files
     from wroll_fem.plotting.names import save
 
-    with tempfile.TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder:
         for kind in dict.fromkeys(kind for kind, _ in LAB):
             files = example_files(kind, Path(folder) / kind)
             result = wf.lab.evaluate(kind, files, settings_file=files[0].parent / "settings.yaml")
             for (other, figure), name in LAB.items():
                 if other == kind:
                     print(save(result.plot(figure), FIGURES / f"{name}.png"), flush=True)
+
+
+def branches(path: Path) -> None:
+    """Both branches of a sweep up and down of an oscillator of 10 Hz; a friction joint is 30 % of its stiffness."""
+    import wroll_fem as wf
+
+    stiffness = (20.0 * math.pi) ** 2
+    joint = wf.joints.Jenkins(at=0, stiffness=0.3 * stiffness, limit=0.6)
+    oscillator = wf.structure([[0.7 * stiffness]], [[1.0]], [joint], damping=0.02)
+    sweep = {"f_start": 7, "f_end": 13, "rate_hz_per_s": 0.1, "ramp_cycles": 10, "sweep_direction": "up_down"}
+    wf.plot.save(wf.plot.transmissibility(oscillator.run_sweep(wf.Chirp(amplitude=0.8, **sweep)).data), path)
 
 
 def main() -> None:
@@ -200,6 +210,7 @@ def main() -> None:
         ("shock/figures/shock.png", "shock.png"),
     ):
         shutil.copy(RUNS / source, FIGURES / target)
+    branches(FIGURES / "up_and_down.png")
     comparison(FIGURES / "base_free.png", "free")
     comparison(FIGURES / "base_clamped.png", "clamped")
     (ROOT / "docs" / "tables").mkdir(exist_ok=True)

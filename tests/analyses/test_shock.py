@@ -228,19 +228,30 @@ def test_roll_responds_alike_in_x_and_y():
 
 @pytest.mark.slow
 def test_decay_of_the_lab_roll_follows_its_backbone(tmp_path):
-    """Coarse mesh, 0.5 % material damping: 0.5 % in frequency, 10 % in damping from 0.39 to 0.013 mm (1.5 decades).
+    """Coarse mesh, 0.5 % material damping: 0.5 % in frequency, 4 % in damping from 1.5 to 0.013 mm (two decades).
 
-    The damping of the decay is up to 10 % higher where layers slip: the shock leaves more modes than one.
+    A cycle of the decay, from peak to peak, dissipates what a steady cycle of its mean amplitude does: neither other
+    modes nor the memory of the contact change the damping.
     """
     text = ["mesh={circumferential: 12, axial: 6, grading: 8}", "damping.modal=0.005"]
-    backbone = wf.run(wf.load_case(CONFIGS / "lab_backbone.yaml", text))
-    pulse = "excitation={kind: half_sine, amplitude_g: 45, duration: 0.003}"
+    backbone = wf.run(wf.load_case(CONFIGS / "lab_backbone.yaml", [*text, "backbone.tip_largest=1.6e-3"]))
+    pulse = "excitation={kind: half_sine, amplitude_g: 120, duration: 0.003}"
     result = wf.run(wf.load_case(CONFIGS / "lab_backbone.yaml", [*text, "analysis=shock", pulse]))
     a = result["decay_amplitude"].values
-    used = a < 4.0e-4  # the first values are of the end of the shock itself
-    assert a[used][0] > 3.8e-4
+    used = a < 1.56e-3  # the first values are of the end of the shock itself
+    assert a[used][0] > 1.5e-3
     assert a[used][-1] < 2e-5
     tip = backbone["tip_amplitude"].values
     f, zeta = (np.interp(a[used], tip, backbone[name].values) for name in ("resonance_frequency", "modal_damping"))
     np.testing.assert_allclose(result["decay_frequency"].values[used], f, rtol=5e-3)
-    np.testing.assert_allclose(result["decay_damping"].values[used], zeta, rtol=0.10)
+    np.testing.assert_allclose(result["decay_damping"].values[used], zeta, rtol=0.04)
+    after = result.isel(time=result["time"].values > result.attrs["shock_end_s"])
+    x = after["tip_displacement"].values
+    peaks = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
+    lost = sum(after[name].values for name in ("friction_energy", "material_damping", "numerical_dissipation"))
+    level = np.abs(x[peaks])
+    mean, work = 0.25 * (level[:-2] + 2.0 * level[1:-1] + level[2:]), lost[peaks][2:] - lost[peaks][:-2]
+    steady = sum(backbone[f"{name}_work_per_cycle"].values for name in ("friction", "material_damping"))
+    large = (mean < 1.3e-3) & (mean > 2e-4)
+    assert large.sum() > 10
+    np.testing.assert_allclose(work[large], np.interp(mean[large], tip, steady), rtol=0.05)  # peaks at time steps

@@ -27,6 +27,18 @@ PROBE = "probes={middle: {z: 0.15}}"
 FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20"]
 CASES: dict[str, tuple[str, list[str]]] = {
     "sweep": ("oscillator", [*FAST, "output.damping=gaussian_fit", DAMPED]),
+    "sweep up and down": (
+        "oscillator",
+        [
+            "excitation.rate_oct_per_min=4", "integrator.steps_per_cycle=20", "excitation.sweep_direction=up_down",
+            "output.damping=gaussian_fit", DAMPED,
+        ],
+    ),
+    "random at levels": (
+        "lab_random",
+        [*COARSE, "excitation.duration=1.2", "excitation.psd.frequency=[80, 250]", "excitation.levels=[0.5, 1]",
+         "excitation.records=2"],
+    ),
     "dwell": (
         "lab_dwell",
         [
@@ -118,6 +130,7 @@ def test_every_field_is_produced(produced: Produced, measured: list[wf.lab.LabRe
     rates = shear_history(RateAndState(), *VelocitySteps(1e-6, 1e-5).history(points=3))
     dwell, sweep = produced["dwell"][0], produced["sweep"][0]
     derived = [slipping_area_fraction(dwell), magnitude(sweep), magnitude(sweep, "transmissibility_spectrum")]
+    derived.append(magnitude(produced["sweep up and down"][0], "down_transmissibility"))
     names = {str(name) for data in (shear, rates) for name in data.variables} | {str(array.name) for array in derived}
     names |= {str(name) for data, _ in produced.values() for name in data.variables}
     names |= {str(name) for result in measured for name in result.data.variables}

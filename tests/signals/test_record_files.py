@@ -245,6 +245,21 @@ def test_a_text_cut_off_within_a_row_is_refused(tmp_path):
             read_record(tmp_path / "a.csv", unit="g", column="base")
 
 
+@pytest.mark.parametrize("expected", [{"rows": 20}, {"length": float(TIME[19])}])
+def test_a_text_of_known_size_is_refused_when_cut_off_at_any_byte(tmp_path, expected):
+    """Without the last line break too: whether a number is complete cannot be seen there."""
+    whole = write_csv(tmp_path / "a.csv", rows=np.column_stack([TIME, BASE, BASE])[:20]).read_bytes()
+    for length in range(len(whole)):
+        (tmp_path / "a.csv").write_bytes(whole[:length])
+        with pytest.raises(InputError) as caught:
+            read_record(tmp_path / "a.csv", unit="g", column="base", **expected)
+        assert "\n" not in str(caught.value)
+    (tmp_path / "a.csv").write_bytes(whole)
+    assert len(read_record(tmp_path / "a.csv", unit="g", column="base", **expected).acceleration) == 20
+    with pytest.raises(InputError, match="cut off, or of another record"):
+        read_record(tmp_path / "a.csv", unit="g", column="base", **{name: 2 * v for name, v in expected.items()})
+
+
 def test_clipped_record_is_remarked_on(tmp_path):
     clipped = np.clip(BASE / G, -2.0, 2.0)
     path = write_csv(tmp_path / "a.csv", "time,base", rows=np.column_stack([TIME, clipped]))

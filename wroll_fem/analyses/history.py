@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.analyses.curve_reading import span_remark
+from wroll_fem.analyses.excited_band import band_remark, basis_remark, excited_to, period_error
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
@@ -22,6 +23,7 @@ from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.path_span.span import PathSpan
 from wroll_fem.dynamics.path_span.stepper import PathStepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
@@ -32,6 +34,7 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.motions import base_motion
+from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.case import HistoryCase
@@ -49,8 +52,8 @@ step of `condensed` takes seconds when many points change their contact state.""
 
 SUMMARY = (summary.interfaces, summary.ledger, summary.slip, summary.base_loads, stress.summary)
 FIGURES = (
-    figures.figure("response", "response"),
-    figures.figure("energy_ledger", "energy_ledger"),
+    figures.figure("response", "response", needs="time"),
+    figures.figure("energy_ledger", "energy_ledger", needs="time"),
     figures.slip_maps,
     figures.slip_in_space,
 )
@@ -65,9 +68,36 @@ VARIABLES: dict[str, tuple[str, ...]] = {
 PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder")
 
 
+class SharedStructure:
+    """System, preload state, modes, span and basis that several time histories with the same time step share.
+
+    Attributes
+    ----------
+    case
+        Case of the largest motion.
+    system, state
+        Prepared system and its preload state.
+    modes
+        Modes of the structure, once a history has needed them.
+    span
+        Modes in the span of the path of a coil whose wraps slide.
+    basis
+        Vectors (r, m) and eigenvalues (m,) of the reduced model at the end of the last history by `reduced`: the next
+        one starts with them.
+    """
+
+    def __init__(self, case: HistoryCase, progress: Progress):
+        self.case = case
+        self.system, self.state = prepare(case, progress)
+        self.modes: Condensation | None = None
+        self.span: PathSpan | None = None
+        self.basis: tuple[FloatArray, FloatArray] | None = None
+
+
 def time_history(
-    case: HistoryCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False
-) -> xr.Dataset:
+    case: HistoryCase, *, progress: Progress, checkpoint: Path | None = None, resume: bool = False,
+    shared: SharedStructure | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Compute the time history with energy ledger and slip fields.
 
     Parameters
@@ -76,6 +106,8 @@ def time_history(
         Checkpoint file; None writes none.
     resume
         Continue from the checkpoint.
+    shared
+        Structure of the histories computed before; prepared here by default.
 
     Raises
     ------
@@ -83,9 +115,9 @@ def time_history(
         If a step does not converge; ``partial`` has the history up to that step.
     """
     solver = case.solver
-    system, state = prepare(case, progress)
+    shared = SharedStructure(case, progress) if shared is None else shared
     saving = None if checkpoint is None else Checkpointing(checkpoint, solver.checkpoint_seconds, resume)
-    run = _Integration(case, system, state, progress)
+    run = _Integration(case, shared, progress)
     method, reason = solver.method, "the reduced model was too inaccurate in an earlier part of this run"
     fell_back = method == "reduced" and saved_method(saving) == "condensed"
     if not fell_back:
@@ -115,21 +147,34 @@ class _Integration:
     """Time integration of a prepared case by any `solver.method`."""
 
     case: HistoryCase
-    system: System
-    state: ContactState
+    shared: SharedStructure
     progress: Progress
 
-    @cached_property
+    @property
+    def system(self) -> System:
+        """Prepared system."""
+        return self.shared.system
+
+    @property
+    def state(self) -> ContactState:
+        """Preload state."""
+        return self.shared.state
+
+    @property
     def span(self) -> PathSpan | None:
         """Modes in the span of the path of a coil whose wraps slide; None for any other case."""
-        return path_span(self.case, self.system, self.state, self.progress) if slips_inside(self.case) else None
+        if self.shared.span is None and slips_inside(self.case):
+            self.shared.span = path_span(self.shared.case, self.system, self.state, self.progress)
+        return self.shared.span
 
-    @cached_property
+    @property
     def modes(self) -> Condensation | None:
         """Modes for `reduced` and for the run by `condensed` that may replace it; None for another `solver.method`."""
         if self.case.solver.method != "reduced":
             return None
-        return modes_to_reduce(self.system, self.state, self.scheme, time_step(self.case))
+        if self.shared.modes is None:
+            self.shared.modes = modes_to_reduce(self.system, self.state, self.scheme, time_step(self.case))
+        return self.shared.modes
 
     @property
     def scheme(self) -> Scheme:
@@ -159,6 +204,10 @@ class _Integration:
             if error.partial is not None:
                 error.partial = _described(error.partial, case, method)
             raise
+        if isinstance(stepper, ReducedStepper):
+            self.shared.basis = stepper.vectors, stepper.model.eigenvalues
+        if missing := basis_remark(case, stepper):
+            self.progress.warning(missing)
         found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
 
@@ -174,6 +223,8 @@ class _Integration:
                     system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,
                     largest_error=self.largest_error if falls_back else np.inf, condensation=self.modes,
                 )  # fmt: skip
+            if isinstance(stepper, ReducedStepper) and self.shared.basis is not None and not stepper.complete:
+                stepper.adopt(ReducedModel.on(stepper.condensation, *self.shared.basis))
             stage.update(1)
         return stepper
 
@@ -186,6 +237,8 @@ def _main_mode(stepper: Stepper) -> dict[str, float]:
 
 
 def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
+    if text := band_remark(case):
+        progress.warning(text)
     if not isinstance(stepper, CondensedStepper | ReducedStepper):
         return
     condensation = stepper.condensation
@@ -208,4 +261,6 @@ def _described(dataset: xr.Dataset, case: HistoryCase, method: str) -> xr.Datase
     excitation = case.excitation
     direction = "of the file" if isinstance(case, OnStructure) else excitation.direction
     attrs = {"excitation_kind": excitation.kind, "excitation_direction": direction, **excitation.attributes}
+    highest = excited_to(case)
+    attrs |= {"excited_to_hz": highest, "period_error_at_highest": period_error(case, highest)}
     return dataset.assign_attrs(attrs | {"method": method, "steps_per_cycle": steps_per_cycle(case)})

@@ -30,6 +30,10 @@ LINES_PER_OCTAVE = 24
 FADE = 0.1
 """Share of the tip's record, at its end, over which it fades: the end of the computed time is no shock of its own."""
 
+SLIPS = 1e-6
+"""Friction work after the shock, relative to the input work, from which slip counts as the cause of a frequency that
+changes with the amplitude."""
+
 NUMERICAL_SHARE = 0.1
 """Share of the damping of the decay that is due to the integration scheme, above which it is doubtful."""
 
@@ -102,7 +106,12 @@ def _decay(history: xr.Dataset) -> Decay:
     expected = float(history.attrs.get("stuck_resonance_hz", np.nan))
     tip = history["tip_displacement"].values[after]
     start = float(time[after][0]) if after.any() else 0.0
-    return free_decay(tip, float(time[1] - time[0]), start=start, expected=expected if np.isfinite(expected) else None)
+    rubbed = history["friction_energy"].values[after] if "friction_energy" in history else np.zeros(1)
+    put_in = float(np.abs(history["input_work"].values).max())
+    return free_decay(
+        tip, float(time[1] - time[0]), start=start, expected=expected if np.isfinite(expected) else None,
+        slipping=bool(rubbed.size) and float(np.ptp(rubbed)) > SLIPS * put_in,
+    )  # fmt: skip
 
 
 def decay_attributes(history: xr.Dataset, decay: Decay) -> dict[str, Any]:

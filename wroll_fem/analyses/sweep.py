@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -16,18 +17,23 @@ from wroll_fem.analyses.shared import preflight
 from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shared.time_step import step_at, sweep_step_error
 from wroll_fem.analyses.shared.zeta_parts import parts_of_sweep
+from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.attainment import swept_peak
 from wroll_fem.signals.damping import HalfPower, likely_damping
 from wroll_fem.signals.estimators import estimate_damping
-from wroll_fem.signals.motions import sweep_motion
+from wroll_fem.signals.motions import base_motion, sweep_motion
 from wroll_fem.signals.quality import Circumstances, judge
 from wroll_fem.signals.sweeps import Sweep
+from wroll_fem.signals.there_and_back import ThereAndBack
 from wroll_fem.signals.tip import rigid_tip
 from wroll_fem.signals.transmissibility import magnitude, transmissibility
 
 if TYPE_CHECKING:
     from wroll_fem.case import SweepCase
     from wroll_fem.progress import Progress
+
+DOWN = "down_"
+"""Prefix of the variables and entries of the downward branch of a sweep up and down."""
 
 NUMERICAL_SHARE = 0.1
 """Numerical dissipation, relative to the input work, above which the damping ratio of a sweep is doubtful."""
@@ -51,24 +57,69 @@ def run_sweep(
         If a step does not converge; ``partial`` has the history up to that step.
     """
     history = time_history(case, progress=progress, checkpoint=checkpoint, resume=resume)
-    motion = sweep_motion(case.excitation)
-    curve = transmissibility(history, motion)
-    dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
-    T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
-    read = estimate_damping(curve["frequency"].values, T, case.output.damping)
-    participation = history.attrs.get("tip_participation")
-    dt = step_at(history, read.shape.f_n) if case.integrator.follow_frequency else None
-    error, coarse = sweep_step_error(case, (curve["frequency"].values, np.abs(T)), read.shape, participation, dt)
-    spectrum = magnitude(curve, "transmissibility_spectrum").values
-    remarks = coarse, numerical_remark(history)
-    known = Circumstances(motion, participation, spectrum=spectrum, remarks=remarks, rigid=rigid_tip(history))
-    quality = judge(read, curve["frequency"].values, np.abs(T), known)
-    for text in quality.reasons:
-        progress.warning(text)
-    attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
-    attrs |= parts_of_sweep(dataset, attrs["zeta"], (read.shape.f_low, read.shape.f_high))
-    attrs |= {"time_step_error": error, "sweep_attainment": _attainment(motion, read.shape, participation)}
+    motion = base_motion(case.excitation)
+    if not isinstance(motion, ThereAndBack):
+        sweep = sweep_motion(case.excitation)
+        curve = transmissibility(history, sweep)
+        dataset = xr.merge([history, curve], combine_attrs="drop_conflicts")
+        return dataset.assign_attrs(history.attrs | _Branch(case, history, sweep, curve).attrs(progress))
+    there, back = motion.branches(history)
+    up = _Branch(case, there, motion.up, transmissibility(there, motion.up))
+    grid = up.curve["frequency"].values
+    down = _Branch(case, back, motion.down, transmissibility(back, motion.down, frequency=grid), "down")
+    attrs = up.attrs(progress) | {f"{DOWN}{name}": value for name, value in down.attrs(progress).items()}
+    named = down.curve.rename({str(name): f"{DOWN}{name}" for name in down.curve.data_vars})
+    dataset = xr.merge([history, up.curve, annotate(named)], combine_attrs="drop_conflicts")
     return dataset.assign_attrs(history.attrs | attrs)
+
+
+@dataclass(frozen=True)
+class _Branch:
+    """Sweep in one direction: its part of the history, and its transmissibility.
+
+    Attributes
+    ----------
+    case
+        Case of the run.
+    history
+        History of this branch; its time starts with the branch.
+    motion
+        Base motion of this branch.
+    curve
+        Transmissibility.
+    name
+        Name of the branch for warnings; empty for a sweep in one direction.
+    """
+
+    case: SweepCase
+    history: xr.Dataset
+    motion: Sweep
+    curve: xr.Dataset
+    name: str = ""
+
+    def attrs(self, progress: Progress) -> dict[str, Any]:
+        """Attributes of the resonance, its damping and their accuracy; the reasons for doubts are warnings."""
+        case, history, curve = self.case, self.history, self.curve
+        frequency = curve["frequency"].values
+        T = curve["transmissibility_real"].values + 1j * curve["transmissibility_imag"].values
+        read = estimate_damping(frequency, T, case.output.damping)
+        participation = history.attrs.get("tip_participation")
+        dt = step_at(history, read.shape.f_n) if case.integrator.follow_frequency else None
+        error, coarse = sweep_step_error(case, (frequency, np.abs(T)), read.shape, participation, dt)
+        known = Circumstances(
+            self.motion, participation, spectrum=magnitude(curve, "transmissibility_spectrum").values,
+            remarks=(coarse, numerical_remark(history)), rigid=rigid_tip(history),
+        )  # fmt: skip
+        quality = judge(read, frequency, np.abs(T), known)
+        if self.name:  # its first frequency is the last one of the case
+            texts = (text.replace("excitation.f_start", "excitation.f_end") for text in quality.reasons)
+            quality = replace(quality, reasons=tuple(texts))
+        for text in quality.reasons:
+            progress.warning(f"downward: {text}" if self.name else text)
+        attrs = quality.as_attrs(read.as_attrs("demodulated envelope"))
+        attrs |= parts_of_sweep(history, attrs["zeta"], (read.shape.f_low, read.shape.f_high))
+        attained = _attainment(self.motion, read.shape, participation)
+        return attrs | {"time_step_error": error, "sweep_attainment": attained}
 
 
 def _attainment(motion: Sweep, read: HalfPower, participation: float | None) -> float:
@@ -81,7 +132,9 @@ def _attainment(motion: Sweep, read: HalfPower, participation: float | None) -> 
 
 def numerical_remark(history: xr.Dataset) -> str:
     """Warning if much of the energy of a sweep is dissipated by the integration scheme; empty otherwise."""
-    lost, put_in = (float(history[name].values[-1]) for name in ("numerical_dissipation", "input_work"))
+    lost, put_in = (
+        float(np.diff(history[name].values[[0, -1]])[0]) for name in ("numerical_dissipation", "input_work")
+    )
     if not put_in > 0.0 or lost <= NUMERICAL_SHARE * put_in:
         return ""
     return (

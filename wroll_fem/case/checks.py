@@ -209,6 +209,11 @@ def check_band(excitation: ChirpExcitation) -> None:
             f"must be above excitation.f_start = {excitation.f_start:g} Hz", key="excitation.f_end",
             value=excitation.f_end, remedy="give f_end > f_start, in Hz",
         )  # fmt: skip
+    if excitation.sweep_direction == "up_down":
+        raise validation_error(
+            "a response curve has no direction: it contains both branches", key="excitation.sweep_direction",
+            value="up_down", remedy="leave it out, or use analysis: sweep",
+        )  # fmt: skip
     if excitation.profile is not None:
         raise validation_error(
             "a response curve has one amplitude", key="excitation.profile", show_value=False,

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from wroll_fem.case.case import Check, case_kind
 from wroll_fem.case.checks import check_motion, check_steps
+from wroll_fem.case.checks_random import check_duration
 from wroll_fem.case.excitation import (
     SHOCK_KINDS,
     ChirpExcitation,
@@ -98,6 +99,10 @@ class RandomCase(HistoryCase):
     output: Annotated[Output, AfterValidator(_by_fit)] = Field(
         default_factory=_output_with_fit, description="what a run writes"
     )
+
+    def _checks(self) -> Iterator[Check]:
+        yield from super()._checks()
+        yield lambda: check_duration(self.excitation, roll=isinstance(self, OnRoll))
 
 
 @case_kind

@@ -37,8 +37,6 @@ class LabResult:
         Path, size and SHA-256 of each input (`lab.inputs.described`).
     drawings
         Figures of the kind.
-    texts
-        Further files of the folder: name -> content.
     """
 
     summary: dict[str, Any]
@@ -48,7 +46,6 @@ class LabResult:
     settings: LabSettings | None = None
     inputs: tuple[dict[str, Any], ...] = ()
     drawings: Mapping[str, Figure] = field(default_factory=dict)
-    texts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:

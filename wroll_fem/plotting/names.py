@@ -29,6 +29,7 @@ from wroll_fem.plotting.hysteresis import plot_hysteresis as hysteresis
 from wroll_fem.plotting.margin import plot_margin as margin
 from wroll_fem.plotting.mode_shapes import plot_mode_shapes as mode_shapes
 from wroll_fem.plotting.modes import plot_modes as modes
+from wroll_fem.plotting.random_levels import plot_random_levels as random_levels
 from wroll_fem.plotting.random_response import plot_random_response as random_response
 from wroll_fem.plotting.scene import jupyter_backend, slip_scene
 from wroll_fem.plotting.series import FIGURES
@@ -65,11 +66,11 @@ _OLD = {
 
 __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "hysteresis",
-    "jupyter_backend", "margin", "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "random_response",
-    "response", "root_section", "root_sections", "save", "shear_along", "shear_distribution", "shock", "slip_damping",
-    "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_work", "slip_zone", "spectra",
-    "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements", "two_dof_design_space",
-    "two_dof_readings", "winding", "wrap_slip", "write_slip_vtu",
+    "jupyter_backend", "margin", "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "random_levels",
+    "random_response", "response", "root_section", "root_sections", "save", "shear_along", "shear_distribution",
+    "shock", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_work", "slip_zone",
+    "spectra", "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements",
+    "two_dof_design_space", "two_dof_readings", "winding", "wrap_slip", "write_slip_vtu",
 ]  # fmt: skip
 globals().update(FIGURES)  # figures of a study, by the names that a grid file gives them
 __all__ += FIGURES

@@ -30,6 +30,13 @@ def _box(read: Resonance) -> str:
     return "\n".join(lines)
 
 
+def _line(read: Resonance) -> str:
+    """Reading of one branch, in one line."""
+    if not np.isfinite(read.f_n):
+        return "no resonance in the band"
+    return rf"{read.f_n:.2f} Hz, $T_{{pk}}$ = {read.peak:.2f}, $\zeta$ = {damping_words(read)}"
+
+
 def ratio_label(dataset: xr.Dataset) -> str:
     """Label of the axis of |T|: transmissibility, or accelerance if a force excites the structure."""
     return _BASE if rigid_tip(dataset) else "Accelerance, tip over force factor (1/kg)"
@@ -79,7 +86,14 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         spectrum = magnitude(dataset, "transmissibility_spectrum").values
         top = max(top, min(float(np.nanmax(spectrum)), 1.6 * top))
         ax.plot(frequency, spectrum, color=style.GREY, lw=1.0, ls=":", label="spectrum ratio (FFT)")
-    ax.plot(frequency, size, color=style.BLUE, lw=1.8, label="demodulated envelope")
+    down = resonance(dataset, "down_") if "down_transmissibility_real" in dataset else None
+    text = "demodulated envelope" if down is None else f"upward: {_line(read)}"
+    ax.plot(frequency, size, color=style.BLUE, lw=1.8, label=text)
+    if down is not None:
+        back = magnitude(dataset, "down_transmissibility").values
+        top = max(top, float(back.max()))
+        ax.plot(frequency, back, color=style.ORANGE, lw=1.6, ls="--", label=f"downward: {_line(down)}")
+        ax.plot(down.f_n, down.peak, "o", color=style.ORANGE, ms=5, mec="black", mew=0.5, zorder=5)
     resonant = bool(np.isfinite(read.f_n))
     if resonant:
         ax.plot(read.f_n, read.peak, "o", color=style.RED, ms=5, zorder=5)
@@ -91,23 +105,24 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     right = read.f_n < 0.5 * (frequency[0] + frequency[-1])
     side, x = ("right", 0.985) if right else ("left", 0.015)
     frame = {"fc": "white", "ec": "#BBBBBB", "boxstyle": "round,pad=0.4"}
-    ax.text(
-        x,
-        0.97,
-        _box(read),
-        transform=ax.transAxes,
-        va="top",
-        ha=side,
-        fontsize=9,
-        linespacing=1.4,
-        bbox=frame,
-        zorder=6,
-    )
+    if down is None:
+        ax.text(
+            x,
+            0.97,
+            _box(read),
+            transform=ax.transAxes,
+            va="top",
+            ha=side,
+            fontsize=9,
+            linespacing=1.4,
+            bbox=frame,
+            zorder=6,
+        )
     ax.set_xlim(frequency[0], frequency[-1])
     ax.set_ylim(0.0, 1.12 * top)
     ax.set_xlabel(label("frequency"))
     ax.set_ylabel(ratio_label(dataset))
-    ax.legend(loc=f"center {side}", fontsize=8, framealpha=0.9)
+    ax.legend(loc=f"{'center' if down is None else 'upper'} {side}", fontsize=8, framealpha=0.9)
     found = f"no damping estimate: {read.reason}"
     if read.damped:
         found = f"damping ratio {damping_words(read)}"
@@ -115,6 +130,8 @@ def plot_transmissibility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
             lean = "leans right" if read.skewness > 0.1 else "leans left" if read.skewness < -0.1 else "is symmetric"
             found += f"; the peak {lean}"
     head = f"{peak_words(dataset, read.peak)} at {read.f_n:.1f} Hz; {found}"
+    if down is not None and np.isfinite(down.f_n):
+        head = f"Upward: peak {read.peak:.3g} at {read.f_n:.2f} Hz; downward: {down.peak:.3g} at {down.f_n:.2f} Hz"
     style.title(ax, head if resonant else f"No resonance: {read.reason}")
     return ax
 

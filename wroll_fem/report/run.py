@@ -40,6 +40,7 @@ _CAPTIONS = {
     "slip_damping": "Tip motion, damping and frequency at resonance versus base acceleration",
     "backbone": "Frequency and damping of the resonance versus amplitude", "response": "Motion of the tip versus time",
     "spectra": "PSD of base and tip, transmissibility H1 and coherence versus frequency",
+    "levels": "Frequency, damping and rms of the tip versus level",
     "energy_ledger": "Energies versus time", "slip_on_cylinder": "Slip on the roll",
     "two_dof_readings": "Damping, peak, its frequency and skewness versus friction capacity",
     "two_dof_design_space": "Largest damping versus mass and stiffness of the secondary",

@@ -68,15 +68,17 @@ class Resonance:
         return self.damped and (self.again or not self.stated)
 
 
-def resonance(dataset: xr.Dataset) -> Resonance:
-    """Resonance from the attributes of the results.
+def resonance(dataset: xr.Dataset, prefix: str = "") -> Resonance:
+    """Resonance from the attributes of the results whose names start with ``prefix`` ("down_": downward branch).
 
     Raises
     ------
     InputError
         If the results contain none.
     """
-    attrs: Mapping[str, Any] = dataset.attrs
+    attrs: Mapping[str, Any] = {
+        str(name).removeprefix(prefix): value for name, value in dataset.attrs.items() if str(name).startswith(prefix)
+    }
     if "f_n_hz" not in attrs or "peak_transmissibility" not in attrs:
         remedy = "add one: dataset.assign_attrs(wf.half_power(frequency, magnitude).as_attrs())"
         raise InputError("the results have no resonance (attributes f_n_hz, peak_transmissibility)", remedy=remedy)

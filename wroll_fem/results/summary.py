@@ -6,11 +6,13 @@ module imports no large library.
 
 from __future__ import annotations
 
+from wroll_fem.results.entries.random import RANDOM
+from wroll_fem.results.entries.random_response import RANDOM_RESPONSE
+from wroll_fem.results.entries.resonance import DOWNWARD, RESONANCE
+from wroll_fem.results.entries.shock import SHOCK
+from wroll_fem.results.entries.sizing import SIZING
 from wroll_fem.results.entry import Entry, number, share
 from wroll_fem.results.lab.tables import LAB_ENTRIES
-from wroll_fem.results.random_response_entries import RANDOM_RESPONSE
-from wroll_fem.results.shock_entries import SHOCK
-from wroll_fem.results.sizing_entries import SIZING
 
 __all__ = ["EFFORT", "GROUPS", "SUMMARY", "Entry", "label", "netcdf_unit", "split_unit", "unit_of"]
 
@@ -24,47 +26,8 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "mass_total_kg": Entry("kg", "mass in motion"),
         "warnings": Entry("", "warnings", "before, during and at the end of the run, each with its remedy"),
     },
-    "Resonance of a curve (sweep, random, harmonic)": {
-        "f_n_hz": number(
-            "Hz", "resonance frequency f_n", "frequency of the peak; `null` without a maximum in the band", "{:.2f} Hz"
-        ),
-        "zeta": share(
-            "damping ratio zeta",
-            "(f2 - f1)/(2 f_n) by default; `null` where a half-power point lies outside the band", "{:.4f}",
-        ),
-        "zeta_quality": Entry(
-            "", "quality of zeta", "`ok`, `doubtful` or `invalid`; zeta is `null` if it is invalid", "si", "{}"
-        ),
-        "zeta_doubts": Entry("", "reasons for the quality of zeta", "a list, worst first; also among the warnings"),
-        "zeta_apparent": share("apparent damping ratio", "the estimate, whatever its quality"),
-        "zeta_spread": share("distance of zeta to that from the spectra of the sweep", "relative"),
-        "zeta_method": Entry("", "method of zeta", "estimator (`output.damping`) and curve"),
-        "half_power_reason": Entry(
-            "", "reason for a missing reading", "why f_n or zeta is `null`, or what makes zeta doubtful; else empty"
-        ),
-        "zeta_material": share(
-            "zeta due to material damping",
-            "work of material damping, divided by 4 pi times the kinetic energy: at the peak (harmonic), between the "
-            "half-power frequencies (sweep), at zeta_max (backbone); share of the energy lost in the decay (shock)",
-            "{:.4f}",
-        ),
-        "zeta_friction": share("zeta due to friction", "the rest of zeta", "{:.4f}"),
-        "zeta_error": share("standard error of zeta", "of estimators that have one"),
-        "zeta_lower_bound": share("zeta, lower end of its error bar"),
-        "zeta_misfit": share("distance of fit and curve, divided by the peak"),
-        "zeta_reason": Entry("", "reason for this method"),
-        "f_n_error_hz": number("Hz", "standard error of f_n"),
-        "peak_transmissibility": number(
-            "", "peak transmissibility", "|A_tip + A_g|/|A_g|; of the displacements with two_dof", "{:.2f}"
-        ),
-        "half_power_low_hz": number("Hz", "lower half-power frequency", "f1, where T is its peak divided by sqrt 2"),
-        "half_power_high_hz": number("Hz", "upper half-power frequency", "f2"),
-        "stuck_resonance_hz": number("Hz", "resonance frequency with sticking interfaces", "of the main mode"),
-        "tip_participation": number(
-            "", "participation of the main mode at the tip", "T is this value divided by twice the damping ratio"
-        ),
-        "skewness": number("", "skewness of the peak", "(f2 - f_n)/(f_n - f1) - 1; positive: long tail to the right"),
-    },
+    "Resonance of a curve (sweep, random, harmonic)": RESONANCE,
+    "Downward branch (sweep with sweep_direction: up_down)": DOWNWARD,
     "Steady response of a dwell": {
         "steady_magnitude": number("", "steady transmissibility", "during the last whole cycles"),
         "steady_phase_rad": number("rad", "steady phase", "of the absolute tip acceleration to the base acceleration"),
@@ -75,29 +38,7 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "", "doubt about the steady response", "reason, where drift or residual exceed 2 %; else empty"
         ),
     },
-    "Random motion": {
-        "psd_rms_m_s2": number("m/s²", "rms of the PSD", "of the case, in closed form, level included"),
-        "base_rms_m_s2": number("m/s²", "rms of the base acceleration", "of the steady part", "{:.4g} m/s²"),
-        "tip_rms_m_s2": number("m/s²", "rms of the absolute tip acceleration", "of the steady part", "{:.4g} m/s²"),
-        "tip_3sigma_m_s2": number("m/s²", "3 sigma of the absolute tip acceleration"),
-        "tip_displacement_rms_m": Entry(
-            "m", "rms of the tip displacement", "relative to the base, steady part", console="{:.4g} m"
-        ),
-        "tip_displacement_3sigma_m": Entry("m", "3 sigma of the tip displacement"),
-        "tip_rms_error": share(
-            "standard error of the rms of the tip acceleration", "from the length of the record and its PSD"
-        ),
-        "tip_kurtosis": number("", "kurtosis of the tip acceleration", "3 for a Gaussian response"),
-        "base_shear_rms_n": Entry("N", "rms of the base shear"),
-        "base_shear_3sigma_n": Entry("N", "3 sigma of the base shear"),
-        "base_moment_rms_nm": number("N m", "rms of the base moment"),
-        "base_moment_3sigma_nm": number("N m", "3 sigma of the base moment"),
-        "steady_start_s": Entry("s", "start of the steady part"),
-        "psd_resolution_hz": number("Hz", "distance of the lines of the averaged spectra"),
-        "psd_averages": number("", "independent averages of the spectra"),
-        "psd_random_error": share("standard error of the PSDs"),
-        "psd_peak_bias": share("part of the peak of a PSD that the resolution takes", "H1 is corrected for it"),
-    },
+    "Random motion": RANDOM,
     "Random response of a backbone (random_response)": RANDOM_RESPONSE,
     "Shock": SHOCK,
     "Energy over the whole motion (sweep, dwell, random, shock)": {
@@ -311,6 +252,11 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": number("", "time steps", console="{:d}"),
         "steps_per_cycle": number("", "steps per cycle of the highest excitation frequency"),
+        "excited_to_hz": number(
+            "Hz", "highest frequency with energy of the base motion",
+            "99.99 % of the mean square of a random motion and 99 % of the energy of a shock lie below it",
+        ),
+        "period_error_at_highest": share("lengthening of the period at this frequency by the time step"),
         "time_step_error": share(
             "estimated error by the time step",
             "of a dwell: largest error of the tip's history divided by its largest displacement; of a sweep: error of "

@@ -13,6 +13,7 @@ from wroll_fem.signals.base_motion import BaseMotion, Dwell
 from wroll_fem.signals.random.random_motion import RandomMotion
 from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
 from wroll_fem.signals.sweeps import Chirp, LinearSweep, Profile, Sweep
+from wroll_fem.signals.there_and_back import ThereAndBack
 
 if TYPE_CHECKING:
     from wroll_fem.signals.records.record import Record
@@ -33,6 +34,10 @@ def _chirp(e: Any) -> Sweep:
     if linear is not None:
         return LinearSweep(*ends, float(linear), **_ramp(e), profile=profile)
     return Chirp(*ends, float(e.rate_oct_per_min), **_ramp(e), profile=profile)
+
+
+def _passes(e: Any) -> Sweep | ThereAndBack:
+    return ThereAndBack(_chirp(e)) if getattr(e, "sweep_direction", None) == "up_down" else _chirp(e)
 
 
 def _dwell(e: Any) -> Dwell:
@@ -76,22 +81,23 @@ def _file(e: Any) -> BaseMotion:
 
     path = Path(e.file)
     changed = path.stat().st_mtime_ns if path.is_file() else 0
-    record = _record(path, changed, e.unit, e.column, e.time, e.sampling_rate)
+    record = _record(path, changed, e.unit, e.column, e.time, e.sampling_rate, e.rows, e.length)
     return RecordedMotion(record, e.baseline, float(e.taper), e.low_pass, float(e.scale), after=_after(e))
 
 
 @lru_cache(maxsize=4)
 def _record(
-    path: Path, changed: int, unit: str, column: str | int | None, time: str | int | None, rate: float | None
-) -> Record:
+    path: Path, changed: int, unit: str, column: str | int | None, time: str | int | None, rate: float | None,
+    rows: int | None, length: float | None,
+) -> Record:  # fmt: skip
     """Record of a file, which is read again when it has changed."""
     from wroll_fem.signals.records.record import read_record
 
-    return read_record(path, unit=unit, column=column, time=time, sampling_rate=rate)
+    return read_record(path, unit=unit, column=column, time=time, sampling_rate=rate, rows=rows, length=length)
 
 
 MOTIONS: dict[str, Callable[[Any], BaseMotion]] = {
-    "chirp": _chirp,
+    "chirp": _passes,
     "dwell": _dwell,
     "random": _random,
     "half_sine": _half_sine,
@@ -127,5 +133,5 @@ def base_motion(excitation: Any) -> BaseMotion:
 
 
 def sweep_motion(excitation: Any) -> Sweep:
-    """Sweep described by a case section `excitation` of kind "chirp"; see `base_motion`."""
+    """Sweep of a case section `excitation` of kind "chirp", of one up and down its first branch; see `base_motion`."""
     return _chirp(excitation)

@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+DIRECTION, UP_DOWN = "sweep_direction", "up_down"
+"""Attribute of results, and its value for a sweep up and down."""
+
+
 @dataclass(frozen=True)
 class Profile:
     """Factor of the amplitude of a sweep over its frequency, log-log between the rows.
@@ -85,6 +89,8 @@ class Sweep(ABC):
         Duration of the start ramp in cycles of f_start.
     profile
         Factor of the amplitude over the frequency.
+    start_phase
+        Phase of the acceleration at t = 0, rad.
     """
 
     amplitude: float
@@ -92,6 +98,7 @@ class Sweep(ABC):
     f_end: float
     ramp_cycles: float
     profile: Profile
+    start_phase: float
 
     @property
     @abstractmethod
@@ -137,7 +144,7 @@ class Sweep(ABC):
         """Base acceleration at `time` (s), m/s^2."""
         t = np.asarray(time, dtype=np.float64)
         size = self.amplitude * self.profile(self.frequency(t))
-        return np.asarray(size * ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.phase(t)))
+        return np.asarray(size * ramp(t, self.ramp_cycles / self.f_start) * np.sin(self.start_phase + self.phase(t)))
 
     def samples(self, dt: float) -> tuple[FloatArray, FloatArray]:
         """Times 0, dt, ... (s) up to or just beyond `duration`, and base accelerations (m/s^2) at these times, (n,).
@@ -186,6 +193,7 @@ class Chirp(Sweep):
     rate_oct_per_min: float
     ramp_cycles: float = 0.0
     profile: Profile = Profile()
+    start_phase: float = 0.0
 
     def __post_init__(self) -> None:
         self._check("rate_oct_per_min")
@@ -252,6 +260,7 @@ class LinearSweep(Sweep):
     rate_hz_per_s: float
     ramp_cycles: float = 0.0
     profile: Profile = Profile()
+    start_phase: float = 0.0
 
     def __post_init__(self) -> None:
         self._check("rate_hz_per_s")
@@ -295,13 +304,13 @@ class LinearSweep(Sweep):
 
 
 def sweep_of(dataset: xr.Dataset) -> Sweep | None:
-    """Sweep of a result, from its attributes; None for other motions.
+    """Sweep of a result, from its attributes; None for other motions and for a sweep up and down.
 
     The attributes are `f_start_hz`, `f_end_hz` and `rate_oct_per_min` or `rate_hz_per_s`. Without a rate, a geometric
     sweep is taken to reach `f_end_hz` at the last time.
     """
     attrs = dataset.attrs
-    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs:
+    if attrs.get("excitation_kind") != "chirp" or "f_start_hz" not in attrs or attrs.get(DIRECTION) == UP_DOWN:
         return None
     amplitude, start = float(attrs.get("amplitude_m_s2", 1.0)), float(attrs["f_start_hz"])
     if "rate_hz_per_s" in attrs:

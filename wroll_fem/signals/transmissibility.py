@@ -192,6 +192,7 @@ def demodulated(
     motion: Sweep,
     *,
     points: int = 1001,
+    frequency: FloatArray | None = None,
     window_cycles: int = WINDOW_CYCLES,
 ) -> xr.Dataset:
     """Transmissibility of a swept response by demodulation, versus instantaneous frequency.
@@ -208,6 +209,8 @@ def demodulated(
     points
         Number of frequencies, uniform over the band that remains after removing half the support of the kernel
         (3 window_cycles cycles) at both ends.
+    frequency
+        (n,) frequencies of the result in their place, Hz; those beyond the band have the value at its end.
     window_cycles
         Length of each of the three moving averages, cycles. A longer window smooths ripples, a shorter one resolves
         sharper peaks. The relative error of the kernel at a peak is about 6 (window_cycles df / (2 zeta f_n))^4, where
@@ -260,12 +263,14 @@ def demodulated(
     swept = motion.frequency(resampled_time[half : half + ratio.size])
     if motion.downward:
         swept, ratio = swept[::-1], ratio[::-1]
-    frequency = np.linspace(swept[0], swept[-1], points)
-    smooth = CubicSpline(swept, ratio)(frequency)
+    frequency = np.linspace(swept[0], swept[-1], points) if frequency is None else frequency
+    smooth = CubicSpline(swept, ratio)(np.clip(frequency, swept[0], swept[-1]))
     return _as_dataset(frequency, smooth, "transmissibility", demodulation_window_cycles=window_cycles)
 
 
-def transmissibility(history: xr.Dataset, motion: Sweep, *, points: int = 1001) -> xr.Dataset:
+def transmissibility(
+    history: xr.Dataset, motion: Sweep, *, points: int = 1001, frequency: FloatArray | None = None
+) -> xr.Dataset:
     """Transmissibility of a simulated sweep by demodulation and by the ratio of spectra, on one frequency grid.
 
     Parameters
@@ -274,8 +279,8 @@ def transmissibility(history: xr.Dataset, motion: Sweep, *, points: int = 1001) 
         Dataset with `tip_acceleration` (relative to the base) and `base_acceleration` over `time`.
     motion
         Base motion.
-    points
-        Number of frequencies.
+    points, frequency
+        Number of frequencies, or the frequencies themselves (Hz).
 
     Returns
     -------
@@ -289,7 +294,7 @@ def transmissibility(history: xr.Dataset, motion: Sweep, *, points: int = 1001) 
     """
     time, base = history["time"].values, history["base_acceleration"].values
     tip = absolute_tip(history)
-    envelope = demodulated(time, tip, motion, points=points)
+    envelope = demodulated(time, tip, motion, points=points, frequency=frequency)
     spectrum = spectrum_ratio(time, tip, base, frequency=envelope["frequency"].values)
     return xr.merge([envelope, spectrum], combine_attrs="no_conflicts")
 

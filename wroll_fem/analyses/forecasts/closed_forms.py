@@ -120,6 +120,20 @@ def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, m
     return float(moving[0]) if moving else 0.0
 
 
+def bending_wave(roll: RollSections, wavelength: float) -> float:
+    """Frequency in Hz at which bending waves of the roll with bonded layers have a wavelength in m; with shear."""
+    g, coil = roll.geometry, roll.coil
+    radius = 0.5 * (g.mandrel_outer_diameter - g.mandrel_thickness)
+    tubes = [_Tube(roll.mandrel.material, radius, g.mandrel_thickness, (0.0, g.length))]
+    if coil.model != "none":
+        radius = 0.5 * (g.mandrel_outer_diameter + coil.total_thickness)
+        tubes.append(_Tube(coil.material, radius, coil.total_thickness, roll.coil_span))
+    stiff = tubes if coil.model in ("layers", "bonded", "solid") else tubes[:1]
+    bending, shear = (sum(getattr(tube, name) for tube in stiff) for name in _STIFFNESSES)
+    number, mass = 2 * math.pi / wavelength, sum(tube.mass for tube in tubes) / g.length
+    return math.sqrt(1.0 / (mass / (bending * number**4) + mass / (shear * number**2))) / (2 * math.pi)
+
+
 def buckling_pressure(roll: RollSections) -> float:
     """Linear hoop-buckling pressure in Pa: sum of mandrel and layers, each a short tube whose ends stay circular.
 

@@ -12,7 +12,7 @@ import xarray as xr
 from wroll_fem.results.interface_slip import has_surface
 
 
-def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
+def figure(stem: str, name: str, *, needs: str = "", without: str = "") -> Callable[[xr.Dataset, Path], list[Path]]:
     """Return a function that draws a figure of `wroll_fem.plot` and saves it.
 
     Parameters
@@ -23,10 +23,13 @@ def figure(stem: str, name: str, *, needs: str = "") -> Callable[[xr.Dataset, Pa
         Name of the figure.
     needs
         Variable that the figure needs; without it, the figure is not drawn.
+    without
+        Dimension with which the figure is not drawn.
     """
 
     def part(dataset: xr.Dataset, folder: Path) -> list[Path]:
-        return [_save(stem, name, dataset, folder)] if not needs or needs in dataset else []
+        drawn = (not needs or needs in dataset) and (not without or without not in dataset.dims)
+        return [_save(stem, name, dataset, folder)] if drawn else []
 
     return part
 
@@ -43,8 +46,14 @@ def _surfaces(dataset: xr.Dataset) -> list[int]:
     return [number for number in range(count) if has_surface(dataset, number)]
 
 
+def _at_one_level(dataset: xr.Dataset) -> xr.Dataset:
+    """Results at the highest of several levels."""
+    return dataset.isel(level=-1) if "level" in dataset.dims else dataset
+
+
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the slip map and the vectors of the largest relative displacement for every interface, slip in a coil."""
+    dataset = _at_one_level(dataset)
     kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
     return _slip_between_wraps(dataset, folder) + [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
@@ -71,6 +80,7 @@ def slip_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the slip of the innermost interface on the roll, if there is slip."""
     from wroll_fem.plotting.names import slip_on_cylinder
 
+    dataset = _at_one_level(dataset)
     if 0 not in _surfaces(dataset) or not float(dataset["cumulative_slip"].max()) > 0:
         return []
     return [slip_on_cylinder(dataset, folder / "slip_on_cylinder.png")]
@@ -122,6 +132,7 @@ def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 def write_slip(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """Write slip.vtu (all interfaces), and slip_<step>.vtu for stored fields."""
+    dataset = _at_one_level(dataset)
     if "pressure" not in dataset or len(_surfaces(dataset)) < dataset.sizes["interface"]:
         return []
     from wroll_fem.plotting.names import write_slip_vtu

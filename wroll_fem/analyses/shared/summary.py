@@ -21,7 +21,7 @@ _LARGE = ("input_work", "kinetic_energy", "strain_energy")
 def attributes(dataset: xr.Dataset) -> dict[str, Any]:
     """Summary entries from the attributes of the Dataset."""
     found = {name: dataset.attrs[name] for name in SUMMARY if name in dataset.attrs}
-    for name in ("warnings", "zeta_doubts", "averaging_doubts"):
+    for name in ("warnings", "zeta_doubts", "down_zeta_doubts", "averaging_doubts"):
         if name in found:
             found[name] = [text for text in str(found[name]).split("\n") if text]
     return found

@@ -124,7 +124,11 @@ def time_grid(case: HistoryCase, main_mode: float | None) -> TimeGrid | None:
     changes = motion.time_of_frequency(high / 2.0 ** levels[:-1])
     if motion.downward:
         levels, changes = levels[::-1], changes[::-1]
-    return TimeGrid.of_levels(motion.duration, dt, [int(level) for level in levels], changes)
+    duration = base_motion(case.excitation).duration
+    if duration > 1.5 * motion.duration:  # there and back
+        levels = np.append(levels, levels[-2::-1])
+        changes = np.append(changes, duration - changes[::-1])
+    return TimeGrid.of_levels(duration, dt, [int(level) for level in levels], changes)
 
 
 def step_at(history: xr.Dataset, frequency: float) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -52,16 +54,52 @@ class Psd(Section):
         return PsdTable(tuple(self.frequency), tuple(self.g2_per_hz))
 
 
+class Accuracy(Section):
+    """Wanted accuracy of the averaged spectra, from which `duration: auto` follows."""
+
+    random_error: Real = Field(
+        default=0.1, gt=0, le=0.5, description="standard error of the PSDs, relative, dimensionless"
+    )
+    bias: Real = Field(
+        default=0.02,
+        gt=0,
+        le=0.1,
+        description="part of the peak of a PSD that the resolution takes, dimensionless",
+    )
+    zeta: Real = Field(default=0.02, gt=0, lt=1, description="smallest damping ratio that is expected, dimensionless")
+    frequency: Real | None = Field(
+        default=None, gt=0, description="frequency of the resonance, Hz; of a roll the estimate by default"
+    )
+
+
 class RandomSpectrum(TaggedSection):
     """Gaussian random motion of the base with a given acceleration PSD; a record of it needs a `duration`."""
 
     kind: Literal["random"] = Field(default="random", description="random: stationary, with the PSD of a table")
     psd: Psd = Field(description="acceleration PSD of the base")
-    duration: Real | None = Field(default=None, gt=0, description="length of the record, s; random alone uses it")
+    duration: Literal["auto"] | Real | None = Field(
+        default=None, description="length of a record, s, or auto, from `accuracy`; random alone uses it"
+    )
+    accuracy: Accuracy | None = Field(default=None, description="wanted accuracy of the averaged spectra")
     seed: Whole = Field(default=1, ge=0, description="seed of the record (count): another seed, another record")
+    records: Whole | None = Field(
+        default=None,
+        ge=1,
+        le=1000,
+        description="records per level (count), each with its own seed; spectra and rms are averaged over them "
+        "(random alone; 1)",
+    )
     level_db: Real = Field(
         default=0.0,
         description="level relative to the PSD, dB: the same record, times 10^(level_db / 20)",
+    )
+    levels: list[Real] | None = Field(
+        default=None,
+        description="factors of the record, ascending, dimensionless: one history for each, in one run (random alone)",
+    )
+    levels_db: list[Real] | None = Field(
+        default=None,
+        description="levels relative to the PSD, dB, ascending: 10^(level / 20) times the record, in place of levels",
     )
     crest_limit: Real | None = Field(
         default=None,
@@ -80,10 +118,38 @@ class RandomSpectrum(TaggedSection):
     def _hertz(cls, value: Any) -> Any:
         return value if value == "auto" else positive(value, "write a distance in Hz, or auto")
 
+    @field_validator("duration", mode="before")
+    @classmethod
+    def _seconds(cls, value: Any) -> Any:
+        return value if value is None or value == "auto" else positive(value, "write a length in s, or auto")
+
+    @field_validator("levels", "levels_db", mode="before")
+    @classmethod
+    def _listed(cls, value: Any) -> Any:
+        return value if value is None or isinstance(value, list | tuple) else [value]
+
+    @model_validator(mode="after")
+    def _levels_ascend(self) -> Self:
+        for key in ("levels", "levels_db"):
+            given = getattr(self, key)
+            if given is None:
+                continue
+            if self.level_db != 0.0 or (key == "levels_db" and self.levels is not None):
+                raise validation_error(
+                    "the level is given twice", key=key, value=given, remedy="give levels, levels_db or level_db"
+                )
+            least = 0.0 if key == "levels" else -121.0
+            if not given or any(b <= a for a, b in pairwise([least, *given])) or given[-1] > 1e6:
+                raise validation_error(
+                    "must ascend" if key == "levels_db" else "must be above zero and ascend", key=key, value=given,
+                    remedy="write for example " + ("[-12, -6, 0]" if key == "levels_db" else "[0.25, 0.5, 1]"),
+                )  # fmt: skip
+        return self
+
     @model_validator(mode="after")
     def _long_enough(self) -> Self:
         low, high = self.psd.frequency[0], self.psd.frequency[-1]
-        if self.duration is not None and self.duration * (high - low) < FEWEST_LINES:
+        if isinstance(self.duration, float) and self.duration * (high - low) < FEWEST_LINES:
             raise validation_error(
                 f"too short to average spectra in the band of {low:g} to {high:g} Hz", key="duration",
                 value=self.duration, remedy=f"give {FEWEST_LINES / (high - low):.3g} s or more, or a wider band",
@@ -93,7 +159,7 @@ class RandomSpectrum(TaggedSection):
     @model_validator(mode="after")
     def _resolved(self) -> Self:
         low, high = self.psd.frequency[0], self.psd.frequency[-1]
-        if self.resolution == "auto" or self.duration is None:
+        if self.resolution == "auto" or not isinstance(self.duration, float):
             return self
         finest, coarsest = FEWEST_SEGMENT_LENGTHS / self.duration, (high - low) / FEWEST_AVERAGED_LINES
         if not finest <= self.resolution <= coarsest:
@@ -118,10 +184,22 @@ class RandomSpectrum(TaggedSection):
 class RandomExcitation(RandomSpectrum):
     """Gaussian random motion of the base with a given acceleration PSD: a record of some length."""
 
-    duration: Real = Field(gt=0, description="length of the record, s")
+    duration: Literal["auto"] | Real = Field(description="length of a record, s, or auto, from `accuracy`")
 
     @property
-    def attributes(self) -> dict[str, float]:
+    def in_series(self) -> bool:
+        """Whether there are several levels or records."""
+        return self.levels is not None or self.levels_db is not None or (self.records or 1) > 1
+
+    @property
+    def all_levels_db(self) -> list[float]:
+        """Levels in dB, ascending."""
+        if self.levels is not None:
+            return [20.0 * math.log10(factor) for factor in self.levels]
+        return [self.level_db] if self.levels_db is None else list(self.levels_db)
+
+    @property
+    def attributes(self) -> dict[str, float | str]:
         """Attributes of results that describe the motion."""
         low, high = self.psd.table.band
         return {

@@ -163,6 +163,12 @@ class FileExcitation(ShockSection):
     sampling_rate: Real | None = Field(
         default=None, gt=0, description="samples per second, Hz, in place of a column of the time"
     )
+    rows: Whole | None = Field(
+        default=None, ge=16, description="samples that the file must have (count): finds a text that is cut off"
+    )
+    length: Real | None = Field(
+        default=None, gt=0, description="time from the first to the last sample that the file must have, s"
+    )
     scale: Real = Field(default=1.0, description="factor of the record, dimensionless; not 0")
     baseline: Literal["none", "velocity", "displacement"] = Field(
         default="none",

@@ -47,6 +47,11 @@ class ChirpExcitation(AmplitudeSection):
     )
     ramp_cycles: Real = Field(default=0.0, ge=0, description="length of the smooth start, cycles")
     profile: ProfileSection | None = Field(default=None, description="factor of the amplitude over the frequency")
+    sweep_direction: Literal["up", "down", "up_down"] | None = Field(
+        default=None,
+        description="up, down, or up_down: from f_start up to f_end and back in one run (analysis: sweep); by default "
+        "from f_start to f_end",
+    )
 
     @model_validator(mode="after")
     def _one_rate(self) -> Self:
@@ -67,17 +72,30 @@ class ChirpExcitation(AmplitudeSection):
             )  # fmt: skip
         return self
 
+    @model_validator(mode="after")
+    def _ends_follow_the_direction(self) -> Self:
+        if self.sweep_direction is None or (self.f_end < self.f_start) == (self.sweep_direction == "down"):
+            return self
+        side = "below" if self.sweep_direction == "down" else "above"
+        raise validation_error(
+            f"the frequency runs from {self.f_start:g} to {self.f_end:g} Hz", key="sweep_direction",
+            value=self.sweep_direction, remedy=f"give f_end {side} f_start, or leave sweep_direction out",
+        )  # fmt: skip
+
     @property
     def highest_frequency_hz(self) -> float:
         """Highest frequency of the base motion, Hz."""
         return max(self.f_start, self.f_end)
 
     @property
-    def attributes(self) -> dict[str, float]:
+    def attributes(self) -> dict[str, float | str]:
         """Attributes of results that describe the motion."""
         linear, geometric = self.rate_hz_per_s, self.rate_oct_per_min
         rate = {"rate_hz_per_s": linear} if linear is not None else {"rate_oct_per_min": geometric or 0.0}
-        return {"f_start_hz": self.f_start, "f_end_hz": self.f_end, **rate, "amplitude_m_s2": self.amplitude}
+        found: dict[str, float | str] = {"f_start_hz": self.f_start, "f_end_hz": self.f_end, **rate}
+        if self.sweep_direction is not None:
+            found["sweep_direction"] = self.sweep_direction
+        return found | {"amplitude_m_s2": self.amplitude}
 
 
 class DwellExcitation(AmplitudeSection):

@@ -129,7 +129,7 @@ class ReducedStepper(Stepper):
         self.state = _empty_state(0, ContactMemory.of(preload))
         for c, dofs in enumerate(contact_dofs(n).T):
             self.state.kept.tangents[:, c, c] = springs[dofs]
-        self._adopt(self._first_model())
+        self.adopt(self._first_model())
 
     def _first_model(self) -> ReducedModel:
         """Reduced model at the start of the run.
@@ -156,7 +156,7 @@ class ReducedStepper(Stepper):
         if values.min() < FLOATING * values.max():
             raise _refused("neither friction nor a support holds a layer in the reduced model", time)
 
-    def _adopt(self, model: ReducedModel) -> None:
+    def adopt(self, model: ReducedModel) -> None:
         """Use a model whose basis contains the current one; the state is converted to the new coordinates."""
         turn = model.vectors.T @ self.vectors
         state = self.state
@@ -333,7 +333,7 @@ class ReducedStepper(Stepper):
         model = self.model.enriched(left[:, keep] / root)
         if model.size > LARGEST or model.size == self.model.size:
             raise _refused(f"the reduced model does not follow the motion ({self.model.size} coordinates)", time, size)
-        self._adopt(model)
+        self.adopt(model)
 
     def report(self) -> dict[str, float]:
         """Number of reduced coordinates, error estimate, and CPU time of the training of the basis, s."""

@@ -24,6 +24,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, isfinite, sqrt
 
@@ -158,6 +159,15 @@ def averaged_spectra(base: npt.ArrayLike, response: npt.ArrayLike, dt: float, re
     frequency, base_psd = welch(x, **options)
     response_psd, cross = welch(y, **options)[1], csd(x, y, **options)[1]
     return Spectra(frequency[1:], base_psd[1:], response_psd[1:], cross[1:], independent_averages(count))
+
+
+def pooled(spectra: Sequence[Spectra]) -> Spectra:
+    """Average of the spectra of several independent records, at the same frequencies."""
+    one, count = spectra[0], len(spectra)
+    if count == 1:
+        return one
+    base, response, cross = (sum(getattr(s, part) for s in spectra) / count for part in ("base", "response", "cross"))
+    return Spectra(one.frequency, base, response, cross, sum(s.averages for s in spectra))
 
 
 def segments(samples: int, length: int) -> int:

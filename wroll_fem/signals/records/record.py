@@ -60,6 +60,8 @@ def read_record(
     column: str | int | None = None,
     time: str | int | None = None,
     sampling_rate: float | None = None,
+    rows: int | None = None,
+    length: float | None = None,
 ) -> Record:
     """Read the record of an acceleration from a file.
 
@@ -75,6 +77,9 @@ def read_record(
         Column of the time, s; by default the one called time or t.
     sampling_rate
         Samples per second, in place of a column of the time.
+    rows, length
+        Number of samples, and time from the first to the last one (s), that a complete record has: a text that is cut
+        off at the end of a row is found by them alone.
 
     Returns
     -------
@@ -84,7 +89,7 @@ def read_record(
     Raises
     ------
     InputError
-        If file, column, unit or time is wrong, or a value is not finite.
+        If file, column, unit or time is wrong, a value is not finite, or the record is shorter or longer than given.
     """
     if unit not in UNITS:
         raise InputError(
@@ -96,6 +101,11 @@ def read_record(
     name = _record_column(columns, column, clock)
     values = columns.series[name]
     source = f"{columns.file}, column {name}"
+    if rows is not None and len(values) != rows:
+        raise InputError(
+            f"{len(values)} samples in place of {rows}: the file is cut off, or of another record", file=source,
+            key="excitation.rows", remedy="write the file again, or correct the number",
+        )  # fmt: skip
     if len(values) < FEWEST_SAMPLES:
         raise InputError(
             f"{len(values)} samples", file=source, remedy=f"give a record of {FEWEST_SAMPLES} samples or more"
@@ -105,6 +115,12 @@ def read_record(
         dt = 1.0 / float(sampling_rate or 0.0)
     else:
         dt = time_step(columns.series[clock], len(values), f"{columns.file}, column {clock}")
+    lasts = dt * (len(values) - 1)
+    if length is not None and abs(lasts - length) > 0.5 * dt:
+        raise InputError(
+            f"the record lasts {lasts:.7g} s in place of {length:.7g} s: the file is cut off, or of another record",
+            file=source, key="excitation.length", remedy="write the file again, or correct the length",
+        )  # fmt: skip
     if not np.abs(values).max() > 0.0:
         raise InputError("all samples are zero", file=source, remedy="give the column of the base acceleration")
     clipped = clipping(values)

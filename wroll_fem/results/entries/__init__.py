@@ -1,0 +1,1 @@
+"""Entries of summary.json of single analyses."""
