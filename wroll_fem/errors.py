@@ -64,6 +64,25 @@ class InputError(WrollError):
         return [error.alone for error in sorted(found, key=lambda error: error.line or 0)]
 
 
+class StorageError(WrollError):
+    """A file cannot be written because the disk is full, a quota is used up, or the storage fails.
+
+    Parameters
+    ----------
+    problem
+        What is wrong, with the reason of the operating system.
+    file
+        File that could not be written.
+    """
+
+    exit_code = 4
+
+    def __init__(self, problem: str, *, file: str) -> None:
+        self.problem, self.file = problem, file
+        remedy = "make room there, then run the same command again (`wroll run` with --resume)"
+        super().__init__(f"{file}: {problem}; {remedy}")
+
+
 class ConvergenceError(WrollError):
     """The solver did not converge; results up to that point are kept.
 

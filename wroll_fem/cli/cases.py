@@ -11,6 +11,7 @@ from wroll_fem.case import OnRoll, StructuralCase, load_case, schema_text
 from wroll_fem.cli.app import CaseFile, Overrides, app, reporting
 from wroll_fem.errors import InputError
 from wroll_fem.progress import TerminalProgress
+from wroll_fem.results.atomic import make_folder, replacing
 
 
 @app.command()
@@ -90,11 +91,9 @@ def schema(
 
 def _write(path: Path, text: str, remedy: str) -> None:
     """Write a text file and its folders; an InputError with ``remedy`` if this is not possible."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=str(path), remedy=remedy) from None
+    make_folder(path.parent, remedy)
+    with replacing(path, remedy) as file:
+        file.write_text(text, encoding="utf-8")
 
 
 @app.command()
@@ -119,12 +118,7 @@ def mesh(
             from wroll_fem.fem.coil import coil_hexes
 
             coil = coil_hexes(case, built)
-        try:
-            written = write_mesh(built, out, coil=coil)
-        except OSError as error:
-            remedy = "choose another --out"
-            raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None
-        for path in written:
+        for path in write_mesh(built, make_folder(out, "choose another --out"), coil=coil):
             typer.echo(str(path))
 
 

@@ -26,8 +26,7 @@ def plot(
         dataset = load_dataset(run_dir) if alone else folder.load()
         from wroll_fem import analyses
 
-        folder.figures.mkdir(exist_ok=True)
-        for path in analyses.write_figures(dataset, folder.figures):
+        for path in analyses.write_figures(dataset, folder.subfolder(folder.figures)):
             typer.echo(str(path))
 
 
