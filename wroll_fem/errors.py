@@ -7,6 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 
+def _in_line(text: str, most: int) -> str:
+    """Text in one line that every terminal shows: control characters escaped, the middle of a long text left out."""
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 3 :]}"
+
+
 class WrollError(Exception):
     """Base class of errors that the command line reports without traceback."""
 
@@ -52,10 +59,12 @@ class InputError(WrollError):
     @property
     def alone(self) -> str:
         """Message without the number of further errors."""
-        file = f"{self.file}:{self.line}" if self.file and self.line else self.file
-        where = ": ".join(part for part in (file, self.key) if part)
-        text = f"{where}: {self.problem}" if where else self.problem
-        return f"{text}; {self.remedy}" if self.remedy else text
+        file = _in_line(self.file or "", 300)
+        file = f"{file}:{self.line}" if file and self.line else file
+        where = ": ".join(part for part in (file, _in_line(self.key or "", 120)) if part)
+        problem = _in_line(self.problem, 600)
+        text = f"{where}: {problem}" if where else problem
+        return f"{text}; {_in_line(self.remedy, 800)}" if self.remedy else text
 
     @property
     def lines(self) -> list[str]:

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.system.matrix_checks import is_singular, negative_proble
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import make_folder
+from wroll_fem.results.storage.atomic import make_folder
 from wroll_fem.runs import Runs
 from wroll_fem.typing import FloatArray
 

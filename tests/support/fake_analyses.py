@@ -11,8 +11,8 @@ import xarray as xr
 
 from support.paths import CONFIGS
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.results.atomic import replacing
-from wroll_fem.results.checkpoint import write_checkpoint
+from wroll_fem.results.storage.atomic import replacing
+from wroll_fem.results.storage.checkpoint import write_checkpoint
 
 TINY = CONFIGS / "tiny.yaml"
 

@@ -18,7 +18,7 @@ from wroll_fem.cli import results  # isort: skip
 from wroll_fem.cli import project  # isort: skip
 from wroll_fem.cli.app import app
 from wroll_fem.errors import StorageError
-from wroll_fem.results.atomic import writing_error
+from wroll_fem.results.storage.atomic import writing_error
 
 __all__ = ["app", "cases", "main", "project", "results", "runs"]  # the order of imports is that of `wroll --help`
 

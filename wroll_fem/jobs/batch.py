@@ -19,9 +19,10 @@ from wroll_fem.jobs.executors import ClusterPool, Ended, Job, LocalPool, Pool
 from wroll_fem.jobs.folder import LOCK, RunFolder, locked_by_one
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results.atomic import make_folder, replacing
 from wroll_fem.results.json_types import json_types
-from wroll_fem.results.seal import write_sealed
+from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.paths import check_path
+from wroll_fem.results.storage.seal import write_sealed
 from wroll_fem.results.summary import netcdf_unit
 
 if TYPE_CHECKING:
@@ -111,6 +112,7 @@ def run_grid(
     """
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
+    check_path(out, "choose another --out")
     _check_own(grid, out)
     chosen: Pool = pool or (LocalPool(workers) if scheduler is None else ClusterPool(scheduler))
     try:

@@ -12,10 +12,11 @@ from filelock import FileLock, Timeout
 
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError, StorageError
-from wroll_fem.results.atomic import PARTIAL, make_folder, replacing, writing_error
-from wroll_fem.results.checkpoint import check_checkpoint
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import program_version, provenance
+from wroll_fem.results.storage.atomic import PARTIAL, make_folder, replacing, writing_error
+from wroll_fem.results.storage.checkpoint import check_checkpoint
+from wroll_fem.results.storage.paths import check_path
 from wroll_fem.results.summary_types import well_typed
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class RunFolder:
     Parameters
     ----------
     path
-        Path of the folder; only `open` creates it.
+        Path of the folder; only `locked` creates it.
 
     Attributes
     ----------
@@ -84,6 +85,7 @@ class RunFolder:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
+        check_path(self.path, _OTHER_OUT)
         self.case_file = self.path / "case.yaml"
         self.summary_file = self.path / "summary.json"
         self.results_file = self.path / "results.nc"

@@ -15,7 +15,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, ring_edges
-from wroll_fem.results.atomic import make_folder, replacing
+from wroll_fem.results.storage.atomic import make_folder, replacing
 from wroll_fem.typing import FloatArray, IntArray
 
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import make_folder, replacing
+from wroll_fem.results.storage.atomic import make_folder, replacing
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
-from wroll_fem.results.atomic import make_folder, replacing
+from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.paths import check_path
 
 __all__ = ["write_report"]
 
@@ -36,6 +37,8 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
         If the disk is full or fails.
     """
     folder = Path(folder)
+    for path in (folder, out or folder):
+        check_path(path)
     beside = folder.with_suffix(".html") if folder.is_file() else folder / "report.html"
     target = Path(out) if out is not None else beside
     if folder.is_file():

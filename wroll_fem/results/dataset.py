@@ -19,11 +19,12 @@ import xarray as xr
 from xarray.backends.h5netcdf_ import H5NetCDFStore
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import make_folder
 from wroll_fem.results.fields import AXES, FIELDS, Field, field, label
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
-from wroll_fem.results.seal import seal_of, write_sealed
+from wroll_fem.results.storage.atomic import make_folder
+from wroll_fem.results.storage.paths import check_path
+from wroll_fem.results.storage.seal import seal_of, write_sealed
 
 __all__ = [
     "FIELDS", "Field", "annotate", "check_results", "field", "label", "load_dataset", "netcdf_image", "provenance",
@@ -159,6 +160,7 @@ def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Data
         If the file is missing, is not a results file, was cut or changed, or is of a newer version.
     """
     source = Path(path)
+    check_path(source)
     if not source.is_file():
         raise InputError("results file not found", file=str(source), remedy="run the case first: wroll run CASE.yaml")
     sealed = _is_sealed(source)

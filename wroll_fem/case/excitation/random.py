@@ -58,7 +58,9 @@ class RandomSpectrum(TaggedSection):
     kind: Literal["random"] = Field(default="random", description="random: stationary, with the PSD of a table")
     psd: Psd = Field(description="acceleration PSD of the base")
     duration: Real | None = Field(default=None, gt=0, description="length of the record, s; random alone uses it")
-    seed: Whole = Field(default=1, ge=0, description="seed of the record (count): another seed, another record")
+    seed: Whole = Field(
+        default=1, ge=0, le=2**63 - 1, description="seed of the record (count): another seed, another record"
+    )
     level_db: Real = Field(
         default=0.0,
         description="level relative to the PSD, dB: the same record, times 10^(level_db / 20)",
@@ -119,6 +121,11 @@ class RandomExcitation(RandomSpectrum):
     """Gaussian random motion of the base with a given acceleration PSD: a record of some length."""
 
     duration: Real = Field(gt=0, description="length of the record, s")
+
+    @property
+    def most_cycles(self) -> float:
+        """Length of the record times its highest frequency, cycles."""
+        return self.duration * self.highest_frequency_hz
 
     @property
     def attributes(self) -> dict[str, float]:

@@ -19,7 +19,7 @@ import scipy.io
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.atomic import replacing
 from wroll_fem.typing import FloatArray
 
 SUFFIXES = (".npz", ".mat")

@@ -34,8 +34,8 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.time_grid import TimeGrid
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results.checkpoint import read_checkpoint, refused, write_checkpoint
 from wroll_fem.results.dataset import annotate
+from wroll_fem.results.storage.checkpoint import read_checkpoint, refused, write_checkpoint
 from wroll_fem.signals.tip import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
@@ -190,9 +190,10 @@ def _place(motion: Motion, time: FloatArray) -> str:
 
 def saved_method(checkpoint: Checkpointing | None) -> str | None:
     """Method (`solver.method`) of the checkpoint from which a run is to be resumed; None without such a checkpoint."""
-    if checkpoint is None or not checkpoint.resume:
+    if checkpoint is None or not checkpoint.resume or not checkpoint.path.is_file():
         return None
-    return str(read_checkpoint(checkpoint.path)["method"])
+    method = read_checkpoint(checkpoint.path).get("method")
+    return None if method is None else str(method)
 
 
 @dataclass

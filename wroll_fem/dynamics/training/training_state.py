@@ -12,7 +12,7 @@ import numpy as np
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve, ModalMotion
 from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.results.checkpoint import read_checkpoint, refused, write_checkpoint
+from wroll_fem.results.storage.checkpoint import read_checkpoint, refused, write_checkpoint
 from wroll_fem.typing import FloatArray
 
 _OF_CURVE = ("frequencies", "coefficients", "tangents", "iterations")

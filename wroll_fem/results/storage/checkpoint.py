@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.seal import seal_of, write_sealed
+from wroll_fem.results.storage.seal import seal_of, write_sealed
 
 FORMAT = 2
 """Version of the format of checkpoints; those of version 0.1.0 have none. A change of the arrays raises it."""

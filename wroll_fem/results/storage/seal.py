@@ -9,7 +9,7 @@ import hashlib
 import os
 from typing import Literal
 
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.atomic import replacing
 
 Seal = Literal["intact", "broken", "missing"]
 
