@@ -6,12 +6,29 @@ from typing import Any
 
 from wroll_fem.results.summary import SUMMARY
 
+_LISTS = ("warnings", "modes_hz", "mode_kinds", "mode_damping_ratios")
+
 
 def well_typed(name: str, value: Any) -> bool:
-    """Whether an entry with a unit, a share or a number holds numbers (null, lists and dicts included)."""
+    """Whether an entry has the type that console and report need.
+
+    An entry with a unit, a share or a number holds numbers (null, lists and dicts included); one that the console
+    shows has no lists inside lists; entries per mode and warnings are lists.
+    """
     entry = SUMMARY.get(name)
-    numeric = entry is not None and (entry.unit != "" or entry.style != "si")
+    if value is None or entry is None:
+        return True
+    if name in _LISTS and not isinstance(value, list):
+        return False
+    if entry.console and not _flat(value):
+        return False
+    numeric = entry.unit != "" or entry.style != "si" or ":" in entry.console
     return not numeric or _numbers(value)
+
+
+def _flat(value: Any) -> bool:
+    entries = value if isinstance(value, list) else [value]
+    return not any(isinstance(entry, list | dict) for entry in entries)
 
 
 def _numbers(value: Any) -> bool:
