@@ -6,6 +6,8 @@ from typing import Any
 
 from wroll_fem.results.summary import SUMMARY
 
+_MOST_BITS = 1023  # of an integer that a double can hold
+
 _LISTS = ("warnings", "modes_hz", "mode_kinds", "mode_damping_ratios")
 
 
@@ -36,4 +38,6 @@ def _numbers(value: Any) -> bool:
         return all(map(_numbers, value))
     if isinstance(value, dict):
         return all(map(_numbers, value.values()))
-    return value is None or isinstance(value, int | float)
+    if isinstance(value, int):
+        return value.bit_length() < _MOST_BITS
+    return value is None or isinstance(value, float)
