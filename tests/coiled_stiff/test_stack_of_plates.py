@@ -140,7 +140,7 @@ def path(stiffness: sp.csr_matrix, strain: object, volumes: np.ndarray) -> LoadP
     size, n = stiffness.shape[0], len(volumes)
     points = ShearPoints(np.zeros((n, 3)), volumes, sp.csr_matrix(strain))
     pressure = np.full(n, PRESSURE)
-    interface = shear_interface(points, points.strain, shear_modulus=G, pressure=pressure, mu=MU)
+    interface = shear_interface(points, points.strain, shear_modulus=G, pressure=pressure, mu=MU, wrap_thickness=5e-5)
     mass, none = sp.identity(size, format="csr"), np.zeros(size)
     system = System(stiffness, mass, none, interfaces=(interface,), probes={"tip": none})
     return LoadPath(system, pressed(system, pressure), tolerance=1e-4)
