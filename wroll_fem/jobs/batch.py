@@ -267,6 +267,11 @@ def table_rows(outcomes: Sequence[Outcome], out: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def _no_formula(value: Any) -> Any:
+    """Cell that a spreadsheet shows: a text that it would take for a formula begins with an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+
+
 def _cell(value: Any) -> Any:
     return json.dumps(json_types(value)) if isinstance(value, list | dict) else value
 
@@ -278,7 +283,7 @@ def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
     with replacing(out / "batch.csv") as file, file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, columns)
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows({key: _no_formula(value) for key, value in row.items()} for row in rows)
     from wroll_fem.results.dataset import netcdf_image
 
     write_sealed(out / "batch.nc", netcdf_image(table_dataset(rows)))

@@ -309,6 +309,7 @@ def short_names(keys: Sequence[str]) -> dict[str, str]:
 
 def _folder_name(name: str) -> str:
     """Name of a run folder; the end of a name that is too long for a file system is replaced by its hash."""
+    name = name.lstrip("=+-@") or "case"  # no formula in the table, no option on a command line
     if len(name.encode()) <= MOST_BYTES:
         return name
     short = name.encode()[: MOST_BYTES - 17].decode(errors="ignore")
