@@ -182,7 +182,10 @@ def main() -> None:
             name = chance.choices(list(found), [WEIGHTS.get(name, 8) for name in found])[0]
             file, damage, use = found[name]
             content = file.read_bytes()
-            file.write_bytes(damage(content, chance))
+            changes = damage(content, chance)
+            if changes == content:
+                continue
+            file.write_bytes(changes)
             guard = in_child if "0.1.0" in name else told
             answer = guard(lambda use=use, file=file: use(file))
             file.write_bytes(content)

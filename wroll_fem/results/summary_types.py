@@ -15,22 +15,28 @@ def well_typed(name: str, value: Any) -> bool:
     """Whether an entry has the type that console and report need.
 
     An entry with a unit, a share or a number holds numbers (null, lists and dicts included); one that the console
-    shows has no lists inside lists; entries per mode and warnings are lists.
+    shows fits its format there; entries per mode and warnings are lists.
     """
     entry = SUMMARY.get(name)
     if value is None or entry is None:
         return True
     if name in _LISTS and not isinstance(value, list):
         return False
-    if entry.console and not _flat(value):
+    if entry.console and not _shown(entry.console, value):
         return False
-    numeric = entry.unit != "" or entry.style != "si" or ":" in entry.console
+    numeric = entry.unit != "" or entry.style != "si"
     return not numeric or _numbers(value)
 
 
-def _flat(value: Any) -> bool:
-    entries = value if isinstance(value, list) else [value]
-    return not any(isinstance(entry, list | dict) for entry in entries)
+def _shown(form: str, value: Any) -> bool:
+    """Whether the format of the console fits a value, or every entry of a list."""
+    try:
+        for entry in value if isinstance(value, list) else [value]:
+            if entry is not None:
+                form.format(entry)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
 
 
 def _numbers(value: Any) -> bool:
