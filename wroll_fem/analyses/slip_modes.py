@@ -110,6 +110,7 @@ def in_span(
         if error <= SPAN_TOLERANCE or number == ROUNDS:
             break
         progress.info(f"motions lack {100 * error:.2g} % in the span of the path, which is enlarged")
-        size = max(float(np.sqrt(np.sum(span.modes.eigenvalues[:, None] * m.displacement**2))) for m in motions)
-        span.enlarge(np.column_stack([shapes for shapes, _ in found]), 0.2 * SPAN_TOLERANCE * size)
+        sizes = [np.sqrt(np.sum(span.modes.eigenvalues[:, None] * m.displacement**2)) for m in motions]
+        shapes = [shapes / size for (shapes, _), size in zip(found, sizes, strict=True)]  # small motions count as much
+        span.enlarge(np.column_stack(shapes), 0.2 * SPAN_TOLERANCE)
     return replace(trained, span_error=error)

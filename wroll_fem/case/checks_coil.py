@@ -34,7 +34,7 @@ def check_solid_coil(coil: Coil, analysis: str) -> None:
     if coil.rubs:
         raise validation_error(
             f"analysis {analysis} has no friction on the mandrel", key="coil.interface", value=coil.interface,
-            remedy="use bonded, or analysis: dwell",
+            remedy="use bonded, or analysis: backbone, harmonic or dwell",
         )  # fmt: skip
 
 
@@ -90,6 +90,11 @@ def check_shaken_wraps(
         raise validation_error(
             "has no limit on its unknowns: the friction between the wraps acts at thousands of points",
             key="solver.method", value=solver.method, remedy="use reduced",
+        )  # fmt: skip
+    if coil.rubs and preload is not None and preload.kind != "winding_stress":
+        raise validation_error(
+            "does not go with the pressure between the wraps, which is that of the wound roll", key="preload.kind",
+            value=preload.kind, remedy="use winding_stress, or coil.inside: stiff",
         )  # fmt: skip
     if preload is not None and preload.geometric_stiffness:
         raise validation_error(

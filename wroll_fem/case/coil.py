@@ -270,11 +270,10 @@ class Coil(Section):
             )  # fmt: skip
 
     def _check_inside(self) -> None:
-        if self.model != "solid" or self.rubs:
+        if self.model != "solid":
             raise validation_error(
-                "is for a solid coil bonded to the mandrel", key="inside", value=self.inside,
-                remedy="leave it out, or use model: solid and interface: bonded",
-            )  # fmt: skip
+                "is for a solid coil", key="inside", value=self.inside, remedy="leave it out, or use model: solid"
+            )
         if isinstance(self.material, LaminaMaterial | LaminateMaterial):
             return  # the material is refused
         moduli = self.solid()

@@ -24,7 +24,6 @@ from wroll_fem.bodies.body import Body
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
 from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, PointwiseFriction
-from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
@@ -71,13 +70,37 @@ def slipping_system(
     InputError
         If a point has no friction capacity.
     """
+    system = System.from_bodies([body], direction=direction)
+    system = with_slip(
+        system, body, points, shear_modulus=shear_modulus, pressure=pressure, mu=mu, wrap_thickness=wrap_thickness,
+        varying=varying,
+    )  # fmt: skip
+    return system, ContactState.pressed(system, pressure)
+
+
+def with_slip(
+    system: System,
+    body: Body,
+    points: ShearPoints,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
+    wrap_thickness: float,
+    varying: bool = False,
+) -> System:
+    """System with friction between the wraps of its last body, as its last interface.
+
+    For the parameters and the error see `slipping_system`.
+    """
     assert body.solid is not None
+    strain = points.strain @ body.solid.expand
+    others = sp.csr_matrix((strain.shape[0], system.n_dofs - strain.shape[1]))
     interface = shear_interface(
-        points, points.strain @ body.solid.expand, shear_modulus=shear_modulus, pressure=pressure, mu=mu,
+        points, sp.hstack([others, strain], format="csr"), shear_modulus=shear_modulus, pressure=pressure, mu=mu,
         wrap_thickness=wrap_thickness, varying=varying,
     )  # fmt: skip
-    system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
-    return system, pressed(system, pressure)
+    return replace(system, interfaces=(*system.interfaces, interface))
 
 
 def shear_interface(
@@ -116,12 +139,3 @@ def shear_interface(
         name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / wrap_thickness, points=points.points,
         friction=friction, normal=NormalPenalty(stick, varying), fills_body=True,
     )  # fmt: skip
-
-
-def pressed(system: System, pressure: FloatArray) -> ContactState:
-    """State at rest with ``pressure`` (n,), Pa, at the points, and without shear stress."""
-    state = ContactState.unloaded(system)
-    normal = contact_dofs(system.n_points)[:, 2]
-    state.jump[normal] = -pressure / system.laws.kn
-    state.traction[normal] = -pressure
-    return state
