@@ -194,7 +194,6 @@ def test_a_damaged_record_is_refused_with_a_remedy_that_works(
         '"modes_hz": 5',
         '"dofs": 1.5',
         '"f_n_hz": 1' + 400 * "0",
-        '"zeta": []',
         '"zeta": "x"',
         '"f_n_hz": {"a": "b"}',
     ],
