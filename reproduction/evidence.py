@@ -26,8 +26,8 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member, load_grid
 from wroll_fem.plotting.study import StudyCase
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import load_dataset, save_dataset
+from wroll_fem.results.storage.atomic import replacing
 
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"
 

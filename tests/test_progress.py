@@ -21,6 +21,7 @@ from support.paths import CONFIGS
 from wroll_fem import progress
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import load_case
+from wroll_fem.errors import StorageError
 from wroll_fem.jobs import batch_progress
 from wroll_fem.jobs.batch_progress import BatchProgress
 from wroll_fem.progress import SilentProgress, TerminalProgress, draws_bars
@@ -130,8 +131,10 @@ def test_messages_survive_a_stream_that_cannot_show_them() -> None:
 def test_a_log_that_cannot_be_written_ends_the_run(capsys: pytest.CaptureFixture[str]) -> None:
     report = TerminalProgress(io.StringIO())
     report.log_to(Path("/dev/full"))
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(StorageError, match=r"^/dev/full: cannot be written \(No space left on device\); make room"):
         report.info("much")
+    with pytest.raises(StorageError):  # the line is still in the buffer
+        report.close()
     assert capsys.readouterr().err == ""
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from wroll_fem.case import Case
 from wroll_fem.case.loader import build_case
+from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.grid import REFERENCE, Grid, load_grid
 from wroll_fem.progress import Progress, TerminalProgress
@@ -133,11 +134,9 @@ def case_of(result: xr.Dataset) -> Case:
     InputError
         If the result does not contain its case.
     """
-    import yaml
-
     if "case_yaml" not in result.attrs:
         raise InputError("does not contain its case", key="result", remedy="pass the result of run(case)")
-    return build_case(yaml.safe_load(result.attrs["case_yaml"]))
+    return build_case(parse_yaml(str(result.attrs["case_yaml"]), "result"))
 
 
 def summarise(result: xr.Dataset, case: Case | None = None) -> dict[str, Any]:

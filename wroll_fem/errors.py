@@ -7,6 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 
+def _in_line(text: str, most: int) -> str:
+    """Text in one line that every terminal shows: control characters escaped, the middle of a long text left out."""
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 3 :]}"
+
+
 class WrollError(Exception):
     """Base class of errors that the command line reports without traceback."""
 
@@ -52,16 +59,37 @@ class InputError(WrollError):
     @property
     def alone(self) -> str:
         """Message without the number of further errors."""
-        file = f"{self.file}:{self.line}" if self.file and self.line else self.file
-        where = ": ".join(part for part in (file, self.key) if part)
-        text = f"{where}: {self.problem}" if where else self.problem
-        return f"{text}; {self.remedy}" if self.remedy else text
+        file = _in_line(self.file or "", 300)
+        file = f"{file}:{self.line}" if file and self.line else file
+        where = ": ".join(part for part in (file, _in_line(self.key or "", 120)) if part)
+        problem = _in_line(self.problem, 600)
+        text = f"{where}: {problem}" if where else problem
+        return f"{text}; {_in_line(self.remedy, 800)}" if self.remedy else text
 
     @property
     def lines(self) -> list[str]:
         """Message of each error, in the order of the file."""
         found = [self, *self.others]
         return [error.alone for error in sorted(found, key=lambda error: error.line or 0)]
+
+
+class StorageError(WrollError):
+    """A file cannot be written because the disk is full, a quota is used up, or the storage fails.
+
+    Parameters
+    ----------
+    problem
+        What is wrong, with the reason of the operating system.
+    file
+        File that could not be written.
+    """
+
+    exit_code = 4
+
+    def __init__(self, problem: str, *, file: str) -> None:
+        self.problem, self.file = problem, file
+        remedy = "make room there, then run the same command again (`wroll run` with --resume)"
+        super().__init__(f"{file}: {problem}; {remedy}")
 
 
 class ConvergenceError(WrollError):

@@ -25,6 +25,7 @@ from wroll_fem.dynamics.system.matrix_checks import is_singular, negative_proble
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.results.storage.atomic import make_folder
 from wroll_fem.runs import Runs
 from wroll_fem.typing import FloatArray
 
@@ -51,7 +52,7 @@ class OwnStructure(Runs):
     def file(self) -> Path:
         """Matrix file of the structure in the user's cache folder; its name is the hash of its content."""
         folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wroll_fem" / "structures"
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         with tempfile.TemporaryDirectory(dir=folder) as place:
             written = self.save(Path(place) / "structure.npz")
             path = folder / f"{hashlib.sha256(written.read_bytes()).hexdigest()[:16]}.npz"

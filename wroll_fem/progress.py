@@ -14,6 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self, TextIO
 
+from wroll_fem.errors import StorageError
+
 #: A plain line is printed if the first time (s) has passed since the last line, or if the share of the work has been
 #: done since then and the second time (s) has passed.
 LINE_SECONDS, LINE_SHARE, LINE_SHARE_SECONDS = 10.0, 0.1, 1.0
@@ -179,7 +181,10 @@ class TerminalProgress:
     def log_to(self, path: Path) -> None:
         """Log all further messages and progress to a file, with time stamps."""
         self.close()
-        self._file = _LogFile(path, encoding="utf-8")
+        try:
+            self._file = _LogFile(path, encoding="utf-8")
+        except OSError as error:
+            raise _storage_error(error, path) from None
         self._file.setFormatter(_Stamped())
         self._logger.addHandler(self._file)
 
@@ -246,8 +251,13 @@ class TerminalProgress:
         text = text.encode(encoding, "replace").decode(encoding)
         if self._open:  # a live bar owns the bottom line
             self._bars.console.print(text, markup=False, highlight=False, soft_wrap=True)
-        else:
+            return
+        try:
             print(text, file=self._stream, flush=True)
+        except BrokenPipeError:  # the reader has ended
+            raise
+        except OSError as error:
+            raise _storage_error(error, "standard output") from None
 
 
 _TEXTS = ("description", "fields[left]", "fields[note]")  # of a bar
@@ -307,7 +317,20 @@ class _LogFile(logging.FileHandler):
     """
 
     def handleError(self, record: logging.LogRecord) -> None:
-        raise  # called while the error is handled
+        error = sys.exc_info()[1]  # called while the error is handled
+        if not isinstance(error, OSError):
+            raise
+        raise _storage_error(error, self.baseFilename) from None
+
+    def close(self) -> None:
+        try:
+            super().close()
+        except OSError as error:  # the rest of a line for which there was no room
+            raise _storage_error(error, self.baseFilename) from None
+
+
+def _storage_error(error: OSError, file: str | Path) -> StorageError:
+    return StorageError(f"cannot be written ({error.strerror or error})", file=str(file))
 
 
 class _Stamped(logging.Formatter):

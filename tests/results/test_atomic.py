@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.atomic import replacing
 
 
 def test_a_block_that_ends_replaces_the_file(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ import xarray as xr
 
 from support.paths import CONFIGS
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.results.storage.atomic import replacing
+from wroll_fem.results.storage.checkpoint import write_checkpoint
 
 TINY = CONFIGS / "tiny.yaml"
 
@@ -31,7 +33,7 @@ class FakeAnalyses(ModuleType):
         with progress.stage("fake analysis", 2, "steps") as stage:
             stage.update(1, "half")
             if self.leaves_checkpoint and checkpoint is not None:
-                np.savez(checkpoint, step=1)
+                write_checkpoint(checkpoint, {"step": 1})
             if self.fails is not None:
                 raise self.fails
             stage.update(2)
@@ -57,11 +59,13 @@ class FakeAnalyses(ModuleType):
         return ["the mesh is coarse; use mesh.axial >= 20"] if case.mesh.axial < 5 else []
 
     def write_fields(self, dataset: xr.Dataset, folder: Path) -> None:
-        (folder / "slip_map.vtu").write_text("fields")
+        with replacing(folder / "slip_map.vtu") as file:
+            file.write_text("fields")
 
     def write_figures(self, dataset: xr.Dataset, folder: Path) -> list[Path]:
         path = folder / "tip.png"
-        path.write_bytes(b"picture")
+        with replacing(path) as file:
+            file.write_bytes(b"picture")
         return [path]
 
 

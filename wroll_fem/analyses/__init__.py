@@ -137,5 +137,4 @@ def _own(dataset: xr.Dataset, case: Case | None = None) -> tuple[xr.Dataset, Ana
 def _written(
     parts: tuple[Callable[[xr.Dataset, Path], list[Path]], ...], dataset: xr.Dataset, folder: Path
 ) -> list[Path]:
-    folder.mkdir(parents=True, exist_ok=True)
     return [path for part in parts for path in part(dataset, folder)]

@@ -17,9 +17,9 @@ from wroll_fem.analyses.history import SharedStructure, time_history
 from wroll_fem.analyses.random_reading import Reading, read_records
 from wroll_fem.analyses.random_statistics import accuracy, graded, spectra_variables, statistics
 from wroll_fem.analyses.shared import summary
-from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate, load_dataset, save_dataset
 from wroll_fem.results.energy import energy_balance_error
+from wroll_fem.results.storage.checkpoint import read_checkpoint, write_checkpoint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -166,26 +166,21 @@ class _Runs:
         basis = None if self.shared is None else self.shared.basis
         arrays = {} if basis is None else {"vectors": basis[0], "values": basis[1]}
         if self.checkpoint is not None:
-            with replacing(self.checkpoint) as file, file.open("wb") as stream:
-                np.savez(stream, completed=True, **arrays)
+            write_checkpoint(self.checkpoint, arrays | {"completed": np.array(True)})
 
 
 def _kept_basis(checkpoint: Path | None) -> tuple[FloatArray, FloatArray] | None:
     """Basis of the last completed history of an interrupted series, from its checkpoint."""
     if checkpoint is None or not checkpoint.is_file() or _holds_history(checkpoint):
         return None
-    with np.load(checkpoint) as data:
-        return (data["vectors"], data["values"]) if "vectors" in data.files else None
+    data = read_checkpoint(checkpoint)
+    return (data["vectors"], data["values"]) if "vectors" in data else None
 
 
 def _holds_history(checkpoint: Path | None) -> bool:
     if checkpoint is None or not checkpoint.is_file():
         return False
-    try:
-        with np.load(checkpoint) as data:
-            return "completed" not in data.files
-    except (OSError, ValueError):
-        return True  # the history refuses a damaged file in one line
+    return "completed" not in read_checkpoint(checkpoint)
 
 
 def levels_dataset(case: RandomCase, levels: Sequence[Level], progress: Progress) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
@@ -18,6 +19,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
 from wroll_fem.case.descriptions import unit_of
+from wroll_fem.case.strict_yaml import NUMBER
 from wroll_fem.case.units import KINDS, QUANTITY_PATTERN, WrongQuantity, in_si
 
 OF_ENCLOSING_KEY = "as the enclosing key"
@@ -141,6 +143,10 @@ def _or_quantity(schema: JsonSchemaValue) -> JsonSchemaValue:
     return {"anyOf": [number, text]} | kept
 
 
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Range of the numbers of a case, in SI units: products of several of them neither overflow nor vanish."""
+
+
 def _number(value: Any) -> Any:
     """Convert a number that PyYAML reads as text, such as '1e-3', to a float; refuse booleans and other text."""
     if isinstance(value, WrongQuantity):
@@ -148,11 +154,13 @@ def _number(value: Any) -> Any:
     if isinstance(value, bool):
         raise validation_error("must be a number", remedy="write a number, not true or false", value=value)
     if isinstance(value, str):
-        try:
-            return float(value)
-        except ValueError:
-            remedy = "write a plain number in SI units, for example 1.5e-3"
-            raise validation_error("must be a number", remedy=remedy, value=value) from None
+        if NUMBER.fullmatch(value.strip()):
+            return _number(float(value))
+        remedy = "write a plain number in SI units, for example 1.5e-3"
+        raise validation_error("must be a number", remedy=remedy, value=value)
+    if isinstance(value, int | float) and value and not SMALLEST <= abs(value) <= LARGEST and abs(value) < math.inf:
+        remedy = f"write 0, or a number between {SMALLEST:g} and {LARGEST:g} in SI units"
+        raise validation_error("is beyond all quantities of a roll", remedy=remedy, value=value)
     return value
 
 

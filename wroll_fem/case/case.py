@@ -9,7 +9,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar, cast, get_args
 
-import yaml
 from pydantic import (
     Field,
     ModelWrapValidatorHandler,
@@ -30,6 +29,7 @@ from wroll_fem.case.messages import input_error
 from wroll_fem.case.output import Output
 from wroll_fem.case.overrides import WITH_FILE, overridden, override_texts
 from wroll_fem.case.renamed import current_key, with_current_keys, with_former_keys
+from wroll_fem.case.strict_yaml import dump_yaml
 from wroll_fem.errors import InputError
 
 SECTIONS = (
@@ -236,7 +236,7 @@ class Case(Section):
 
     def resolved_yaml(self) -> str:
         """All values as YAML text; loading it gives an equal case."""
-        return str(yaml.safe_dump(self.resolved(), sort_keys=False, default_flow_style=None, width=120))
+        return dump_yaml(self.resolved(), default_flow_style=None, width=120)
 
     def hash(self) -> str:
         """Return the SHA-256 hash of everything in the case that can change the results.

@@ -18,6 +18,7 @@ from wroll_fem.case.preload import Preload
 from wroll_fem.case.probes import Probes
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.two_dof import TwoDof
+from wroll_fem.numerics.step_limit import MOST_STEPS
 
 FEWEST_STEPS_PER_CYCLE = 20
 """Smallest number of steps per cycle without `solver.allow_coarse`; with fewer, the period error exceeds 0.8 % and slip
@@ -67,7 +68,7 @@ def check_motion(excitation: Any, analysis: str, *wanted: str) -> None:
     names = " or ".join(wanted)
     usual = wanted[0]
     kind = excitation.get("kind", usual) if isinstance(excitation, dict) else getattr(excitation, "kind", usual)
-    if kind not in wanted and kind in ANALYSIS_OF_MOTION:
+    if kind not in wanted and isinstance(kind, str) and kind in ANALYSIS_OF_MOTION:
         raise validation_error(
             f"analysis {analysis} needs a {names}", key="kind", value=kind,
             remedy=f"use excitation.kind: {names}, or analysis: {ANALYSIS_OF_MOTION[kind]}",
@@ -240,6 +241,11 @@ def check_steps(excitation: HistoryExcitation, integrator: Integrator, solver: S
         raise validation_error(
             reason, key="integrator.steps_per_cycle", value=steps,
             remedy=f"use {FEWEST_STEPS_PER_CYCLE} or more ({fewest} or more with solver.allow_coarse: true)",
+        )  # fmt: skip
+    if (cycles := getattr(excitation, "most_cycles", 0.0)) * steps > MOST_STEPS:
+        raise validation_error(
+            f"the motion takes {cycles * steps:.3g} time steps, at most {MOST_STEPS:.0e} are possible",
+            key="excitation", show_value=False, remedy="shorten it, or lower integrator.steps_per_cycle",
         )  # fmt: skip
     if solver.allow_coarse or steps >= FEWEST_STEPS_PER_CYCLE:
         return

@@ -85,7 +85,7 @@ class Coil(Section):
         "mandrel (coiled-stiff); bonded: layers without slip; nonstructural_mass: mass without stiffness; "
         "none: the mandrel alone"
     )
-    layers: Whole = Field(default=1, ge=1, description="number of concentric layers (count)")
+    layers: Whole = Field(default=1, ge=1, le=200, description="number of concentric layers (count)")
     thickness: Real | None = Field(
         default=None, gt=0, description="thickness of the coil, m: alias of total_thickness, used with solid"
     )

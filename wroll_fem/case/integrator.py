@@ -8,6 +8,8 @@ from pydantic import Field, field_validator, model_validator
 
 from wroll_fem.case.base import Real, Section, _number, validation_error
 
+MOST_STEPS_PER_CYCLE = 100_000
+
 DEFAULT_STEPS = 40
 """Number of time steps per cycle for `auto`; the analysis of a dwell may choose more."""
 
@@ -34,7 +36,7 @@ class Integrator(Section):
         le=0,
         description="HHT parameter, dimensionless, between -0.41421 and 0 (0: no damping)",
     )
-    steps_per_cycle: Literal["auto"] | Annotated[int, Field(ge=2)] = Field(
+    steps_per_cycle: Literal["auto"] | Annotated[int, Field(ge=2, le=MOST_STEPS_PER_CYCLE)] = Field(
         default="auto",
         description="time steps per cycle of the highest excitation frequency (count, 2 or more); auto: 40, and 60 to "
         "160 for a dwell near the resonance of a roll, where HHT's period error would change the response by more "
@@ -54,8 +56,9 @@ class Integrator(Section):
         if value == "auto":
             return value
         number = _number(value)
-        if not isinstance(number, int | float) or number != int(number) or number < 2:
-            raise validation_error("must be auto or a whole number >= 2", remedy="write for example 80", value=value)
+        if not isinstance(number, int | float) or number != int(number) or not 2 <= number <= MOST_STEPS_PER_CYCLE:
+            problem = f"must be auto or a whole number from 2 to {MOST_STEPS_PER_CYCLE}"
+            raise validation_error(problem, remedy="write for example 80", value=value)
         return int(number)
 
     @property

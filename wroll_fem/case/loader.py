@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from wroll_fem.case.case import Case, Origin
-from wroll_fem.case.overrides import WITH_FILE, overridden
+from wroll_fem.case.overrides import WITH_FILE, absolute, overridden
 from wroll_fem.case.strict_yaml import key_lines, parse_yaml
 from wroll_fem.errors import InputError
+from wroll_fem.results.storage.paths import path_problem
 
 
 def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -33,7 +34,7 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     for name in WITH_FILE:
         section = data.get(name)
         if isinstance(section, dict) and isinstance(section.get("file"), str):
-            section["file"] = str((path.parent / section["file"]).resolve())
+            section["file"] = absolute(path.parent / section["file"])
     try:
         return build_case(data, overrides, source=path)
     except InputError as error:
@@ -84,6 +85,8 @@ def read_yaml(path: Path, what: str = "case file") -> dict[str, Any]:
     InputError
         If the file cannot be read, or is not a mapping.
     """
+    if problem := path_problem(path):
+        raise InputError(problem, remedy=f"give the path of a {what} (see configs/)", file=str(path))
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:

@@ -8,20 +8,24 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer
 
 from wroll_fem.case.base import Real, Section, Whole, validation_error
+from wroll_fem.results.storage.paths import path_problem
 
 
 class Mesh(Section):
     """Structured mesh: quadrilaterals on cylinders, hexahedra in a solid coil, with matching nodes."""
 
-    circumferential: Whole = Field(default=24, ge=8, description="elements around the circumference (count, even)")
-    axial: Whole = Field(default=12, ge=2, description="elements along the axis (count)")
-    grading: Real = Field(
-        default=8.0, ge=1, description="ratio of element heights, tip to root, dimensionless; 1 is uniform"
+    circumferential: Whole = Field(
+        default=24, ge=8, le=2000, description="elements around the circumference (count, even)"
     )
-    radial: Whole = Field(default=3, ge=1, description="elements through a solid coil (count)")
+    axial: Whole = Field(default=12, ge=2, le=2000, description="elements along the axis (count)")
+    grading: Real = Field(
+        default=8.0, ge=1, le=1e6, description="ratio of element heights, tip to root, dimensionless; 1 is uniform"
+    )
+    radial: Whole = Field(default=3, ge=1, le=200, description="elements through a solid coil (count)")
     radial_grading: Real = Field(
         default=10.0,
         ge=1,
+        le=1e6,
         description="ratio of element thicknesses, outer surface to mandrel, dimensionless; 1 is uniform",
     )
     discretisation: Literal["three_dimensional", "fourier"] = Field(
@@ -65,6 +69,8 @@ class Mesh(Section):
     @field_validator("file")
     @classmethod
     def _exists(cls, value: Path | None) -> Path | None:
+        if value is not None and (problem := path_problem(value)):
+            raise validation_error(problem, remedy="give another path", value=str(value))
         if value is not None and not value.is_file():
             remedy = "give the path of a .msh file, relative to the case file, or null for a generated mesh"
             raise validation_error("mesh file not found", remedy=remedy, value=str(value))

@@ -18,6 +18,9 @@ from wroll_fem.errors import InputError
 Refusal = Callable[[str], tuple[str, str] | None]
 """Function of a top-level key: returns problem and remedy, or None for a key that no analysis uses."""
 
+MOST_ERRORS = 40
+"""Largest number of errors of a file that are reported."""
+
 _TAGS = ("kind", "law")
 _BOUNDS = {
     "greater_than": ("must be greater than {gt:g}"),
@@ -66,6 +69,7 @@ def input_error(
     details = [d for d in errors if d["type"] != "default_factory_not_called"]
     refused = {d["loc"]: refusal(str(d["loc"][0])) if refusal and len(d["loc"]) == 1 else None for d in details}
     details.sort(key=lambda d: d["type"] != "extra_forbidden" or refused[d["loc"]] is not None)
+    details = details[:MOST_ERRORS]
     found: list[InputError] = []
     named: set[str] = set()
     for detail in details:
@@ -226,5 +230,7 @@ def _show(value: Any) -> str:
     """Value as text of at most 60 characters; null, true and false as in YAML."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, int) and value.bit_length() > 1100:
+        return f"a number of about {value.bit_length() * 0.30103:.0f} digits"
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

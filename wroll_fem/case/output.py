@@ -17,7 +17,7 @@ class Output(Section):
         description="fields written as .vtu: none, slip_map, or all (also mode shapes and displacements)",
     )
     every: Whole = Field(
-        default=0, ge=0, description="number of steps between written fields (count); 0: only at the end"
+        default=0, ge=0, le=10**9, description="number of steps between written fields (count); 0: only at the end"
     )
     figures: Switch = Field(default=True, description="draw figures at the end of the run")
     damping: Literal["half_power", "gaussian_fit", "rational_fraction", "choose"] = Field(

@@ -11,6 +11,7 @@ from wroll_fem.case.renamed import current_key
 from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 from wroll_fem.results.json_types import json_types
+from wroll_fem.results.storage.paths import path_problem
 
 WITH_FILE = ("mesh", "structure", "excitation")
 """Sections whose `file` is a path relative to the case file (or, with --set, to the working directory)."""
@@ -84,7 +85,7 @@ def overridden(
                 raise InputError(problem, key=f"--set {key}", remedy=remedy, file=file)
         parsed = _from_file(value[1:], key) if value.startswith("@") else parse_yaml(value, f"--set {key}")
         if key in (f"{name}.file" for name in WITH_FILE) and isinstance(parsed, str):
-            parsed = str(Path(parsed).resolve())
+            parsed = absolute(parsed)
         here[parts[-1]] = parsed
         keys.append(key)
     return merged, (keys, tuple(former))
@@ -100,6 +101,11 @@ def _from_file(path: str, key: str) -> Any:
             f"cannot be read ({reason.lower()})", file=path, key=f"--set {key}", remedy="give the path of a YAML file"
         ) from None
     return parse_yaml(text, path)
+
+
+def absolute(path: str | Path) -> str:
+    """Absolute path without links; a path that no file can have is returned unchanged, for the section's own check."""
+    return str(path) if path_problem(path) else str(Path(path).resolve())
 
 
 def _copy(data: Any) -> Any:

@@ -29,7 +29,7 @@ class Preload(SparseSection):
         "each (inner first); winding_stress without it takes the pressure of the wound roll (case section winding); "
         "left out with winding_tension",
     )
-    steps: Whole = Field(default=DEFAULT_STEPS, ge=1, description="load steps of the static preload (count)")
+    steps: Whole = Field(default=DEFAULT_STEPS, ge=1, le=10000, description="load steps of the static preload (count)")
     geometric_stiffness: Switch = Field(
         default=False,
         description="add the geometric stiffness of the preload to the structure: membrane stress of the shells, "

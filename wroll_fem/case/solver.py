@@ -28,9 +28,9 @@ class Solver(Section):
         default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"
     )
     max_iterations: Whole = Field(
-        default=30, ge=1, description="largest number of Newton iterations before a step is halved (count)"
+        default=30, ge=1, le=10000, description="largest number of Newton iterations before a step is halved (count)"
     )
-    max_cuts: Whole = Field(default=6, ge=0, description="largest number of halvings of a step (count)")
+    max_cuts: Whole = Field(default=6, ge=0, le=30, description="largest number of halvings of a step (count)")
     symmetry: Switch = Field(
         default=True, description="solve half the circumference if case and mesh are symmetric about the x-z plane"
     )

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import yaml
 from pydantic import BaseModel
 
 from wroll_fem.case.case import case_kinds
 from wroll_fem.case.descriptions import sections
 from wroll_fem.case.loader import build_case
 from wroll_fem.case.overrides import overridden
+from wroll_fem.case.strict_yaml import dump_yaml
 from wroll_fem.errors import InputError
 
 _ROLL: dict[str, Any] = {
@@ -122,7 +122,7 @@ def _lines(content: Mapping[str, Any], model: type[BaseModel], indent: str) -> I
             yield f"{indent}{key}:{comment}"
             yield from _lines(value, inner, indent + "  ")
         else:
-            written = yaml.safe_dump(value, default_flow_style=True).removesuffix("\n...\n").strip()
+            written = dump_yaml(value, default_flow_style=True).removesuffix("\n...\n").strip()
             yield f"{indent}{key}: {written}{comment}"
 
 

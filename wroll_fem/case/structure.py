@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import Field, field_validator
 
 from wroll_fem.case.base import Section, Whole, validation_error
+from wroll_fem.results.storage.paths import path_problem
 
 SUFFIXES = (".npz", ".mat")
 
@@ -21,6 +22,7 @@ class Structure(Section):
     preload_steps: Whole = Field(
         default=10,
         ge=1,
+        le=10000,
         description="load steps of the preload if the file contains a preload load without a state (count)",
     )
 
@@ -34,6 +36,8 @@ class Structure(Section):
     @field_validator("file")
     @classmethod
     def _exists(cls, value: Path) -> Path:
+        if problem := path_problem(value):
+            raise validation_error(problem, remedy="give another path", value=str(value))
         if value.suffix.lower() not in SUFFIXES:
             raise validation_error(
                 "must be a .npz or .mat file", remedy="write one with `wroll export`", value=str(value)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pint
 
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?!e[+-]?\d)((?:1\s*/|[A-Za-zµμ°%]).*)", re.I)
+_QUANTITY = re.compile(
+    r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?!e[+-]?\d)((?:1\s*/|[A-Za-zµμ°%]).{0,60})", re.I
+)
 """Number and unit. A unit does not start with a digit, except in "1/min", so that "1 200 mm" is not 200 mm."""
 
 QUANTITY_PATTERN = r"^[+-]?\.?\d"
@@ -101,6 +103,15 @@ def in_si(text: str, unit: str) -> float | str:
     return float(f"{registry.Quantity(number, given).to(wanted).magnitude:.{_DIGITS}g}")
 
 
+_POWER = re.compile(r"(?:\^|\*\*)\s*\(?\s*[+-]?\s*[0-9](?:\.[0-9])?\s*\)?")
+
+
+def _simple(written: str) -> bool:
+    """Whether the powers of a unit are single numbers below 10: pint would compute 9^9^9^9."""
+    bases = _POWER.sub("|", written)
+    return not re.search(r"\^|\*\*|[0-9]{2}|[0-9.]\s*\||\|\s*\||\)\s*\|", bases)
+
+
 @lru_cache(maxsize=1)
 def _registry() -> pint.UnitRegistry:
     import pint  # 0.2 s, and most cases are written in SI
@@ -111,6 +122,8 @@ def _registry() -> pint.UnitRegistry:
 def _parsed(written: str, *, exact: bool = True) -> pint.Unit | None:
     import pint
 
+    if not _simple(written):
+        return None
     try:
         return _registry().parse_units(written, case_sensitive=exact)
     except (pint.PintError, AttributeError, TypeError, ValueError):

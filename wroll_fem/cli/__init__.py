@@ -18,6 +18,8 @@ from wroll_fem.cli import results  # isort: skip
 from wroll_fem.cli import lab  # isort: skip
 from wroll_fem.cli import project  # isort: skip
 from wroll_fem.cli.app import app
+from wroll_fem.errors import StorageError
+from wroll_fem.results.storage.atomic import writing_error
 
 __all__ = [
     "app",
@@ -33,7 +35,22 @@ __all__ = [
 def main() -> None:
     """Entry point of the command `wroll`."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
     except BrokenPipeError:  # the reader (head, less) has ended: nothing more can be printed
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         sys.exit(1)
+    except OSError as error:  # of standard output, or of a library's cache
+        found = writing_error(error, error.filename or "standard output")
+        if not isinstance(found, StorageError):
+            raise
+        _drop_output()
+        print(found, file=sys.stderr)  # noqa: T201
+        sys.exit(found.exit_code)
+
+
+def _drop_output() -> None:
+    """Send what is still to be printed nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

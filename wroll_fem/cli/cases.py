@@ -11,6 +11,8 @@ from wroll_fem.case import OnRoll, StructuralCase, load_case, schema_text
 from wroll_fem.cli.app import CaseFile, Overrides, app, reporting
 from wroll_fem.errors import InputError
 from wroll_fem.progress import TerminalProgress
+from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.paths import check_path
 
 
 @app.command()
@@ -58,6 +60,7 @@ def init(
     with reporting():
         from wroll_fem.case.starter import questions, starter_text
 
+        check_path(case_file, "choose another name")
         if case_file.exists():
             raise InputError("exists", file=str(case_file), remedy="choose another name; nothing is overwritten")
         changed = list(overrides or ())
@@ -90,11 +93,10 @@ def schema(
 
 def _write(path: Path, text: str, remedy: str) -> None:
     """Write a text file and its folders; an InputError with ``remedy`` if this is not possible."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=str(path), remedy=remedy) from None
+    check_path(path, remedy)
+    make_folder(path.parent, remedy)
+    with replacing(path, remedy) as file:
+        file.write_text(text, encoding="utf-8")
 
 
 @app.command()
@@ -112,6 +114,7 @@ def mesh(
         if not isinstance(case, OnRoll):
             remedy = "its file contains only matrices; mesh the case from which it was exported"
             raise InputError("cannot be meshed", key="structure", file=str(case_file), remedy=remedy)
+        check_path(out, "choose another --out")
         if out.exists() and not out.is_dir():
             raise InputError("is a file, not a folder", file=str(out), remedy="choose another --out")
         built, coil = build_mesh(case), None
@@ -119,12 +122,7 @@ def mesh(
             from wroll_fem.fem.coil import coil_hexes
 
             coil = coil_hexes(case, built)
-        try:
-            written = write_mesh(built, out, coil=coil)
-        except OSError as error:
-            remedy = "choose another --out"
-            raise InputError(f"cannot be written ({error.strerror})", file=str(out), remedy=remedy) from None
-        for path in written:
+        for path in write_mesh(built, make_folder(out, "choose another --out"), coil=coil):
             typer.echo(str(path))
 
 
@@ -140,6 +138,7 @@ def export(
         from wroll_fem.dynamics.system.array_file import check_suffix
 
         check_suffix(out)  # before the work
+        check_path(out, "choose another --out")
         from wroll_fem.analyses.shared.preparation import prepare
         from wroll_fem.dynamics.system.io import save_system
 

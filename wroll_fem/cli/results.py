@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from wroll_fem.cli.app import app, reporting
+from wroll_fem.results.storage.paths import check_path
 
 
 @app.command()
@@ -21,13 +22,13 @@ def plot(
         from wroll_fem.jobs.folder import RunFolder
         from wroll_fem.results.dataset import load_dataset
 
+        check_path(run_dir)
         alone = run_dir.is_file()
         folder = RunFolder(run_dir.parent if alone else run_dir)
         dataset = load_dataset(run_dir) if alone else folder.load()
         from wroll_fem import analyses
 
-        folder.figures.mkdir(exist_ok=True)
-        for path in analyses.write_figures(dataset, folder.figures):
+        for path in analyses.write_figures(dataset, folder.subfolder(folder.figures)):
             typer.echo(str(path))
 
 
@@ -49,6 +50,8 @@ def compare(
         from wroll_fem.plotting.style import save_figure
         from wroll_fem.plotting.transmissibility import plot_comparison
 
+        for path in (*paths, out):
+            check_path(path)
         curves = load_curves(paths)
         for line in comparison_lines(curves):
             typer.echo(line)

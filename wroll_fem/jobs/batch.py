@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from wroll_fem.case.roll import RollSections
-from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.errors import ConvergenceError, InputError, StorageError
 from wroll_fem.jobs.batch_progress import BatchProgress
 from wroll_fem.jobs.executors import ClusterPool, Ended, Job, LocalPool, Pool
-from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.folder import LOCK, RunFolder, locked_by_one
 from wroll_fem.jobs.grid import REFERENCE, Grid, Member
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results.atomic import replacing
 from wroll_fem.results.json_types import json_types
+from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.paths import check_path
+from wroll_fem.results.storage.seal import write_sealed
 from wroll_fem.results.summary import netcdf_unit
 
 if TYPE_CHECKING:
@@ -95,8 +97,10 @@ def run_grid(
     Raises
     ------
     InputError
-        For fewer than one worker, a scheduler that does not answer, a folder that cannot be written or holds another
-        batch.
+        For fewer than one worker, a scheduler that does not answer, a folder that cannot be written, holds another
+        batch, or in which another batch is at work.
+    StorageError
+        If the tables cannot be written because the disk is full or fails.
     KeyboardInterrupt
         After all running cases have saved checkpoints; the tables contain the finished cases.
 
@@ -104,18 +108,19 @@ def run_grid(
     -----
     A case counts as done when its folder holds the results of a case with the same hash. A failed case
     is reported as failed and runs again only with `retry`, because it would fail in the same way. An interrupted or
-    killed case is unfinished and continues from its checkpoint.
+    killed case, and one that a full disk stopped, is unfinished and continues from its checkpoint.
     """
     progress = progress if progress is not None else SilentProgress()
     out = Path(out)
+    check_path(out, "choose another --out")
     _check_own(grid, out)
-    if pool is not None:
-        return _run_all(grid, out, pool, progress, retry=retry)
-    own: Pool = LocalPool(workers) if scheduler is None else ClusterPool(scheduler)
+    chosen: Pool = pool or (LocalPool(workers) if scheduler is None else ClusterPool(scheduler))
     try:
-        return _run_all(grid, out, own, progress, retry=retry)
+        with locked_by_one(make_folder(out, "choose another --out") / LOCK, out):
+            return _run_all(grid, out, chosen, progress, retry=retry)
     finally:
-        own.close()
+        if pool is None:
+            chosen.close()
 
 
 def unfinished_jobs(grid: Grid, out: str | Path, *, retry: bool = False) -> list[Job]:
@@ -125,12 +130,6 @@ def unfinished_jobs(grid: Grid, out: str | Path, *, retry: bool = False) -> list
 
 
 def _run_all(grid: Grid, out: Path, pool: Pool, progress: Progress, *, retry: bool) -> list[Outcome]:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror})", file=str(out), remedy="choose another --out"
-        ) from None
     outcomes: dict[str, Outcome] = {}
     counts = BatchProgress(len(grid.members))
 
@@ -224,11 +223,14 @@ def _found(member: Member, out: Path, *, retry: bool) -> Outcome | None:
     try:
         start = folder.check(member.case, resume=True)
         held = folder.provenance()
+        if start == "complete":
+            folder.summary()
     except InputError as error:
         return Outcome(member, "failed", str(error), error.exit_code)
     if start == "complete":
         return Outcome(member, "already done")
     ended = held.get("status") in ("not_converged", "failed") and held.get("case_hash") == member.case.hash()
+    ended = ended and held.get("exit_code") != StorageError.exit_code  # there may be room by now
     if retry or not ended:
         return None
     message = str(held.get("error", "see its run.log")).splitlines()[0]
@@ -265,6 +267,11 @@ def table_rows(outcomes: Sequence[Outcome], out: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def _no_formula(value: Any) -> Any:
+    """Cell that a spreadsheet shows: a text that it would take for a formula begins with an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+
+
 def _cell(value: Any) -> Any:
     return json.dumps(json_types(value)) if isinstance(value, list | dict) else value
 
@@ -276,9 +283,10 @@ def write_tables(outcomes: Sequence[Outcome], out: Path) -> None:
     with replacing(out / "batch.csv") as file, file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, columns)
         writer.writeheader()
-        writer.writerows(rows)
-    with replacing(out / "batch.nc") as file:
-        table_dataset(rows).to_netcdf(file, engine="h5netcdf")
+        writer.writerows({key: _no_formula(value) for key, value in row.items()} for row in rows)
+    from wroll_fem.results.dataset import netcdf_image
+
+    write_sealed(out / "batch.nc", netcdf_image(table_dataset(rows)))
 
 
 def table_dataset(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:

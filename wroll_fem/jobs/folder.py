@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from wroll_fem.case import Case, load_case
-from wroll_fem.jobs.result_folder import ResultFolder, Status
+from wroll_fem.jobs.result_folder import LOCK, ResultFolder, Status, locked_by_one
+from wroll_fem.results.storage.checkpoint import check_checkpoint
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Start = Literal["new", "resume", "complete"]
 
-__all__ = ["ResultFolder", "RunFolder", "Start", "Status"]
+__all__ = ["LOCK", "ResultFolder", "RunFolder", "Start", "Status", "locked_by_one"]
 
 
 class RunFolder(ResultFolder):
@@ -24,7 +23,7 @@ class RunFolder(ResultFolder):
     Parameters
     ----------
     path
-        Path of the folder; only `open` creates it.
+        Path of the folder; only `locked` creates it.
 
     Attributes
     ----------
@@ -42,6 +41,11 @@ class RunFolder(ResultFolder):
         self.checkpoint_file = self.path / "checkpoint.npz"
         self.fields = self.path / "fields"
 
+    @property
+    def subfolders(self) -> tuple[Path, ...]:
+        """Folders in the folder."""
+        return (self.fields, self.figures)
+
     def check(self, case: Case, *, resume: bool = False) -> Start:
         """Determine how a run of `case` can start in this folder, without writing to it.
 
@@ -54,8 +58,8 @@ class RunFolder(ResultFolder):
         ------
         InputError
             If the path is a file; if the folder is neither empty nor a run folder; if it contains results, a summary or
-            a checkpoint of another case; or if `resume` is False and it contains the checkpoint of an unfinished run of
-            this case.
+            a checkpoint of another case; if its results, or the checkpoint of an unfinished run, are damaged; or if
+            `resume` is False and it contains the checkpoint of an unfinished run of this case.
         """
         if self.path.exists() and not self.path.is_dir():
             raise self._refuse("is a file, not a folder", "choose another --out")
@@ -72,9 +76,13 @@ class RunFolder(ResultFolder):
                 "choose another --out, or delete the folder",
             )
         if self.status() == "complete" and self.summary_file.is_file() and self.results_file.is_file():
+            from wroll_fem.results.dataset import check_results
+
+            check_results(self.results_file)
             return "complete"
         if not self.checkpoint_file.is_file():
             return "new"
+        check_checkpoint(self.checkpoint_file)
         if not resume:
             raise self._refuse("contains an unfinished run of this case", "add --resume, or delete the folder")
         return "resume"
@@ -104,14 +112,12 @@ class RunFolder(ResultFolder):
             raise self._refuse("is not a run folder (no case.yaml)", "give the folder of a finished `wroll run`")
         return load_dataset(self.results_file)
 
-    @contextmanager
-    def open(self, case: Case, command: str) -> Iterator[None]:
-        """Create and lock the folder; write case.yaml and provenance.json.
+    def begin(self, case: Case, command: str) -> None:
+        """Write case.yaml and provenance.json of a run that starts in the locked folder.
 
         Raises
         ------
-        InputError
-            If the folder cannot be written, or another process uses it.
+        InputError, StorageError
+            If the folder cannot be written.
         """
-        with self.opened(case.resolved_yaml(), case_hash=case.hash(), command=command):
-            yield
+        self.start(case.resolved_yaml(), case_hash=case.hash(), command=command)

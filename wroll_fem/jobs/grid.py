@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
+import math
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +19,18 @@ from wroll_fem.case import Case, load_case
 from wroll_fem.case.base import Real, Section, Whole, validation_error
 from wroll_fem.case.loader import locate, read_yaml
 from wroll_fem.case.messages import input_error
+from wroll_fem.case.overrides import absolute
 from wroll_fem.case.renamed import current_key
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.study_figures import STUDY_FIGURES
 from wroll_fem.results.json_types import json_types
+from wroll_fem.results.storage.paths import path_problem
+
+MOST_BYTES = 200
+"""Longest name of a run folder; file systems allow 255 bytes."""
+
+MOST_CASES = 10_000
+"""Largest number of cases of a grid."""
 
 REFERENCE = "reference"
 """Name of the reference case, which is not part of the grid."""
@@ -63,8 +74,10 @@ class Range(Section):
 class Samples(Section):
     """Latin hypercube: each of the ``count`` equal slices of every range contains one sample."""
 
-    count: Whole = Field(ge=1, description="number of samples (count)")
-    seed: Whole = Field(default=1, ge=0, description="seed of the random numbers; the same seed gives the same samples")
+    count: Whole = Field(ge=1, le=MOST_CASES, description="number of samples (count)")
+    seed: Whole = Field(
+        default=1, ge=0, le=2**32 - 1, description="seed of the random numbers; the same seed gives the same samples"
+    )
     ranges: dict[str, Range] = Field(description="dotted key: [low, high], or {low:, high:, scale: log}")
 
     @field_validator("ranges")
@@ -218,6 +231,10 @@ def load_grid(path: str | Path) -> Grid:
     files = [path.parent / file for file in ([given.base] if given.base is not None else given.cases)]
     keys = list(given.grid)
     shown = short_names([key for key in keys if len(given.grid[key]) > 1])
+    count = math.prod(map(len, given.grid.values())) * len(files) * (given.samples.count if given.samples else 1)
+    if count > MOST_CASES:
+        remedy = "give fewer values, or split the grid into several files"
+        raise InputError(f"has {count} cases, at most {MOST_CASES} are possible", file=str(path), remedy=remedy)
     samples = given.samples.values() if given.samples is not None else [{}]
     numbered = list(enumerate(samples, 1))
     members, errors = [], []
@@ -234,7 +251,7 @@ def load_grid(path: str | Path) -> Grid:
         parts += [f"sample_{number:0{len(str(len(samples)))}d}"] if sample else []
         parts += [f"{shown[key]}_{_value_name(value)}" for key, value in read.items() if key in shown]
         origin = {"case": file.stem} if given.cases else {}
-        members.append(Member("__".join(parts) or file.stem, file, origin | read, overrides, case))
+        members.append(Member(_folder_name("__".join(parts) or file.stem), file, origin | read, overrides, case))
     if given.reference is not None:
         file = path.parent / given.reference
         try:
@@ -246,9 +263,8 @@ def load_grid(path: str | Path) -> Grid:
         first.others = tuple(others)
         locate(first, path)
         raise first
-    names = [member.name for member in members]
-    for name in names:
-        if names.count(name) > 1:
+    for name, times in Counter(member.name for member in members).items():
+        if times > 1:
             remedy = "give each case file its own name, and each key different values"
             raise InputError(f"two cases have the same folder {name}", file=str(path), remedy=remedy)
     return Grid(path, members, list(given.figure))
@@ -258,13 +274,13 @@ def _case(
     file: Path, chosen: Mapping[str, Any], source: Path, *, key: str = "base", sampled: Collection[str] = ()
 ) -> tuple[Case, list[str]]:
     """Case read from ``file`` with the keys in ``chosen`` changed, and these changes as `--set` arguments."""
-    if not file.is_file():
+    if path_problem(file) or not file.is_file():
         remedy = "give a case file, its path relative to the grid file"
         raise InputError(f"case file not found: {file}", key=key, file=str(source), remedy=remedy)
     overrides = []
     for dotted, value in chosen.items():
         if dotted == "mesh.file" and isinstance(value, str):  # relative to the grid file, as case files are
-            value = str((source.parent / value).resolve())
+            value = absolute(source.parent / value)
         overrides.append(f"{dotted}={json.dumps(json_types(value))}")
     try:
         case = load_case(file, overrides)
@@ -289,6 +305,15 @@ def short_names(keys: Sequence[str]) -> dict[str, str]:
     """Dotted key -> its last part, or the whole key if another key has the same last part."""
     last = [key.rsplit(".", 1)[-1] for key in keys]
     return {key: word if last.count(word) == 1 else key for key, word in zip(keys, last, strict=True)}
+
+
+def _folder_name(name: str) -> str:
+    """Name of a run folder; the end of a name that is too long for a file system is replaced by its hash."""
+    name = name.lstrip("=+-@") or "case"  # no formula in the table, no option on a command line
+    if len(name.encode()) <= MOST_BYTES:
+        return name
+    short = name.encode()[: MOST_BYTES - 17].decode(errors="ignore")
+    return f"{short}_{hashlib.sha256(name.encode()).hexdigest()[:16]}"
 
 
 def _value_name(value: Any) -> str:

@@ -55,12 +55,17 @@ def run_lab(
         If the folder is not empty, or files or settings are wrong; wrong paths leave no folder behind.
     ConvergenceError
         If a fit does not converge.
+    StorageError
+        If a file cannot be written because the disk is full or fails.
     """
     progress = progress if progress is not None else SilentProgress()
     paths = checked_inputs(files, folders=find_kind(kind).folders)
     folder = ResultFolder(out)
+    folder.refuse_in_use()
     folder.check_empty()
-    with folder.opened(settings.yaml(), evaluation=kind, command=command):
+    with folder.locked():
+        folder.check_empty()  # another process may have worked here since
+        folder.start(settings.yaml(), evaluation=kind, command=command)
         if isinstance(progress, TerminalProgress):
             progress.log_to(folder.log_file)
         started = time.perf_counter()
@@ -93,7 +98,7 @@ def _save(result: LabResult, folder: ResultFolder, progress: Progress) -> list[P
         folder.write_text(folder.path / name, text)
     figures: list[Path] = []
     if result.settings is not None and result.settings.figures and result.figures:
-        folder.figures.mkdir(exist_ok=True)
+        folder.subfolder(folder.figures)
         with progress.stage("figures", 1):
             figures = result.write_figures(folder.figures)
     folder.write_json(folder.summary_file, result.summary)

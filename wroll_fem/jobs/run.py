@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,18 +64,28 @@ def run_case(
         If the folder contains another case or other files.
     ConvergenceError
         If a step does not converge; the results up to that step are in results.nc.
+    StorageError
+        If a file cannot be written because the disk is full or fails; the run can be continued.
     """
     progress = progress if progress is not None else SilentProgress()
     folder = RunFolder(out)
-    start = folder.check(case, resume=resume)
-    if start == "complete":
-        return Run(folder, folder.summary(), sorted(folder.figures.glob("*.png")), already_done=True)
-    with folder.open(case, command):
+    folder.refuse_in_use()  # before a checkpoint of the other process is taken for that of an unfinished run
+    if folder.check(case, resume=resume) == "complete":
+        return _finished(folder)
+    with folder.locked():
+        start = folder.check(case, resume=resume)  # another process may have worked here since
+        if start == "complete":
+            return _finished(folder)
+        folder.begin(case, command)
         if isinstance(progress, TerminalProgress):
             progress.log_to(folder.log_file)
         if resume and start == "new":
             progress.info(f"{folder.path}: no checkpoint to resume from, starting from the beginning")
         return _run(case, folder, progress, resume=start == "resume")
+
+
+def _finished(folder: RunFolder) -> Run:
+    return Run(folder, folder.summary(), sorted(folder.figures.glob("*.png")), already_done=True)
 
 
 def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> Run:
@@ -114,7 +125,8 @@ def _run(case: Case, folder: RunFolder, progress: Progress, *, resume: bool) -> 
         except KeyboardInterrupt:  # the folder must not say "running" for ever
             folder.record(status, **ended)
             raise
-    folder.checkpoint_file.unlink(missing_ok=True)
+    with suppress(OSError):  # the run is complete with it, too
+        folder.checkpoint_file.unlink(missing_ok=True)
     return Run(folder, summary, figures)
 
 
@@ -134,13 +146,12 @@ def _save(
     summary = {"analysis": case.analysis, **analyses.summarise(dataset)}
     summary.setdefault("wall_time_s", seconds)
     if case.output.fields != "none":
-        folder.fields.mkdir(exist_ok=True)
-        analyses.write_fields(dataset, folder.fields)
+        analyses.write_fields(dataset, folder.subfolder(folder.fields))
     figures: list[Path] = []
     if case.output.figures:
-        folder.figures.mkdir(exist_ok=True)
+        place = folder.subfolder(folder.figures)
         with progress.stage("figures", 1):
-            figures = list(analyses.write_figures(dataset, folder.figures))
+            figures = list(analyses.write_figures(dataset, place))
     folder.write_json(folder.summary_file, summary)
     return folder.summary(), figures
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, ring_edges
+from wroll_fem.results.storage.atomic import make_folder, replacing
 from wroll_fem.typing import FloatArray, IntArray
 
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
@@ -201,7 +202,7 @@ def write_mesh(mesh: CylinderMesh, folder: str | Path, name: str = "mesh", coil:
         The .msh and the .vtu file.
     """
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     msh, vtu = folder / f"{name}.msh", folder / f"{name}.vtu"
     _write_msh(mesh, msh, coil)
     _write_vtu(mesh, vtu, coil)
@@ -250,4 +251,5 @@ def _write_vtu(mesh: CylinderMesh, path: Path, coil: Hexes | None) -> None:
         nodes = np.vstack([mesh.nodes, coil[0]])
         blocks.append(("hexahedron27", coil[1] + len(mesh.nodes)))
         parts.append(np.full(len(coil[1]), len(mesh.parts), np.int32))
-    meshio.Mesh(nodes, blocks, cell_data={"shell": parts}).write(str(path))
+    with replacing(path, "choose another --out") as file:
+        meshio.Mesh(nodes, blocks, cell_data={"shell": parts}).write(file, "vtu")

@@ -7,11 +7,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wroll_fem.errors import InputError
+from wroll_fem.numerics.step_limit import MOST_STEPS
 from wroll_fem.typing import FloatArray, IntArray
 
 LEAST_STEPS = 16
 """Smallest number of steps per cycle of the main mode of a structure, with stuck interfaces, in the longer steps of a
 sweep. HHT lengthens its period by 1.3 % there, where the frequency of the base is below it by a factor."""
+
+
+def _count(duration: float, dt: float) -> int:
+    """Number of steps of ``dt`` (s) that reach ``duration`` (s).
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_STEPS`.
+    """
+    count = duration / dt - 1e-9 if dt > 0.0 else np.inf
+    if not count <= MOST_STEPS:
+        problem = f"the motion takes {count:.3g} time steps, at most {MOST_STEPS:.0e} are possible"
+        raise InputError(problem, key="excitation", remedy="shorten it, or lower integrator.steps_per_cycle")
+    return int(np.ceil(count))
 
 
 @dataclass(frozen=True)
@@ -35,7 +52,7 @@ class TimeGrid:
     @classmethod
     def constant(cls, duration: float, dt: float) -> TimeGrid:
         """Steps of ``dt`` (s) up to or just beyond ``duration`` (s)."""
-        count = int(np.ceil(duration / dt - 1e-9))
+        count = _count(duration, dt)
         return cls(dt * np.arange(count + 1), np.full(count, dt), np.array([count]))
 
     @classmethod
@@ -44,7 +61,7 @@ class TimeGrid:
 
         All times are multiples of ``dt``. A step is never longer than its level at any time within it allows.
         """
-        count = int(np.ceil(duration / dt - 1e-9))
+        count = _count(duration, dt)
         index, here = [0], 0
         bounds = [*np.clip(np.asarray(changes) / dt, 0.0, count), float(count)]
         for level, bound, after in zip(levels, bounds, [*levels[1:], levels[-1]], strict=True):

@@ -61,16 +61,15 @@ def write_coil_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     values["slip_onset"] = np.minimum(values["slip_onset"], _NEVER)
     points = points_of(dataset)
     grid = coil_grid(points)
-    target = style.target(path)
     if grid is None:
         theta, z, r = points.T
         where = np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
-        meshio.Mesh(where, [("vertex", np.arange(len(where))[:, None])], point_data=values).write(target, "vtu")
-        return target
+        return style.write_mesh(
+            meshio.Mesh(where, [("vertex", np.arange(len(where))[:, None])], point_data=values), path
+        )
     nodes, cells = coil_cells(grid, *_ends(dataset))
     data = {name: [array] for name, array in values.items()}
-    meshio.Mesh(nodes, [("hexahedron", cells)], cell_data=data).write(target, "vtu")
-    return target
+    return style.write_mesh(meshio.Mesh(nodes, [("hexahedron", cells)], cell_data=data), path)
 
 
 def _along_x(dataset: xr.Dataset) -> bool:
@@ -171,6 +170,4 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
     figure.suptitle(
         _finding(float(dataset["slip_onset"].min()), float(dataset["amplitude_g"][-1]), dataset), fontsize=10
     )
-    target = style.target(path)
-    figure.savefig(target)
-    return target
+    return style.write_figure(figure, path)

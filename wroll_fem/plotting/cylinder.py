@@ -85,9 +85,7 @@ def write_slip_vtu(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     ]
     data = {name: np.concatenate([part[2][name] for part in parts]) for name in parts[0][2]}
     data["interface"] = np.repeat(np.arange(count, dtype=float), sizes)
-    target = style.target(path)
-    meshio.Mesh(np.concatenate([part[0] for part in parts]), cells, point_data=data).write(target, file_format="vtu")
-    return target
+    return style.write_mesh(meshio.Mesh(np.concatenate([part[0] for part in parts]), cells, point_data=data), path)
 
 
 def draw_tube(
@@ -197,6 +195,4 @@ def plot_slip_on_cylinder(
         share = f"{100 * fraction:.0f} % of the interface between {interface_name(interface, dataset)} slipped"
         found = f"{share}; largest accumulated slip {most}"
     figure.suptitle(textwrap.fill(found, 92), fontsize=10)
-    target = style.target(path)
-    figure.savefig(target)
-    return target
+    return style.write_figure(figure, path)

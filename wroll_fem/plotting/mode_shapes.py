@@ -154,6 +154,4 @@ def plot_mode_shapes(
     scale = ScalarMappable(Normalize(0.0, 1.0), "viridis")
     bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.5, aspect=35, pad=0.02)
     bar.set_label("Displacement / largest displacement (–); grey: undeformed edges")
-    target = style.target(path)
-    figure.savefig(target)
-    return target
+    return style.write_figure(figure, path)

@@ -7,6 +7,7 @@ import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,7 +16,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
+from wroll_fem.results.storage.atomic import make_folder, replacing
 from wroll_fem.typing import FloatArray
+
+if TYPE_CHECKING:
+    from meshio import Mesh
 
 DPI = 150
 WIDTH = 7.2  # inch: 1080 pixels, legible when a README shows it at 800
@@ -68,18 +73,39 @@ def figure_of(ax: Axes) -> Figure:
     return figure
 
 
-def target(path: str | os.PathLike[str]) -> Path:
-    """Create the parent folders of a file to write; return its path."""
+def write_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure in the format of the ending of ``path``, at 150 dpi; parent folders are created.
+
+    Raises
+    ------
+    InputError
+        If the format is unknown, or the path cannot be written.
+    StorageError
+        If the disk is full or fails.
+    """
     place = Path(path)
-    place.parent.mkdir(parents=True, exist_ok=True)
+    kind = place.suffix.lower().lstrip(".")
+    if kind not in figure.canvas.get_supported_filetypes():
+        raise InputError("is not a name of a figure", file=str(place), remedy="end it in .png, .pdf or .svg")
+    make_folder(place.parent)
+    with replacing(place) as file:
+        figure.savefig(file, format=kind, dpi=DPI)
+    return place
+
+
+def write_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
+    """Write nodes, cells and fields as .vtu; parent folders are created; errors as for `write_figure`."""
+    place = Path(path)
+    make_folder(place.parent)
+    with replacing(place) as file:
+        mesh.write(file, "vtu")
     return place
 
 
 def save_figure(ax: Axes, path: str | os.PathLike[str]) -> Path:
     """Write the figure of `ax` at 150 dpi, close it and return the path; parent folders are created."""
-    place = target(path)
     figure = figure_of(ax)
-    figure.savefig(place, dpi=DPI)
+    place = write_figure(figure, path)
     plt.close(figure)
     return place
 

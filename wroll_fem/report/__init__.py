@@ -6,9 +6,12 @@ from pathlib import Path
 
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.paths import check_path
 
 __all__ = ["write_report"]
+
+_OTHER_OUT = "choose another --out"
 
 
 def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
@@ -30,8 +33,12 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
     ------
     InputError
         If the folder is neither a run nor a batch, or the report cannot be written.
+    StorageError
+        If the disk is full or fails.
     """
     folder = Path(folder)
+    for path in (folder, out or folder):
+        check_path(path)
     beside = folder.with_suffix(".html") if folder.is_file() else folder / "report.html"
     target = Path(out) if out is not None else beside
     if folder.is_file():
@@ -51,12 +58,7 @@ def write_report(folder: str | Path, out: str | Path | None = None) -> Path:
         if not folder.is_dir():
             problem = "is not a folder"
         raise InputError(problem, file=str(folder), remedy="give the folder of a `wroll run` or a `wroll batch`")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as file:
-            file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror})", file=str(target), remedy="choose another --out"
-        ) from None
+    make_folder(target.parent, _OTHER_OUT)
+    with replacing(target, _OTHER_OUT) as file:
+        file.write_text(text, encoding="utf-8")
     return target

@@ -9,13 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import REFERENCE, short_names
 from wroll_fem.report import html
-from wroll_fem.report.run import caption, logged, origin_table, solved
+from wroll_fem.report.run import caption, logged, origin_table, plain_case, solved
 from wroll_fem.report.values import open_balance, shown
 from wroll_fem.results.summary import label
 
@@ -100,9 +98,8 @@ def _solved(
     first = next((folder for folder in folders if folder.case_file.is_file()), None)
     if first is not None:
         written = first.case_file.read_text(encoding="utf-8", errors="replace")
-        given = yaml.safe_load(written)
         parts.append(html.subheading(f"Case {first.path.name}"))
-        parts.append(solved(given if isinstance(given, dict) else {}))
+        parts.append(solved(plain_case(written)))
         parts.append(html.folded("Its case file", html.listing(written)))
     return html.join(parts)
 

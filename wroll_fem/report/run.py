@@ -9,9 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
-from wroll_fem.errors import WrollError
+from wroll_fem.case.strict_yaml import parse_yaml
+from wroll_fem.errors import InputError, WrollError
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
@@ -106,7 +105,7 @@ def _page(
     files: html.Markup,
 ) -> str:
     """HTML page with the available data of a run."""
-    given, status = _plain_case(written), str(origin["status"])
+    given, status = plain_case(written), str(origin["status"])
     with TemporaryDirectory() as scratch:
         drawn = _figures(figures, dataset, Path(scratch))
     return html.page(
@@ -134,10 +133,11 @@ def solved(given: Mapping[str, Any]) -> html.Markup:
     return content + (html.folded("Mesh and numerical settings", html.case_table(numerics)) if numerics else "")
 
 
-def _plain_case(written: str) -> Mapping[str, Any]:
+def plain_case(written: str) -> Mapping[str, Any]:
+    """Content of a case.yaml; empty if it is no case."""
     try:
-        given = yaml.safe_load(written)
-    except yaml.YAMLError:
+        given = parse_yaml(written, "case.yaml")
+    except InputError:
         return {}
     return given if isinstance(given, dict) else {}
 

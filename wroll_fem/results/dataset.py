@@ -6,22 +6,41 @@ would load a second HDF5 library into the process of dolfinx).
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import numpy as np
 import xarray as xr
+from xarray.backends.h5netcdf_ import H5NetCDFStore
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import replacing
 from wroll_fem.results.fields import AXES, FIELDS, Field, field, label
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
+from wroll_fem.results.storage.atomic import make_folder
+from wroll_fem.results.storage.paths import check_path
+from wroll_fem.results.storage.seal import seal_of, write_sealed
 
-__all__ = ["FIELDS", "Field", "annotate", "field", "label", "load_dataset", "provenance", "save_dataset"]
+__all__ = [
+    "FIELDS", "Field", "annotate", "check_results", "field", "label", "load_dataset", "netcdf_image", "provenance",
+    "save_dataset",
+]  # fmt: skip
+
+FORMAT, OLD_FORMAT = 2, 1
+"""Versions of the format of results files: that of this program, and that of version 0.1.0, which did not state it."""
+
+FORMAT_ATTR = "results_format"
+
+_UNREADABLE = (
+    OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, IndexError, OverflowError, MemoryError,
+    NotImplementedError,
+)  # fmt: skip
+"""Errors that HDF5, h5netcdf and xarray raise for a damaged file without a checksum."""
 
 JSON_ATTRS = "json_attrs"  # attribute that lists the attributes stored as JSON text
 
@@ -91,7 +110,10 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        For an unknown name, a complex variable or an attribute that JSON cannot represent.
+        For an unknown name, a complex variable, an attribute that JSON cannot represent, or a path that cannot be
+        written.
+    StorageError
+        If the disk is full or fails.
     """
     target = Path(path)
     ready = annotate(dataset)
@@ -106,10 +128,22 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         for name, variable in ready.variables.items()
         if variable.dtype.kind == "f" and variable.size > 1000
     }
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(target) as file:
-        ready.to_netcdf(file, engine="h5netcdf", encoding=encoding)
+    ready.attrs[FORMAT_ATTR] = FORMAT
+    make_folder(target.parent)
+    write_sealed(target, netcdf_image(ready, encoding))
     return target
+
+
+def netcdf_image(dataset: xr.Dataset, encoding: Mapping[Hashable, Mapping[str, Any]] | None = None) -> memoryview:
+    """Content of a NetCDF file (HDF5) in memory.
+
+    HDF5 does not write to the disk itself: where the disk is full it cannot close its file, and ends the process at
+    exit with a segmentation fault.
+    """
+    image = io.BytesIO()
+    with h5netcdf.File(image, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file), encoding=encoding)
+    return image.getbuffer()
 
 
 def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Dataset:
@@ -123,16 +157,57 @@ def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Data
     Raises
     ------
     InputError
-        If the file is missing or is not a results file.
+        If the file is missing, is not a results file, was cut or changed, or is of a newer version.
     """
     source = Path(path)
+    check_path(source)
     if not source.is_file():
         raise InputError("results file not found", file=str(source), remedy="run the case first: wroll run CASE.yaml")
+    sealed = _is_sealed(source)
     try:
         dataset = (xr.open_dataset if lazy else xr.load_dataset)(source, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(f"not a readable NetCDF file ({error})", file=str(source)) from error
-    dataset.attrs = _decode_attrs(dataset.attrs)
-    for name in dataset.variables:
-        dataset[name].attrs = _decode_attrs(dataset[name].attrs)
+        dataset.attrs = _decode_attrs(dataset.attrs)
+        for name in dataset.variables:
+            dataset[name].attrs = _decode_attrs(dataset[name].attrs)
+    except _UNREADABLE as error:
+        reason = " ".join(str(error).split())[:80]
+        raise _unreadable(source, f"not a readable NetCDF file ({reason})") from None
+    version = dataset.attrs.pop(FORMAT_ATTR, OLD_FORMAT)
+    if version != OLD_FORMAT and not sealed:
+        dataset.close()
+        raise _unreadable(source, "was cut off or changed after it was written (its checksum is missing)")
+    if version not in (OLD_FORMAT, FORMAT):
+        dataset.close()
+        problem = f"has format {version}; this version reads formats {OLD_FORMAT} and {FORMAT}"
+        raise InputError(problem, file=str(source), remedy="read it with the version of wroll_fem that wrote it")
     return dataset
+
+
+def check_results(path: str | os.PathLike[str]) -> None:
+    """Check that a results file is as it was written; a file without checksum (version 0.1.0) is opened for it.
+
+    Raises
+    ------
+    InputError
+        As `load_dataset`.
+    """
+    if not _is_sealed(path):
+        load_dataset(path, lazy=True).close()
+
+
+def _is_sealed(path: str | os.PathLike[str]) -> bool:
+    """Whether a results file has a checksum, which fits its content; files of version 0.1.0 have none."""
+    try:
+        seal = seal_of(path)
+        empty = os.path.getsize(path) == 0
+    except OSError as error:
+        raise _unreadable(path, f"cannot be read ({error.strerror or error})") from None
+    if empty:
+        raise _unreadable(path, "is empty")
+    if seal == "broken":
+        raise _unreadable(path, "is damaged (its checksum does not fit its content)")
+    return seal == "intact"
+
+
+def _unreadable(path: str | os.PathLike[str], problem: str) -> InputError:
+    return InputError(problem, file=str(path), remedy="delete this file and run the case again")

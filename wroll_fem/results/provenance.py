@@ -51,8 +51,9 @@ def _git(folder: Path, *arguments: str) -> str | None:
     """Output of a git command in `folder`; None if git is missing or fails."""
     try:
         done = subprocess.run(
-            ["git", "-C", str(folder), *arguments], capture_output=True, text=True, timeout=10, check=False
-        )
+            ["git", "--no-optional-locks", "-C", str(folder), *arguments],  # else `status` locks the index
+            capture_output=True, text=True, timeout=10, check=False,
+        )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired):
         return None
     return done.stdout.strip() if done.returncode == 0 else None

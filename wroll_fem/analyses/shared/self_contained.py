@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
 from wroll_fem.case import OnRoll, StructuralCase, build_case
+from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
     """
     if "analysis" in dataset.attrs:
         return dataset
-    given = yaml.safe_load(dataset.attrs.get("case_yaml", "")) or {}
+    given = parse_yaml(str(dataset.attrs.get("case_yaml", "")), "results") or {}
     if "analysis" not in given:
         raise InputError(
             "does not name its analysis", key="result", remedy="pass a result of wf.run, or pass its case as well"

@@ -81,7 +81,9 @@ class RandomSpectrum(TaggedSection):
         default=None, description="length of a record, s, or auto, from `accuracy`; random alone uses it"
     )
     accuracy: Accuracy | None = Field(default=None, description="wanted accuracy of the averaged spectra")
-    seed: Whole = Field(default=1, ge=0, description="seed of the record (count): another seed, another record")
+    seed: Whole = Field(
+        default=1, ge=0, le=2**63 - 1, description="seed of the record (count): another seed, another record"
+    )
     records: Whole | None = Field(
         default=None,
         ge=1,
@@ -185,6 +187,12 @@ class RandomExcitation(RandomSpectrum):
     """Gaussian random motion of the base with a given acceleration PSD: a record of some length."""
 
     duration: Literal["auto"] | Real = Field(description="length of a record, s, or auto, from `accuracy`")
+
+    @property
+    def most_cycles(self) -> float:
+        """Length of all records times the highest frequency, cycles; nan while the length is to be chosen."""
+        length = float("nan") if self.duration == "auto" else float(self.duration)
+        return length * self.highest_frequency_hz * (self.records or 1) * len(self.all_levels_db)
 
     @property
     def in_series(self) -> bool:

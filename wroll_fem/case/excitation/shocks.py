@@ -141,7 +141,9 @@ class SrsExcitation(ShockSection):
         default="srs", description="srs: wavelets with a given shock response spectrum, within 1.5 dB"
     )
     srs: Spectrum = Field(description="shock response spectrum of the base")
-    seed: Whole = Field(default=1, ge=0, description="seed of delays and signs (count): another seed, another motion")
+    seed: Whole = Field(
+        default=1, ge=0, le=2**63 - 1, description="seed of delays and signs (count): another seed, another motion"
+    )
 
 
 class FileExcitation(ShockSection):

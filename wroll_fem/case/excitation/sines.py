@@ -88,6 +88,14 @@ class ChirpExcitation(AmplitudeSection):
         return max(self.f_start, self.f_end)
 
     @property
+    def most_cycles(self) -> float:
+        """Length of the motion times its highest frequency, cycles."""
+        if self.rate_hz_per_s is not None:
+            return self.highest_frequency_hz * abs(self.f_end - self.f_start) / self.rate_hz_per_s
+        octaves = abs(math.log2(self.f_end) - math.log2(self.f_start))
+        return self.highest_frequency_hz * 60.0 * octaves / (self.rate_oct_per_min or math.inf)
+
+    @property
     def attributes(self) -> dict[str, float | str]:
         """Attributes of results that describe the motion."""
         linear, geometric = self.rate_hz_per_s, self.rate_oct_per_min
@@ -114,6 +122,11 @@ class DwellExcitation(AmplitudeSection):
                 value=self.ramp_cycles, remedy="use fewer ramp_cycles or more cycles",
             )  # fmt: skip
         return self
+
+    @property
+    def most_cycles(self) -> float:
+        """Length of the motion, cycles."""
+        return self.cycles
 
     @property
     def highest_frequency_hz(self) -> float:

@@ -7,6 +7,7 @@ matrices, integers, and vectors written as rows or columns are accepted everywhe
 
 from __future__ import annotations
 
+import io
 import os
 import zipfile
 from collections.abc import Mapping
@@ -18,7 +19,7 @@ import scipy.io
 import scipy.sparse as sp
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.atomic import replacing
 from wroll_fem.typing import FloatArray
 
 SUFFIXES = (".npz", ".mat")
@@ -46,19 +47,19 @@ def write_arrays(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> Pat
     Raises
     ------
     InputError
-        If the path does not end in .npz or .mat, or the file cannot be written.
+        If the path does not end in .npz or .mat, or cannot be written.
+    StorageError
+        If the disk is full or fails.
     """
     path = check_suffix(path)
-    try:
-        with replacing(path) as file, file.open("wb") as stream:
-            if path.suffix.lower() == ".npz":
-                np.savez_compressed(stream, **_flat(fields))
-            else:
-                ready = {name: sp.csc_matrix(v) if sp.issparse(v) else v for name, v in fields.items()}
-                scipy.io.savemat(stream, ready, do_compression=True, oned_as="column", long_field_names=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be written ({reason})", file=str(path), remedy="choose another file") from None
+    image = io.BytesIO()  # an archive that a full disk interrupts cannot be closed
+    if path.suffix.lower() == ".npz":
+        np.savez_compressed(image, **_flat(fields))
+    else:
+        ready = {name: sp.csc_matrix(v) if sp.issparse(v) else v for name, v in fields.items()}
+        scipy.io.savemat(image, ready, do_compression=True, oned_as="column", long_field_names=True)
+    with replacing(path, remedy="choose another file") as file:
+        file.write_bytes(image.getbuffer())
     return path
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
@@ -35,8 +34,8 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.time_grid import TimeGrid
 from wroll_fem.progress import Progress, SilentProgress
-from wroll_fem.results.atomic import replacing
 from wroll_fem.results.dataset import annotate
+from wroll_fem.results.storage.checkpoint import read_checkpoint, refused, write_checkpoint
 from wroll_fem.signals.tip import EXCITED_BY
 from wroll_fem.typing import FloatArray
 
@@ -191,11 +190,10 @@ def _place(motion: Motion, time: FloatArray) -> str:
 
 def saved_method(checkpoint: Checkpointing | None) -> str | None:
     """Method (`solver.method`) of the checkpoint from which a run is to be resumed; None without such a checkpoint."""
-    if checkpoint is None or not checkpoint.resume:
+    if checkpoint is None or not checkpoint.resume or not checkpoint.path.is_file():
         return None
-    with suppress(OSError, ValueError, KeyError), np.load(checkpoint.path) as data:  # `load` reports a damaged file
-        return str(data["method"])
-    return None
+    method = read_checkpoint(checkpoint.path).get("method")
+    return None if method is None else str(method)
 
 
 @dataclass
@@ -263,20 +261,19 @@ class _Run:
     def save(self, path: Path, fingerprint: FloatArray) -> None:
         """Write a checkpoint; an existing file is replaced once the new one is complete."""
         n = 2 * self.stepper.system.n_points
-        with replacing(path) as file, file.open("wb") as stream:
-            np.savez(
-                stream,
-                method=self.stepper.name,
-                fingerprint=fingerprint,
-                done=self.done,
-                seconds=self.seconds,
-                records=self.records[: self.done],
-                kept=np.array(self.kept).reshape(len(self.kept), n),
-                kept_times=np.array(self.kept_times),
-                largest_done=self._largest[0],
-                **{f"state_{name}": value for name, value in self.state.items()},
-                **{f"largest_{name}": value for name, value in self._largest[1].items()},
-            )
+        arrays: dict[str, Any] = {
+            "method": self.stepper.name,
+            "fingerprint": fingerprint,
+            "done": self.done,
+            "seconds": self.seconds,
+            "records": self.records[: self.done],
+            "kept": np.array(self.kept).reshape(len(self.kept), n),
+            "kept_times": np.array(self.kept_times),
+            "largest_done": self._largest[0],
+        }
+        arrays |= {f"state_{name}": value for name, value in self.state.items()}
+        arrays |= {f"largest_{name}": value for name, value in self._largest[1].items()}
+        write_checkpoint(path, arrays)
 
     def load(self, path: Path, fingerprint: FloatArray) -> None:
         """Continue from a checkpoint of the same run.
@@ -286,28 +283,24 @@ class _Run:
         InputError
             If the file is missing, damaged or belongs to another run.
         """
+        data = read_checkpoint(path)
+        if not np.array_equal(data.get("fingerprint", np.empty(0)), fingerprint):
+            raise refused(path, "the checkpoint belongs to another run")
         try:
-            with np.load(path) as data:
-                if not np.array_equal(data["fingerprint"], fingerprint):
-                    raise InputError(
-                        "the checkpoint belongs to another run", file=str(path), remedy="run without --resume"
-                    )
-                states = {
-                    part: {k.removeprefix(part): data[k] for k in data.files if k.startswith(part)}
-                    for part in ("state_", "largest_")
-                }
-                self.stepper.restore(states["state_"])
-                self._committed = (int(data["done"]), self.stepper.snapshot())
-                self._largest = (int(states["largest_"].pop("done")), states["largest_"])
-                self.records[: self.done] = data["records"]
-                self.largest_tip = float(np.abs(self.records[: self.done, TIP_DISPLACEMENT]).max(initial=0.0))
-                self.largest_energy = float(largest_energies(self.records[: self.done]).max(initial=0.0))
-                self.seconds = float(data["seconds"])
-                self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(
-                f"the checkpoint cannot be read ({error})", file=str(path), remedy="run without --resume"
-            ) from None
+            states = {
+                part: {k.removeprefix(part): data[k] for k in data if k.startswith(part)}
+                for part in ("state_", "largest_")
+            }
+            self.stepper.restore(states["state_"])
+            self._committed = (int(data["done"]), self.stepper.snapshot())
+            self._largest = (int(states["largest_"].pop("done")), states["largest_"])
+            self.records[: self.done] = data["records"]
+            self.largest_tip = float(np.abs(self.records[: self.done, TIP_DISPLACEMENT]).max(initial=0.0))
+            self.largest_energy = float(largest_energies(self.records[: self.done]).max(initial=0.0))
+            self.seconds = float(data["seconds"])
+            self.kept, self.kept_times = list(data["kept"]), list(data["kept_times"])
+        except (KeyError, ValueError):  # arrays of another stepper
+            raise refused(path, "the checkpoint belongs to another run or version") from None
 
     def dataset(
         self, system: System, preload: ContactState, times: FloatArray, base: FloatArray, motion: Motion

@@ -12,8 +12,7 @@ import numpy as np
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve, ModalMotion
 from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.errors import InputError
-from wroll_fem.results.atomic import replacing
+from wroll_fem.results.storage.checkpoint import read_checkpoint, refused, write_checkpoint
 from wroll_fem.typing import FloatArray
 
 _OF_CURVE = ("frequencies", "coefficients", "tangents", "iterations")
@@ -78,9 +77,8 @@ class TrainingFile:
         """
         if not self.resume or not self.path.is_file():
             return None
+        found = read_checkpoint(self.path)
         try:
-            with np.load(self.path) as data:
-                found = {name: data[name] for name in data.files}
             same = np.array_equal(found["structure"], structure)
             curve = {name.removeprefix("curve_"): value for name, value in found.items() if name.startswith("curve_")}
             state = TrainingState(
@@ -88,12 +86,10 @@ class TrainingFile:
                 bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()), curve or None,
                 bool(found["watched"]),
             )  # fmt: skip
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError("cannot be read", file=str(self.path), remedy="run without --resume") from error
+        except (ValueError, KeyError):  # arrays of another analysis
+            raise refused(self.path, "the checkpoint belongs to another run or version") from None
         if not same:
-            raise InputError(
-                "the checkpoint belongs to another run", file=str(self.path), remedy="run without --resume"
-            )
+            raise refused(self.path, "the checkpoint belongs to another run")
         return state
 
     def keep(self, structure: FloatArray, state: TrainingState) -> None:
@@ -108,12 +104,12 @@ class TrainingFile:
             return
         structure, state = self._latest
         curve = {f"curve_{name}": value for name, value in (state.curve or {}).items()}
-        with replacing(self.path) as file, file.open("wb") as stream:
-            np.savez(
-                stream, structure=structure, number=state.number, vectors=state.vectors, factor=state.factor,
-                eigenvalues=state.eigenvalues, stuck=state.stuck, error=state.error,
-                used=np.array(state.used, np.int64), watched=state.watched, **curve,
-            )  # fmt: skip
+        arrays: dict[str, Any] = {
+            "structure": structure, "number": state.number, "vectors": state.vectors, "factor": state.factor,
+            "eigenvalues": state.eigenvalues, "stuck": state.stuck, "error": state.error,
+            "used": np.array(state.used, np.int64), "watched": state.watched,
+        }  # fmt: skip
+        write_checkpoint(self.path, arrays | curve)
         self._written = time.monotonic()
 
 
