@@ -10,7 +10,7 @@ import pytest
 from support.paths import CONFIGS
 
 from wroll_fem import analyses, load_case
-from wroll_fem.analyses.harmonic import read_response
+from wroll_fem.analyses.curve_reading import read_response
 from wroll_fem.errors import InputError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.damping import half_power

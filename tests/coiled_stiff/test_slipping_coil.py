@@ -14,7 +14,7 @@ from scipy.integrate import trapezoid
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses import slip_damping
+from wroll_fem.analyses import slip_damping, slip_path
 from wroll_fem.analyses.shared.assembly import build_bodies
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
@@ -46,7 +46,7 @@ def coil(factor: float = 1.0) -> tuple[System, ContactState, ShearPoints]:
     points = ShearPoints.of(body.solid).half()
     r = points.points[:, 2]
     pressure = factor * (5e6 - 4e6 * (r - r.min()) / np.ptp(r))
-    return *slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU), points
+    return *slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU, wrap_thickness=5e-5), points
 
 
 def mode_of(path: LoadPath) -> np.ndarray:
@@ -159,7 +159,7 @@ def test_the_path_is_the_nonlinear_mode_of_harmonic_balance() -> None:
     points = ShearPoints.of(body.solid).half()
     r = points.points[:, 2]
     pressure = 5e6 - 4e6 * (r - r.min()) / np.ptp(r)
-    system, state = slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU)
+    system, state = slipping_system(body, points, shear_modulus=MODULUS, pressure=pressure, mu=MU, wrap_thickness=5e-5)
     path = LoadPath(system, state)
     mode = mode_of(path)
     found = modal_path(path, mode, np.geomspace(1.0, 10.0, 12))
@@ -281,7 +281,7 @@ def test_without_slip_the_slip_work_is_an_empty_map() -> None:
 
 
 def test_levels_beyond_the_path_have_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slip_damping, "MOST_LEVELS", 3)
+    monkeypatch.setattr(slip_path, "MOST_LEVELS", 3)
     with pytest.warns(UserWarning, match="higher levels have no result"):
         found = wf.run(load_case(CASE, [SMALL, "excitation.amplitude_g=[0.5, 15]"]), progress=False)
     assert np.isfinite(found["tip_at_level"].values).tolist() == [True, False]
@@ -361,4 +361,4 @@ def test_a_coil_without_pressure_is_refused() -> None:
     _, state, points = coil()
     (body,) = build_bodies(load_case(CASE, [SMALL]), symmetric=True)
     with pytest.raises(InputError, match="friction capacity between the wraps is 0 Pa"):
-        slipping_system(body, points, shear_modulus=MODULUS, pressure=0.0 * state.pressure, mu=MU)
+        slipping_system(body, points, shear_modulus=MODULUS, pressure=0.0 * state.pressure, mu=MU, wrap_thickness=5e-5)

@@ -15,8 +15,9 @@ import pytest
 import scipy.sparse as sp
 
 from wroll_fem.coiled_stiff.shear_points import ShearPoints, quadratic_basis
-from wroll_fem.coiled_stiff.slipping_coil import pressed, shear_interface
+from wroll_fem.coiled_stiff.slipping_coil import shear_interface
 from wroll_fem.contact.point import tangentials
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.mesh.shells import VTK_GRID
@@ -140,10 +141,10 @@ def path(stiffness: sp.csr_matrix, strain: object, volumes: np.ndarray) -> LoadP
     size, n = stiffness.shape[0], len(volumes)
     points = ShearPoints(np.zeros((n, 3)), volumes, sp.csr_matrix(strain))
     pressure = np.full(n, PRESSURE)
-    interface = shear_interface(points, points.strain, shear_modulus=G, pressure=pressure, mu=MU)
+    interface = shear_interface(points, points.strain, shear_modulus=G, pressure=pressure, mu=MU, wrap_thickness=5e-5)
     mass, none = sp.identity(size, format="csr"), np.zeros(size)
     system = System(stiffness, mass, none, interfaces=(interface,), probes={"tip": none})
-    return LoadPath(system, pressed(system, pressure), tolerance=1e-4)
+    return LoadPath(system, ContactState.pressed(system, pressure), tolerance=1e-4)
 
 
 @cache

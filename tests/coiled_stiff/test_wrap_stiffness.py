@@ -80,7 +80,7 @@ def test_shear_at_a_point_has_stiffness_limit_and_loop_of_its_own_modulus() -> N
     body, points, pressure = coil()
     G, limit = modulus(pressure), MU * pressure
     assert np.ptp(G) > 0.5 * G.max()
-    system, state = slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU)
+    system, state = slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU, wrap_thickness=5e-5)
     assert body.solid is not None
     u = np.random.default_rng(6).standard_normal(system.n_dofs)
     strain = (points.strain @ body.solid.expand @ u).reshape(-1, 2)
@@ -107,7 +107,7 @@ def test_the_stuck_stiffness_has_the_modulus_of_each_point() -> None:
     body, points, pressure = coil()
     assert body.solid is not None
     G = modulus(pressure)
-    path = LoadPath(*slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU))
+    path = LoadPath(*slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU, wrap_thickness=5e-5))
     rows = points.strain @ body.solid.expand
     exact = body.stiffness + rows.T @ sp.diags(np.repeat(points.volumes * G, 2)) @ rows
     assert abs(path.stiffness - exact).max() < 1e-12 * abs(exact).max()
@@ -121,7 +121,7 @@ def test_two_layers_of_different_moduli_have_the_frequency_of_their_own_assembly
     inner, outer, heights = 3e8, 3e7, coil_heights(chosen)
     half = len(heights) // 2
     G = np.where(points.points[:, 2] < 0.01 + heights[half] - heights[0], inner, outer)
-    path = LoadPath(*slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU))
+    path = LoadPath(*slipping_system(body, points, shear_modulus=G, pressure=pressure, mu=MU, wrap_thickness=5e-5))
     mode = main_mode(path.system, path)
     found = np.sqrt(mode @ (path.stiffness @ mode))
     part, web = build_mesh(chosen).part("mandrel"), chosen.coil.solid()
@@ -184,7 +184,9 @@ def followed(factor: float, slip: float | None) -> ModalPath:
     """Path at the pressure times ``factor``, with the modulus of its pressure at an elastic slip, or a fixed one."""
     body, points, pressure = coil()
     G = modulus(pressure) if slip is None else modulus(factor * pressure, slip)
-    path = LoadPath(*slipping_system(body, points, shear_modulus=G, pressure=factor * pressure, mu=MU))
+    path = LoadPath(
+        *slipping_system(body, points, shear_modulus=G, pressure=factor * pressure, mu=MU, wrap_thickness=5e-5)
+    )
     return modal_path(path, main_mode(path.system, path), np.geomspace(1.0, 5.0, 6))
 
 

@@ -194,7 +194,7 @@ def test_layers_have_the_prescribed_pressures(kind: str) -> None:
     case = build_case(layered(kind=kind, pressure=[5e4, 4e4, 2e4]))
     one = build_system(case, build_bodies(case, symmetric=True))
     found = mean_pressures(one, solve_preload(one))
-    np.testing.assert_allclose(found, [5e4, 4e4, 2e4], rtol=1e-4 if kind == "interface_pressure" else 3e-3)
+    np.testing.assert_allclose(found, [5e4, 4e4, 2e4], rtol=1e-4)
 
 
 def test_pressures_that_would_pull_and_a_missing_stress_are_refused() -> None:
@@ -206,10 +206,11 @@ def test_pressures_that_would_pull_and_a_missing_stress_are_refused() -> None:
 
 
 def test_winding_stress_is_uniform_and_has_no_resultant() -> None:
-    """Without an external load the bodies do not deform; the penalty gives way, most at the clamped base."""
-    _, one, pressure = preloaded(preload={"kind": "winding_stress", "pressure": 3e4})
-    np.testing.assert_allclose(pressure, 3e4, rtol=5e-3)
-    assert np.average(pressure, weights=one.laws.area) == pytest.approx(3e4, rel=3e-3)
+    """The bodies do not deform, also where the coil is as soft as the penalty: once it took a third of the pressure."""
+    soft = {"material": {"E": 1e7, "nu": 0.3, "rho": 1000.0}}
+    for coil in ({}, soft):
+        _, one, pressure = preloaded(preload={"kind": "winding_stress", "pressure": 3e4}, coil=coil)
+        np.testing.assert_allclose(pressure, 3e4, rtol=1e-12)
     assert one.pressures == (0.0,)
     assert abs(one.influence @ one.loads["preload"]) < 1e-9 * np.abs(one.loads["preload"]).sum()
 

@@ -10,16 +10,14 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from wroll_fem.analyses.curve_reading import memory_remark, reduction_remark, span_remark
 from wroll_fem.analyses.forecasts.computing_time import estimate_curve
-from wroll_fem.analyses.harmonic import (
-    condensed_structure,
-    memory_remark,
-    reduction_remark,
-)
+from wroll_fem.analyses.harmonic import condensed_structure
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures, preflight, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import backbone_parts
+from wroll_fem.analyses.slip_modes import in_span, path_span, slips_inside
 from wroll_fem.analyses.training_progress import Passes, training_file
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import with_cause
@@ -31,9 +29,10 @@ from wroll_fem.dynamics.periodic.datasets import (
     per_motion,
     quadrature_error,
 )
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.training.enrichment import trained_backbone
+from wroll_fem.dynamics.training.enrichment import checked_motions, trained_backbone
 from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
@@ -154,7 +153,22 @@ def followed_backbone(
     ConvergenceError
         If a periodic motion is not found; ``partial`` contains the curve up to that point.
     """
-    condensation = condensed_structure(case, system, state, progress)
+    if not slips_inside(case):
+        condensation = condensed_structure(case, system, state, progress)
+        return _trained_curve(case, system, state, condensation, progress, checkpoint, resume=resume)
+    span = path_span(case, system, state, progress)
+
+    def solve() -> Trained[BackboneCurve]:
+        return _trained_curve(case, system, state, span.modes, progress, checkpoint, resume=resume)
+
+    return in_span(span, solve, checked_motions, progress)
+
+
+def _trained_curve(
+    case: BackboneCase | RandomResponseCase, system: System, state: ContactState, condensation: Condensation,
+    progress: Progress, checkpoint: Path | None, *, resume: bool,
+) -> Trained[BackboneCurve]:  # fmt: skip
+    """Backbone in an adaptive basis of the modes ``condensation``, with progress."""
     settings = case.harmonic
     try:
         with (
@@ -192,6 +206,7 @@ def trained_dataset(system: System, trained: Trained[BackboneCurve]) -> xr.Datas
             "curves_computed": trained.rounds,
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
+            **({"span_error_estimate": trained.span_error} if trained.span_error else {}),
             "energy_balance_error": cycle_balance_error(dataset),
             "work_quadrature_error": quadrature_error(dataset),
         }
@@ -211,8 +226,8 @@ def run_backbone(
     trained = followed_backbone(case, system, state, progress, checkpoint, resume=resume)
     dataset = trained_dataset(system, trained)
     end = end_remark(trained.curve, case.backbone.tip_largest)
-    loose = reduction_remark(trained.energy_error, case.harmonic)
-    for remark in (memory_remark(dataset), end or undamped_remark(dataset) or range_remark(dataset), loose):
+    loose = reduction_remark(trained.energy_error, case.harmonic), span_remark(trained.span_error)
+    for remark in (memory_remark(dataset), end or undamped_remark(dataset) or range_remark(dataset), *loose):
         if remark:
             progress.warning(remark)
     return dataset.assign_attrs({"solver_time_s": time.process_time() - started})

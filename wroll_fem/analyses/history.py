@@ -10,13 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from wroll_fem.analyses.curve_reading import span_remark
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
 from wroll_fem.analyses.shock_plan import unresolved_modes
+from wroll_fem.analyses.slip_modes import path_span, slips_inside
 from wroll_fem.case.structural import OnStructure
+from wroll_fem.dynamics.path_span.span import PathSpan
+from wroll_fem.dynamics.path_span.stepper import PathStepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
@@ -101,6 +105,8 @@ def time_history(
             f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide over "
             "large areas; compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
         )
+    if remark := span_remark(history.attrs.get("span_error_estimate", 0.0)):
+        progress.warning(remark)
     return history
 
 
@@ -112,6 +118,11 @@ class _Integration:
     system: System
     state: ContactState
     progress: Progress
+
+    @cached_property
+    def span(self) -> PathSpan | None:
+        """Modes in the span of the path of a coil whose wraps slide; None for any other case."""
+        return path_span(self.case, self.system, self.state, self.progress) if slips_inside(self.case) else None
 
     @cached_property
     def modes(self) -> Condensation | None:
@@ -135,15 +146,7 @@ class _Integration:
         case, solver, dt = self.case, self.case.solver, time_step(self.case)
         scheme = self.scheme
         options = NewtonOptions(solver.tolerance, solver.max_iterations, solver.max_cuts)
-        falls_back = 3 * self.system.n_points <= FALLBACK_SIZE
-        with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
-            stepper = make_stepper(
-                self.system, self.state, method=method, scheme=scheme, options=options, dt=dt,
-                reduction_tolerance=solver.reduction_tolerance,
-                largest_error=self.largest_error if falls_back else np.inf,
-                condensation=self.modes,
-            )  # fmt: skip
-            stage.update(1)
+        stepper = self._stepper(method, scheme, options, dt)
         _remarks(case, stepper, self.progress)
         try:
             found = simulate(
@@ -158,6 +161,21 @@ class _Integration:
             raise
         found = annotate(with_yield(found, case))
         return _described(found, case, method).assign_attrs(_main_mode(stepper))
+
+    def _stepper(self, method: str, scheme: Scheme, options: NewtonOptions, dt: float) -> Stepper:
+        system, state, tolerance, span = self.system, self.state, self.case.solver.reduction_tolerance, self.span
+        falls_back = 3 * system.n_points <= FALLBACK_SIZE
+        with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
+            stepper: Stepper
+            if span is not None:
+                stepper = PathStepper(system, state, scheme, options, dt=dt, tolerance=tolerance, span=span)
+            else:
+                stepper = make_stepper(
+                    system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,
+                    largest_error=self.largest_error if falls_back else np.inf, condensation=self.modes,
+                )  # fmt: skip
+            stage.update(1)
+        return stepper
 
 
 def _main_mode(stepper: Stepper) -> dict[str, float]:
@@ -178,7 +196,7 @@ def _remarks(case: HistoryCase, stepper: Stepper, progress: Progress) -> None:
     for text in (detuned, unresolved_modes(case, condensation, time_step(case))):
         if text:
             progress.warning(text)
-    if not condensation.exact:
+    if not condensation.exact and not isinstance(stepper, PathStepper):
         progress.warning(
             "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
             "no subspaces): the structure is approximated by its lowest modes and its responses to loads, with an "

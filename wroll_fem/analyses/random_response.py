@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.analyses.backbone import end_remark, followed_backbone, trained_dataset
+from wroll_fem.analyses.curve_reading import memory_remark, reduction_remark, span_remark
 from wroll_fem.analyses.forecasts.computing_time import estimate_curve
-from wroll_fem.analyses.harmonic import memory_remark, reduction_remark
 from wroll_fem.analyses.margins.stress import stress_of_backbone
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.resonant_response import Resonance, Response, at_level, scaled
@@ -61,6 +61,7 @@ def run_random_response(
     for remark in (
         memory_remark(backbone), end_remark(trained.curve, case.backbone.tip_largest),
         reduction_remark(trained.energy_error, case.harmonic),
+        span_remark(trained.span_error),
     ):  # fmt: skip
         if remark:
             progress.warning(remark)

@@ -14,25 +14,17 @@ from wroll_fem.analyses.followed_mode import axisymmetric_mode, main_mode
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
+from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
 from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure, stress_rows
-from wroll_fem.bodies.levels import levels as levels_of
-from wroll_fem.contact.kernels import STICK
-from wroll_fem.dynamics.statics.cycle_path import cycle_path
 from wroll_fem.dynamics.statics.load_path import LoadPath
-from wroll_fem.dynamics.statics.modal_path import ModalPath, modal_path
-from wroll_fem.errors import ConvergenceError
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
 
 if TYPE_CHECKING:
     from wroll_fem.bodies.body import Body
     from wroll_fem.case import SlipDampingCase
-    from wroll_fem.dynamics.statics.contact_state import ContactState
     from wroll_fem.progress import Progress
-
-JUST_BELOW = 1.0 - 1e-6
-"""First load, relative to that of the first slip: nothing slides yet."""
 
 LARGEST_GAP = 0.01
 """Difference of the ends of a cycle, relative to its amplitude, above which the run warns."""
@@ -43,9 +35,8 @@ LEAST_SHARE = 0.4
 STRONG_SHARE = 0.01
 """Fraction of the sliding volume with a strong change of the pressure above which the run warns."""
 
-GROWTH, BEYOND, MOST_LEVELS = 1.18, 1.05, 80
-"""Ratio of successive loads; the loads end where the base acceleration exceeds `BEYOND` times the highest level; most
-of them."""
+BEYOND = 1.05
+"""The loads end where the base acceleration exceeds the highest level by this factor."""
 
 
 def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset:
@@ -67,7 +58,12 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     with threadpool_limits(1, "blas"):
         path = LoadPath(system, start, stress=stress if case.coil.pressure == "varying" else None)
         mode = (main_mode if case.excitation.mode == "bending" else axisymmetric_mode)(system, path)
-        found = followed_path(case, path, mode, points.points[:, 2], progress)
+        held = case.excitation.mode == "bending" or case.coil.base == "clamped"
+        highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
+        found = followed_path(
+            path, mode, lambda found: bool(base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest),
+            progress, radius=None if held else points.points[:, 2],
+        )  # fmt: skip
     dataset = slip_dataset(system, points, path, found, mode, case)
     dataset = dataset.merge(pressure_change(stress, points, path, found))
     if case.coil.wrap_interfaces is not None:
@@ -75,51 +71,6 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     _warn(dataset, case, effective_mass(body, path, mode, case), progress)
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
-
-
-def followed_path(
-    case: SlipDampingCase, path: LoadPath, mode: FloatArray, radius: FloatArray, progress: Progress
-) -> ModalPath:
-    """Path of growing loads with the shape of the mode, up to the highest level or to the last load with equilibrium.
-
-    In torsion and along the axis friction alone carries the load from wrap to wrap, if the base of the coil is not
-    clamped: a cylinder on which every point slides holds no more. ``radius`` (n_points,), m, is that of the points.
-
-    Raises
-    ------
-    ConvergenceError
-        If the first load has no equilibrium.
-    """
-    follow: Any = cycle_path if path.stress is not None else modal_path
-    held = case.excitation.mode == "bending" or case.coil.base == "clamped"
-    highest = BEYOND * GRAVITY * case.excitation.amplitude_g[-1]
-    with progress.stage("slip path", MOST_LEVELS) as stage:
-        levels = [JUST_BELOW]
-        found: ModalPath = follow(path, mode, levels, keep=True)
-        while len(levels) < MOST_LEVELS:
-            if base_acceleration(path, found, mode, case.damping_ratio)[-1] > highest:
-                break
-            try:
-                further = found.joined(follow(path, mode, [GROWTH * levels[-1]], keep=True, after=found))
-                sliding = None if held else sliding_cylinder(radius, path.state)
-                reason = "" if sliding is None else f"all wraps at r = {1e3 * sliding:.4g} mm slide (gross slip)"
-            except ConvergenceError:
-                reason = "no equilibrium was found, the friction between the wraps may not hold it"
-            if reason:
-                progress.warning(f"under a load {GROWTH:g} times the last one of the path {reason}")
-                break
-            levels.append(GROWTH * levels[-1])
-            found = further
-            stage.update(len(levels), f"{len(path.vectors)} basis vectors")
-        stage.update(MOST_LEVELS, f"{len(levels)} amplitudes, {len(path.vectors)} basis vectors")
-    return found
-
-
-def sliding_cylinder(radius: FloatArray, state: ContactState) -> float | None:
-    """Smallest radius, m, at which no point sticks; None if some point sticks at every radius (n_points,)."""
-    at, which = levels_of(radius)
-    sticks = np.bincount(which, weights=state.status == STICK, minlength=len(at))
-    return float(at[sticks == 0.0][0]) if (sticks == 0.0).any() else None
 
 
 def effective_mass(body: Body, path: LoadPath, mode: FloatArray, case: SlipDampingCase) -> float:

@@ -8,23 +8,25 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies
+from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies, build_system, with_base_loads, with_probes
+from wroll_fem.analyses.shared.material_damping import with_damping
 from wroll_fem.analyses.slip_dataset import CoilShape
 from wroll_fem.analyses.slip_model import in_wound_roll
 from wroll_fem.bodies.base_loads import axial_rotation
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.materials import CylindricalOrthotropic
 from wroll_fem.coiled_stiff.shear_points import ShearPoints, radial_stress
-from wroll_fem.coiled_stiff.slipping_coil import slipping_system
+from wroll_fem.coiled_stiff.slipping_coil import with_slip
 from wroll_fem.coiled_stiff.wrap_stiffness import radial_change, shear_modulus, with_radial_modulus
+from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 from wroll_fem.winding import wound_roll
 
 if TYPE_CHECKING:
-    from wroll_fem.case import SlipDampingCase
-    from wroll_fem.dynamics.statics.contact_state import ContactState
+    from wroll_fem.case.structural import OnRoll
+    from wroll_fem.progress import Progress
 
 
 AXIAL = 2
@@ -48,11 +50,13 @@ class WoundCoil:
         Its sections geometry, coil and winding are used.
     """
 
-    def __init__(self, case: SlipDampingCase):
+    def __init__(self, case: OnRoll):
+        wound = case.wound
+        assert wound is not None
         inner = 0.5 * case.geometry.mandrel_outer_diameter
         self._shape = CoilShape(inner, inner + case.coil.total_thickness, case.geometry.length)
-        self._wound, self._thickness = wound_roll(case.wound), case.wound.wrap_thickness
-        self._web, self._interfaces, self._mu = case.coil.solid(), case.coil.wrap_interfaces, case.wound.mu or 0.0
+        self._wound, self._thickness = wound_roll(wound), wound.wrap_thickness
+        self._web, self._interfaces, self._mu = case.coil.solid(), case.coil.wrap_interfaces, wound.mu or 0.0
 
     @property
     def follows(self) -> bool:
@@ -92,7 +96,25 @@ def _check_admissible(web: CylindricalOrthotropic, radial: FloatArray) -> None:
             ) from None
 
 
-def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System, ContactState]:
+def slipping_roll(case: OnRoll, progress: Progress) -> tuple[System, ContactState]:
+    """System of a case whose wraps slide, with damping, probes and loads at the base, and its state at rest.
+
+    Raises
+    ------
+    InputError
+        If a point of the coil has no friction capacity.
+    """
+    with progress.stage("mesh and matrices", 1) as stage:
+        bodies, _, system, start = _structure(case)
+        direction = DIRECTIONS[case.direction]
+        system = with_damping(case, system, bodies)
+        system = with_probes(system, bodies, case.probes or {}, direction)
+        system = with_base_loads(system, bodies, direction, case.geometry.length)
+        stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} points between the wraps")
+    return system, start
+
+
+def slipping_structure(case: OnRoll) -> tuple[Body, ShearPoints, System, ContactState]:
     """Body and points of the coil of a case, its system with friction at these points, and the state at rest.
 
     Raises
@@ -100,8 +122,14 @@ def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System
     InputError
         If a point of the coil has no friction capacity.
     """
-    motion = case.excitation.mode
-    (body,) = build_bodies(case, symmetric=False if motion == "torsion" else None)
+    bodies, points, system, start = _structure(case)
+    return bodies[-1], points, system, start
+
+
+def _structure(case: OnRoll) -> tuple[list[Body], ShearPoints, System, ContactState]:
+    motion, wound = getattr(case.excitation, "mode", "bending"), case.wound
+    assert wound is not None
+    *others, body = build_bodies(case, symmetric=False if motion == "torsion" else None)
     assert body.solid is not None
     points = ShearPoints.of(body.solid)
     points = points.half() if body.symmetric else points
@@ -111,14 +139,18 @@ def slipping_structure(case: SlipDampingCase) -> tuple[Body, ShearPoints, System
         reference = case.coil.solid().stiffness()
         stiffness = with_radial_modulus(body.stiffness, body.solid, reference, lambda r: coil.at(r).radial_modulus)
         body = replace(body, stiffness=stiffness)
-    system, start = slipping_system(
-        body, points, shear_modulus=at.shear_modulus, pressure=at.pressure, mu=case.wound.friction_coefficient,
-        direction=AXIAL if motion == "axial" else DIRECTIONS[case.direction],
-        varying=case.coil.pressure == "varying",
+    bodies = [*others, body]
+    direction = AXIAL if motion == "axial" else DIRECTIONS[case.direction]
+    system = build_system(case, bodies) if others else System.from_bodies(bodies, direction=direction)
+    on_mandrel = np.zeros(0) if system.initial_pressure is None else system.initial_pressure
+    system = with_slip(
+        system, body, points, shear_modulus=at.shear_modulus, pressure=at.pressure, mu=wound.friction_coefficient,
+        wrap_thickness=wound.wrap_thickness, varying=case.coil.pressure == "varying",
     )  # fmt: skip
+    start = ContactState.pressed(system, np.append(on_mandrel, at.pressure))
     if motion == "torsion":
         system = twisted(system, body, 0.5 * case.geometry.mandrel_outer_diameter)
-    return body, points, system, start
+    return bodies, points, system, start
 
 
 def stress_rows(body: Body, points: ShearPoints, stiffness: FloatArray, modulus: FloatArray) -> sp.csr_matrix:

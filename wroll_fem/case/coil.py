@@ -121,7 +121,8 @@ class Coil(Section):
     inside: Literal["stiff", "slipping"] = Field(
         default="stiff",
         description="wraps of a solid coil: stiff (they do not slip), or slipping (they slide where the shear stress "
-        "reaches the friction capacity of section winding; slip_damping)",
+        "reaches the friction capacity of section winding; slip_damping, harmonic, backbone, random_response, sweep, "
+        "dwell)",
     )
     pressure: Literal["fixed", "varying"] = Field(
         default="fixed",
@@ -269,11 +270,10 @@ class Coil(Section):
             )  # fmt: skip
 
     def _check_inside(self) -> None:
-        if self.model != "solid" or self.rubs:
+        if self.model != "solid":
             raise validation_error(
-                "is for a solid coil bonded to the mandrel", key="inside", value=self.inside,
-                remedy="leave it out, or use model: solid and interface: bonded",
-            )  # fmt: skip
+                "is for a solid coil", key="inside", value=self.inside, remedy="leave it out, or use model: solid"
+            )
         if isinstance(self.material, LaminaMaterial | LaminateMaterial):
             return  # the material is refused
         moduli = self.solid()
@@ -328,6 +328,11 @@ class Coil(Section):
     def rubs(self) -> bool:
         """Whether the coil is a solid with friction on its mandrel."""
         return self.model == "solid" and self.interface == "friction"
+
+    @property
+    def slips(self) -> bool:
+        """Whether the coil is a solid whose wraps slide."""
+        return self.model == "solid" and self.inside == "slipping"
 
     @property
     def has_interfaces(self) -> bool:

@@ -21,7 +21,7 @@ from wroll_fem.case.checks import (
     check_probes,
     check_winding_stress,
 )
-from wroll_fem.case.checks_coil import check_inside
+from wroll_fem.case.checks_coil import check_inside, check_shaken_wraps
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
 from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
@@ -123,9 +123,13 @@ class OnRoll(StructuralCase, RollSections):
         yield lambda: check_winding_given(self.winding, self.preload)
         yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
         yield lambda: check_inside(self.coil, self.analysis)
+        yield self._check_shaken_wraps
         yield lambda: check_fourier(self.coil, self.mesh, self.analysis)
         yield self._check_geometric_stiffness
         yield from super()._checks()
+
+    def _check_shaken_wraps(self) -> None:
+        check_shaken_wraps(self.coil, self.winding, self.damping, self.solver, self.preload, self.analysis)
 
     def _check_section(self, section: str) -> None:
         check_interfaces(section, self.coil, self.modal, self.analysis, self.model_fields_set)

@@ -6,10 +6,11 @@ The stiffness :math:`K_0` of the coil has no shear between the wraps. The shear 
 .. math:: K_0 u + \sum_k V_k B_k^T \tau_k = f, \qquad
           \tau = \tau^* \min\left(1, \frac{\mu P}{|\tau^*|}\right), \quad \tau^* = \tau_c + G\, \Delta\gamma
 
-P(r) is the pressure of the wound roll, which stays constant. This is elastic-slip Coulomb friction at contact points of
-area :math:`V_k/h_k` with the relative displacement :math:`h_k \gamma`: the stick stiffness is :math:`G_k/h_k`, the
-limit :math:`\mu P`. The lengths :math:`h_k = \gamma^* G_k/(\mu P_k)` make the elastic slip :math:`\gamma^*` the same
-at all points; its value does not matter. The interface has no normal displacement.
+P(r) is the pressure of the wound roll, which stays constant. With the thickness h of a wrap this is elastic-slip
+Coulomb friction at contact points of area :math:`V_k/h` with the relative displacement :math:`h \gamma` of neighbouring
+wraps: the stick stiffness is :math:`G_k/h`, the limit :math:`\mu P_k`, the elastic slip :math:`\mu P_k h/G_k`. Slip
+and its work per area are therefore those between two wraps; stresses, motion and energy do not depend on h. The
+interface has no normal displacement.
 """
 
 from __future__ import annotations
@@ -22,8 +23,7 @@ import scipy.sparse as sp
 from wroll_fem.bodies.body import Body
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
 from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
-from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb
-from wroll_fem.contact.point import contact_dofs
+from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, PointwiseFriction
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
@@ -31,9 +31,6 @@ from wroll_fem.typing import FloatArray
 
 NAME = "coil"
 """Name of the interface."""
-
-ELASTIC_SLIP = 1e-6
-"""Elastic slip gamma* that all points share, m; any value gives the same stresses."""
 
 
 def slipping_system(
@@ -43,6 +40,7 @@ def slipping_system(
     shear_modulus: float | FloatArray,
     pressure: FloatArray,
     mu: float,
+    wrap_thickness: float,
     direction: int = 0,
     varying: bool = False,
 ) -> tuple[System, ContactState]:
@@ -60,6 +58,8 @@ def slipping_system(
         (n,) pressure P of the wound roll at the points, Pa.
     mu
         Coefficient of friction between the wraps.
+    wrap_thickness
+        Thickness h of a wrap, m: the slip is that between two wraps.
     direction
         Direction of the base motion: 0 for x, 1 for y.
     varying
@@ -70,13 +70,37 @@ def slipping_system(
     InputError
         If a point has no friction capacity.
     """
-    assert body.solid is not None
-    interface = shear_interface(
-        points, points.strain @ body.solid.expand, shear_modulus=shear_modulus, pressure=pressure, mu=mu,
+    system = System.from_bodies([body], direction=direction)
+    system = with_slip(
+        system, body, points, shear_modulus=shear_modulus, pressure=pressure, mu=mu, wrap_thickness=wrap_thickness,
         varying=varying,
     )  # fmt: skip
-    system = replace(System.from_bodies([body], direction=direction), interfaces=(interface,))
-    return system, pressed(system, pressure)
+    return system, ContactState.pressed(system, pressure)
+
+
+def with_slip(
+    system: System,
+    body: Body,
+    points: ShearPoints,
+    *,
+    shear_modulus: float | FloatArray,
+    pressure: FloatArray,
+    mu: float,
+    wrap_thickness: float,
+    varying: bool = False,
+) -> System:
+    """System with friction between the wraps of its last body, as its last interface.
+
+    For the parameters and the error see `slipping_system`.
+    """
+    assert body.solid is not None
+    strain = points.strain @ body.solid.expand
+    others = sp.csr_matrix((strain.shape[0], system.n_dofs - strain.shape[1]))
+    interface = shear_interface(
+        points, sp.hstack([others, strain], format="csr"), shear_modulus=shear_modulus, pressure=pressure, mu=mu,
+        wrap_thickness=wrap_thickness, varying=varying,
+    )  # fmt: skip
+    return replace(system, interfaces=(*system.interfaces, interface))
 
 
 def shear_interface(
@@ -86,6 +110,7 @@ def shear_interface(
     shear_modulus: float | FloatArray,
     pressure: FloatArray,
     mu: float,
+    wrap_thickness: float,
     varying: bool = False,
 ) -> Interface:
     """Friction at ``points`` with the shear strains rt and rz, (2 n, n_dofs) rows ``strain``, as relative displacement.
@@ -100,25 +125,17 @@ def shear_interface(
             f"the friction capacity between the wraps is {capacity.min():g} Pa at a radius of {1e3 * where:.4g} mm",
             key="winding", remedy="wind all of the coil with tension, and give winding.mu above 0",
         )  # fmt: skip
-    n, stiffness = len(points.volumes), capacity / ELASTIC_SLIP  # stick stiffness G / h
-    law: PenaltyCoulomb | ElasticCoulomb = PenaltyCoulomb(mu, ELASTIC_SLIP)
-    if varying:  # the same stick stiffness at all points
-        stiffness = np.full(n, stiffness.mean())
-        law = ElasticCoulomb(mu, ELASTIC_SLIP, float(stiffness[0]))
-    length = shear_modulus / stiffness
-    tangential = sp.diags(np.repeat(length, 2)) @ strain
+    n = len(points.volumes)
+    stick = np.broadcast_to(shear_modulus, n) / wrap_thickness
+    slip = capacity / stick
+    if varying:
+        friction = PointwiseFriction.varying(ElasticCoulomb, mu=mu, elastic_slip=slip, stick_stiffness=stick)
+    else:
+        friction = PointwiseFriction.varying(PenaltyCoulomb, mu=mu, elastic_slip=slip)
+    tangential = wrap_thickness * strain
     rows = (3 * np.arange(n)[:, None] + [1, 2]).ravel()
     place = sp.csr_matrix((np.ones(2 * n), (rows, np.arange(2 * n))), shape=(3 * n, 2 * n))
     return Interface(
-        name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / length, points=points.points,
-        friction=law, normal=NormalPenalty(stiffness, varying),
+        name=NAME, operator=(place @ tangential).tocsr(), areas=points.volumes / wrap_thickness, points=points.points,
+        friction=friction, normal=NormalPenalty(stick, varying), fills_body=True,
     )  # fmt: skip
-
-
-def pressed(system: System, pressure: FloatArray) -> ContactState:
-    """State at rest with ``pressure`` (n,), Pa, at the points, and without shear stress."""
-    state = ContactState.unloaded(system)
-    normal = contact_dofs(system.n_points)[:, 2]
-    state.jump[normal] = -pressure / system.laws.kn
-    state.traction[normal] = -pressure
-    return state

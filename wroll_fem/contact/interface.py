@@ -64,6 +64,8 @@ class Interface:
         Friction law: one for all points, or `PointwiseFriction`.
     normal
         Normal law.
+    fills_body
+        True: the points fill a body, as those between the wraps of a coil. False: they lie on a surface.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Interface:
     points: FloatArray
     friction: FrictionLaw | PointwiseFriction
     normal: NormalPenalty
+    fills_body: bool = False
 
     def __post_init__(self) -> None:
         if self.operator.shape[0] != 3 * len(self.areas) or self.points.shape != (len(self.areas), 3):

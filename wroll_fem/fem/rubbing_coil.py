@@ -45,6 +45,8 @@ def assemble_rubbing_coil(
 ) -> Body:
     """Assemble the solid coil of a roll as a body of its own.
 
+    With `coil.inside: slipping` its stiffness has no shear between the wraps (see `coiled_stiff.slipping_coil`).
+
     Parameters
     ----------
     roll
@@ -71,7 +73,7 @@ def assemble_rubbing_coil(
     mass = material.rho * model.volume
     return Body(
         name=NAME,
-        stiffness=tidy(expand.T @ model.orthotropic_stiffness(material) @ expand),
+        stiffness=tidy(expand.T @ model.orthotropic_stiffness(material, between_wraps=not roll.coil.slips) @ expand),
         mass=tidy(expand.T @ model.mass(material.rho) @ expand),
         influence=base_influence(component, symmetric),
         expand=sp.csr_matrix((0, expand.shape[1])),

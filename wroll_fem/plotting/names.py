@@ -48,6 +48,7 @@ from wroll_fem.plotting.two_dof import plot_two_dof_arrangements as two_dof_arra
 from wroll_fem.plotting.two_dof import plot_two_dof_design_space as two_dof_design_space
 from wroll_fem.plotting.two_dof import plot_two_dof_readings as two_dof_readings
 from wroll_fem.plotting.winding import plot_winding as winding
+from wroll_fem.plotting.wrap_slip import plot_wrap_slip as wrap_slip
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,7 +69,7 @@ __all__ = [
     "response", "root_section", "root_sections", "save", "shear_along", "shear_distribution", "shock", "slip_damping",
     "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_work", "slip_zone", "spectra",
     "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements", "two_dof_design_space",
-    "two_dof_readings", "winding", "write_slip_vtu",
+    "two_dof_readings", "winding", "wrap_slip", "write_slip_vtu",
 ]  # fmt: skip
 globals().update(FIGURES)  # figures of a study, by the names that a grid file gives them
 __all__ += FIGURES

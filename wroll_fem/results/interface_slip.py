@@ -95,11 +95,16 @@ def surface(dataset: xr.Dataset, interface: int, *names: str) -> Surface:
 
 def has_surface(dataset: xr.Dataset, interface: int) -> bool:
     """Whether the points of an interface span a cylinder: at least three angles and two heights."""
-    if "theta_rad" not in dataset.variables:
+    if "theta_rad" not in dataset.variables or fills_body(dataset, interface):
         return False
     points = surface(dataset, interface)
     around = levels(points.theta, _SAME_ANGLE)[0].size
     return bool(around > 2 and np.ptp(points.z) > 0.0 and points.theta.size > 3)
+
+
+def fills_body(dataset: xr.Dataset, interface: int) -> bool:
+    """Whether the points of an interface fill a body, as those between the wraps of a coil."""
+    return "r_m" in dataset.variables and bool(np.isfinite(_along_interface(dataset, "r_m", interface)).any())
 
 
 def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:

@@ -332,6 +332,10 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "reduction_tip_error_estimate": share(
             "estimated error of the reduction at the tip", "projection error at the tip (harmonic, backbone)"
         ),
+        "span_error_estimate": share(
+            "part of the motion outside the modes",
+            "of a coil whose wraps slide (those of a quasi-static path), relative energy norm",
+        ),
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": number("", "time steps", console="{:d}"),
         "steps_per_cycle": number("", "steps per cycle of the highest excitation frequency"),

@@ -7,7 +7,7 @@ import pytest
 from support.paths import CONFIGS
 
 import wroll_fem as wf
-from wroll_fem.analyses.harmonic import other_mode_remark
+from wroll_fem.analyses.curve_reading import other_mode_remark
 from wroll_fem.dynamics.periodic.branches import _end_of_way_out
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.numerics.continuation import CurvePoint

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.periodic import small_roll
 
-from wroll_fem.analyses.harmonic import unbounded_reading
+from wroll_fem.analyses.curve_reading import unbounded_reading
 from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.causes import with_cause

@@ -44,13 +44,19 @@ def _surfaces(dataset: xr.Dataset) -> list[int]:
 
 
 def slip_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the slip map and the vectors of the largest relative displacement for every interface."""
+    """Draw the slip map and the vectors of the largest relative displacement for every interface, slip in a coil."""
     kinds = (("slip_map", "slip_map"), ("peak_slip", "peak_slip_vectors"))
-    return [
+    return _slip_between_wraps(dataset, folder) + [
         _save(f"{stem}_{number + 1:02d}", function, dataset, folder, interface=number)
         for number in _surfaces(dataset)
         for stem, function in kinds
     ]
+
+
+def _slip_between_wraps(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    from wroll_fem.plotting.wrap_slip import has_wraps
+
+    return [_save("wrap_slip", "wrap_slip", dataset, folder)] if has_wraps(dataset) else []
 
 
 def pressure_maps(dataset: xr.Dataset, folder: Path) -> list[Path]:

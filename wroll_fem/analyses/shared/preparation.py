@@ -48,6 +48,10 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
     ConvergenceError
         If the preload does not converge.
     """
+    if isinstance(case, OnRoll) and case.coil.slips:
+        from wroll_fem.analyses.slip_structure import slipping_roll
+
+        return slipping_roll(case, progress)
     if isinstance(case, OnRoll):
         with progress.stage("mesh and matrices", 2) as stage:
             bodies = build_bodies(case)

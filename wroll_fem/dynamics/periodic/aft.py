@@ -124,7 +124,7 @@ class HarmonicContact:
         symmetry: HalfPeriod | None = None,
     ):
         self.model, self.preload, self.sampling = model, preload, sampling
-        self.max_periods, self.symmetry = max_periods, symmetry
+        self.max_periods, self.symmetry, self._all_laws = max_periods, symmetry, laws
         points = np.arange(laws.n) if symmetry is None else symmetry.first
         dofs = np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * laws.n + points])
         self.own, self.all_weights = dofs, per_dof(laws.area, laws.area)
@@ -165,6 +165,12 @@ class HarmonicContact:
             cosine, sine = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
             found.append((k, np.ix_(cosine, sine), np.ix_(sine, cosine), np.ix_(mode[cosine], mode[sine])))
         return found
+
+    @cached_property
+    def with_all_modes(self) -> HarmonicContact:
+        """The same contact with every mode of the structure; for structures of few modes."""
+        complete = ReducedModel.complete(self.model.condensation)
+        return HarmonicContact(complete, self.preload, self._all_laws, self.sampling, max_periods=self.max_periods)
 
     @cached_property
     def every_mode(self) -> EveryMode:

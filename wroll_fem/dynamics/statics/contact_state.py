@@ -54,6 +54,18 @@ class ContactState:
         n = system.n_points
         return cls(np.zeros(system.n_dofs), np.zeros(3 * n), np.zeros(2 * n), np.zeros(3 * n), np.zeros(n, np.int64))
 
+    @classmethod
+    def pressed(cls, system: System, pressure: FloatArray) -> ContactState:
+        """State under the initial stress of a wound roll: ``pressure`` (n_points,), Pa, without displacement or shear.
+
+        The pressure is in equilibrium with the hoop stress of the roll. The jump that the normal penalty needs for it
+        is a reference, no displacement.
+        """
+        state, normal = cls.unloaded(system), contact_dofs(system.n_points)[:, 2]
+        state.jump[normal] = -pressure / system.laws.kn
+        state.traction[normal] = -pressure
+        return state
+
 
 def contact_energy_limit(laws: PointLaws, pressure: FloatArray) -> float:
     """Energy, J, stored in the contact when every point is about to slip under the ``pressure`` (n,), Pa."""

@@ -78,11 +78,15 @@ def solve_preload(
 ) -> ContactState:
     """Contact state after the load "preload" is applied in equal steps with friction; motions start from this state.
 
+    The initial stress of a wound roll (`System.pressed`) deforms nothing: its state needs no solution.
+
     Parameters
     ----------
     condensed
         Solve on the interfaces alone if the symmetry of the roll allows it; False solves the full model.
     """
+    if system.initial_pressure is not None:
+        return ContactState.pressed(system, system.initial_pressure)
     force = system.loads.get("preload", np.zeros(system.n_dofs))
     if not np.any(force):
         return ContactState.unloaded(system)

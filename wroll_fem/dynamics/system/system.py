@@ -53,6 +53,9 @@ class System:
         Damping ratios of the modes with sticking interfaces, in addition to ``damping``; None without them.
     pressures
         External pressure on each layer in Pa, inner first, that causes the load "preload"; empty for other loads.
+    initial_pressure
+        (n_points,) contact pressure of the initial stress of a wound roll, Pa, with which the load "preload" is in
+        equilibrium without deformation; None for other loads.
     probe_base
         Displacement of probes under a unit base translation, for points near a clamped end, where degrees of freedom
         are missing. For other probes it follows from their row and the influence vector.
@@ -77,6 +80,7 @@ class System:
     damping: sp.csr_matrix | None = None
     modal_damping: ModalDamping | None = None
     pressures: tuple[float, ...] = ()
+    initial_pressure: FloatArray | None = None
     probe_base: Mapping[str, float] = field(default_factory=dict)
     base_loads: Mapping[str, tuple[FloatArray, float]] = field(default_factory=dict)
     shell_stress: Callable[[], tuple[ShellStress, ...]] | None = None
@@ -213,8 +217,7 @@ class System:
         """System whose preload presses the two surfaces of each interface together, without an external load.
 
         The forces of the preload are those of uniform pressures on both surfaces. They are the resultant of the initial
-        stress of a wound roll, with which the contact pressure is in equilibrium: the bodies do not deform, except by
-        the compression of the normal penalty.
+        stress of a wound roll, with which the contact pressure is in equilibrium: the bodies do not deform.
 
         Parameters
         ----------
@@ -223,7 +226,7 @@ class System:
         """
         at_points = np.repeat(pressures, [interface.n_points for interface in self.interfaces])
         force = self.jump.T @ (self.weights * per_dof(np.zeros_like(at_points), -at_points))
-        return replace(self, loads={**self.loads, "preload": np.asarray(force)})
+        return replace(self, loads={**self.loads, "preload": np.asarray(force)}, initial_pressure=at_points)
 
     def bonded(self) -> System:
         """Linear structure with bonded interfaces: its stiffness includes `tie_springs`, and it has no interfaces."""

@@ -48,6 +48,7 @@ def interface_fields(
 
     Coordinates `theta_rad` and `z_m` have the dimension `point` if all interfaces share them, otherwise the dimensions
     (`interface`, `point`). They and `radius` are omitted if the positions of the points of an interface are unknown.
+    Interfaces that fill a body have the coordinate `r_m` too; it is NaN for others.
     ``duration`` is the time, s, that the stepper has run.
     """
     dims = ("interface", "point")
@@ -89,4 +90,7 @@ def interface_fields(
     dataset = dataset.assign(radius=("interface", radius))
     for c, name in enumerate(("theta_rad", "z_m")):
         dataset = dataset.assign_coords({name: ("point", place[0, :, c]) if shared else (dims, place[..., c])})
+    if any(interface.fills_body for interface in system.interfaces):
+        depth = [np.where(interface.fills_body, interface.points[:, 2], np.nan) for interface in system.interfaces]
+        dataset = dataset.assign_coords(r_m=(dims, per_interface(system, np.concatenate(depth))))
     return dataset

@@ -6,7 +6,8 @@ linearised there as in Newton's method, with every contact point and every mode:
 .. math:: (I + F D)\, z = -G L^{-1} r, \qquad \delta = -L^{-1} (r + G^T W D z), \qquad F = G L^{-1} G^T W
 
 Here z is the jump of the correction :math:`\delta`, L the dynamic stiffness of each harmonic and D the exact derivative
-of the contact law. GMRES needs about ten products with F.
+of the contact law. GMRES needs about ten products with F. Of a structure with few modes and many points, such as a coil
+in the span of its path, the equations of all modes are solved directly, :math:`(L + G^T W D G)\, \delta = -r`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ import scipy.linalg as la
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
+
+DIRECT = 2000
+"""Largest number of unknowns (modes times Fourier coefficients) of a direct solution."""
 
 NEAR_RESONANCE = 0.02
 """Smallest magnitude of the dynamic stiffness of a mode, relative to the larger of its eigenvalue and the squared
@@ -67,11 +71,7 @@ def correction(
     model, every = balance.model, balance.contact.every_mode
     at = _Motion(balance, coefficients, frequency)
     residual = at.residual(damping)
-    direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
-    tangent = _Tangent(at)
-    z = gmres(tangent.product, every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
-    after = tangent.forces(z)
-    delta = [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
+    delta = _direct(at, residual) if _has_few_modes(balance) else _by_jumps(at, residual, tolerance)
     scaled = at.energetic(delta)
     if along is not None:
         directions = np.column_stack([at.energetic(every.split(model.vectors @ one.T)) for one in along])
@@ -90,6 +90,30 @@ def correction(
         float(np.linalg.norm(scaled)) / norm,
         float(np.linalg.norm(model.condensation.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
     )
+
+
+def _by_jumps(at: _Motion, residual: list[FloatArray], tolerance: float) -> list[FloatArray]:
+    """Solution of the linearised equations for the jump, by GMRES, then for the modes."""
+    direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
+    tangent = _Tangent(at)
+    z = gmres(tangent.product, at.every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
+    after = tangent.forces(z)
+    return [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
+
+
+def _has_few_modes(balance: HarmonicBalance) -> bool:
+    """Whether the equations of all modes are fewer than those of the jumps, and few enough to be solved directly."""
+    contact, modes = balance.contact, len(balance.model.condensation.eigenvalues)
+    return contact.symmetry is None and modes < contact.n and modes * len(balance.orders) <= DIRECT
+
+
+def _direct(at: _Motion, residual: list[FloatArray]) -> list[FloatArray]:
+    """Solution of the linearised equations of all modes by their factors."""
+    ((_, r, count),) = (part.shape for part in residual)
+    matrix = at.balance.contact.with_all_modes.jacobian(at.state, threshold=0.0)[0].astype(float)
+    matrix += np.diag((1.0 / at.inverse[0])[0].T.ravel())  # unknowns: harmonic by harmonic
+    found = la.solve(matrix, -residual[0][0].T.ravel(), check_finite=False)
+    return [found.reshape(count, r).T[None]]
 
 
 class _Motion:

@@ -43,6 +43,13 @@ def checked_points(curve: HarmonicCurve) -> list[int]:
     return sorted(points)
 
 
+def checked_motions(curve: BackboneCurve) -> list[int]:
+    """Indices of the points of a backbone at which the basis is checked: evenly spaced, and the last one."""
+    last = len(curve.frequencies) - 1
+    points = {int(k) for k in np.linspace(0, last - curve.beyond, BACKBONE_POINTS)}
+    return sorted(points | {last})
+
+
 def trained_response(
     condensation: Condensation,
     preload: ContactState,
@@ -181,15 +188,10 @@ def trained_backbone(
         level = structure.with_harmonics(points.balance.contact.sampling.harmonics)
         return points.moved_to(level.contact(model), steps, starts)
 
-    def chosen(curve: BackboneCurve) -> list[int]:
-        last = len(curve.frequencies) - 1
-        points = {int(k) for k in np.linspace(0, last - curve.beyond, BACKBONE_POINTS)}
-        return sorted(points | {last})
-
     def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> BackboneCurve:
         found = curve_of(HarmonicBalance(structure.contact(model), 0.0), arrays)
         assert isinstance(found, BackboneCurve)
         return found
 
     training = Training(tolerance, max_rounds, on_round, file)
-    return trained(structure, training, solve, chosen, check, again, shortened, restored)
+    return trained(structure, training, solve, checked_motions, check, again, shortened, restored)

@@ -51,7 +51,7 @@ POINT_ROUNDS, POINT_SHARE = 4, 0.5
 earlier once its correction is at most `POINT_SHARE` times the tolerance."""
 
 FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
-"""Two limits of the number of harmonics: in the first curve, and in the motions that the next basis is built from."""
+"""Limits of the number of harmonics: in the first curve, and in the motions of which the next basis is built."""
 
 MOST_TRAINED = 25
 """Largest number of evenly spaced points of a curve, used in addition to the checked points to enrich the basis."""
@@ -83,8 +83,7 @@ OPEN_TOLERANCE, SNAPSHOT_SHARE = 5e-3, 2.0
 harmonics weigh as much. Energy norm, relative to it, above which a principal shape of motions in time is added."""
 
 DOUBTFUL = 0.01
-"""Largest error of a curve that is returned although it exceeds the tolerance; the analysis then warns. Above it the
-training fails."""
+"""Largest error of a curve that is returned above the tolerance, with a warning. Above it the training fails."""
 
 
 class Check(Protocol[Seen]):
@@ -111,7 +110,7 @@ class Again(Protocol[Curve]):
 
 @dataclass(frozen=True)
 class Trained(Generic[Curve]):
-    """Response curve or backbone with the basis that was enriched for it.
+    """Response curve or backbone with the errors of the basis that was enriched for it.
 
     Attributes
     ----------
@@ -119,12 +118,14 @@ class Trained(Generic[Curve]):
     energy_error : largest remaining correction at the checked points, relative to the motion, both in the energy norm
     tip_error : largest relative change of the fundamental of the tip displacement by these corrections
     rounds : number of curves computed
+    span_error : relative energy norm of what the motions lack in modes of a path (`PathSpan`); 0 with other modes
     """
 
     curve: Curve
     energy_error: float
     tip_error: float
     rounds: int
+    span_error: float = 0.0
 
 
 @dataclass(frozen=True)
