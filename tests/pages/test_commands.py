@@ -57,7 +57,7 @@ STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
 ONE_HARMONIC = "harmonic={harmonics: 1, samples: 32, reduction_tolerance: 0.1}"
 FLIGHT = [
     "mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6", "excitation.amplitude_g=0.02",
-    ONE_HARMONIC,
+    ONE_HARMONIC, "integrator.steps_per_cycle=20",
 ]  # fmt: skip
 """At a level at which no coil opens."""
 

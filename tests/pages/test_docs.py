@@ -191,7 +191,7 @@ def test_the_site_builds_without_warnings(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[-4000:]
     page = (tmp_path / "theory.html").read_text(encoding="utf-8")
     assert page.count('class="eqno"') > 20
-    assert "undefined" not in page.lower().split("<article", 1)[1].split("</article", 1)[0]
+    assert "undefined" not in page.lower().split('role="main">', 1)[1].split('<div class="clearer">', 1)[0]
 
 
 TEXTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md")] + sorted(DOCS.rglob("*.md"))
