@@ -28,9 +28,8 @@ def run(*changes: str) -> xr.Dataset:
 
 
 def top(data: xr.Dataset) -> tuple[float, float, float]:
-    """Tip amplitude, frequency and friction work per cycle at the largest tip amplitude."""
-    k = int(data["tip_amplitude"].values.argmax())
-    return tuple(float(data[name][k]) for name in ("tip_amplitude", "frequency", "friction_work_per_cycle"))  # type: ignore[return-value]
+    """Largest tip amplitude, resonance frequency and friction work per cycle."""
+    return float(data["tip_amplitude"].max()), data.attrs["f_n_hz"], float(data["friction_work_per_cycle"].max())
 
 
 def assert_close(found: xr.Dataset, expected: xr.Dataset, tip: float, frequency: float, work: float) -> None:
@@ -52,9 +51,9 @@ def test_wraps_that_hold_leave_the_coil_that_rubs() -> None:
 
 
 def test_a_coil_that_holds_on_the_mandrel_slips_as_a_bonded_one() -> None:
-    """Tip and work 1 %; the frequency is lower by the elastic slip and the averaged jumps of the interface."""
-    held, bonded = run(*ON_MANDREL, contact(50, 1e-7)), run()
-    assert_close(held, bonded, tip=1e-2, frequency=6e-3, work=2e-2)
+    """With a stiff penalty: that by default gives way as half of the first element of the soft coil."""
+    stiff = "contact={friction: {mu: 50, elastic_slip: 1.0e-7}, normal: {penalty: 1.0e13}}"
+    assert_close(run(*ON_MANDREL, stiff), run(), tip=5e-3, frequency=3e-3, work=1e-2)
 
 
 def test_both_dissipate_and_lower_the_frequency() -> None:
