@@ -22,7 +22,6 @@ from wroll_fem.tribology import RateAndState, ShearTest, VelocitySteps, run_shea
 COARSE = ["mesh.circumferential=8", "mesh.axial=2"]
 DAMPED = "damping.modal=0.01"
 PROBE = "probes={middle: {z: 0.15}}"
-ONE_HARMONIC = "harmonic={harmonics: 1, samples: 32, reduction_tolerance: 0.1}"
 FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20"]
 CASES: dict[str, tuple[str, list[str]]] = {
     "sweep": ("oscillator", [*FAST, "output.damping=gaussian_fit", DAMPED]),
@@ -36,16 +35,16 @@ CASES: dict[str, tuple[str, list[str]]] = {
     "random": ("lab_random", [*COARSE, "excitation.duration=2", "excitation.psd.frequency=[80, 250]", DAMPED]),
     "shock": ("lab_shock", [*COARSE, "excitation.decay=0.1", "solver.method=condensed"]),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
-    "backbone": ("lab_backbone", [*COARSE, ONE_HARMONIC, PROBE, DAMPED]),
+    "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED]),
     "random_response": (
         "lab_random_response",
-        [*COARSE, ONE_HARMONIC, DAMPED, "random_response.levels_db=[0]"],
+        [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", DAMPED, "random_response.levels_db=[0]"],
     ),
     "harmonic of a roll": (
         "lab_harmonic",
         [
-            *COARSE, ONE_HARMONIC, "excitation.f_start=150", "excitation.f_end=152", PROBE,
-            "coil.material={E_1: 2.8e9, E_2: 2.8e9, nu_12: 0.35, G_12: 1e9, G_23: 1e9, rho: 2000}",
+            *COARSE, "harmonic.harmonics=1", "harmonic.samples=32", "excitation.f_start=150", "excitation.f_end=152",
+            PROBE, "coil.material={E_1: 2.8e9, E_2: 2.8e9, nu_12: 0.35, G_12: 1e9, G_23: 1e9, rho: 2000}",
         ],
     ),
     "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE, DAMPED]),
