@@ -81,7 +81,7 @@ def test_the_table_is_that_of_local_runs_although_a_worker_dies(
     _, errors = job.communicate(timeout=300)
     assert job.returncode == 0, errors
     assert any(folder.provenance().get("resumed") for folder in folders)  # the killed worker's case went on
-    outcomes = run_grid(load_grid(path), tmp_path / "here")
+    outcomes = run_grid(load_grid(path), tmp_path / "here", workers=2)
     assert {o.status for o in outcomes} == {"complete"}
     with contextlib.ExitStack() as stack:
         here, there = (
