@@ -21,6 +21,14 @@ from typer.testing import CliRunner, Result
 
 from wroll_fem import cli
 
+LONGEST = ("pages", "jobs", "results")
+"""Folders with tests of more than ten seconds each."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest tests, so that no process of pytest-xdist ends with one while the others wait."""
+    items.sort(key=lambda item: item.path.parent.name not in LONGEST)
+
 
 @pytest.fixture(scope="session")
 def root() -> Path:

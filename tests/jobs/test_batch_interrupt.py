@@ -104,7 +104,7 @@ def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_p
     assert first.status() == "interrupted"
     assert first.checkpoint_file.is_file()
     assert not second.path.exists()
-    job = started(path, out, "--workers", "2")
+    job = started(path, out)
     _, errors = job.communicate(timeout=HANGS)
     assert job.returncode == 0, errors
     assert [row["status"] for row in rows(out)] == ["complete", "complete"]

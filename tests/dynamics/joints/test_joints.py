@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import xarray as xr
 from scipy.integrate import quad
 
 from wroll_fem.dynamics.joints import (
@@ -232,22 +233,37 @@ def test_a_bouc_wen_joint_in_harmonic_balance_has_the_harmonic_of_its_steady_loo
 # --- time histories ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+JOINTS = pytest.mark.parametrize(
     "joint", [JENKINS, IWAN, SQUARE, CUBIC, STOPS], ids=["jenkins", "iwan", "bouc_wen", "cubic", "stops"]
 )
-@pytest.mark.parametrize("method", ["full", "condensed", "reduced"])
-def test_a_dwell_reaches_the_motion_of_harmonic_balance_and_closes_its_energy(joint: Joint, method: str) -> None:
+HERTZ, STEPS = 14.0, 160
+
+
+def dwell(joint: Joint, method: str, cycles: int) -> xr.Dataset:
     system, state = oscillator(joint)
-    hertz = 14.0
-    dt = 1.0 / (hertz * 160)
-    history = simulate(
-        system, state, Dwell(LEVEL, hertz, cycles=30, ramp_cycles=5), dt=dt, scheme=Scheme.hht(0.0), method=method
-    )
+    motion = Dwell(LEVEL, HERTZ, cycles=cycles, ramp_cycles=5)
+    return simulate(system, state, motion, dt=1.0 / (HERTZ * STEPS), scheme=Scheme.hht(0.0), method=method)
+
+
+@JOINTS
+def test_the_whole_structure_has_the_motion_and_the_energies_of_the_condensed_one(joint: Joint) -> None:
+    """Six cycles, whose steps are not compiled; the condensed dwell goes on to the motion of harmonic balance."""
+    full, condensed = dwell(joint, "full", 6), dwell(joint, "condensed", 6)
+    for name in ("tip_displacement", "contact_energy", "friction_energy", "input_work"):
+        size = np.abs(condensed[name].values).max()
+        np.testing.assert_allclose(full[name].values, condensed[name].values, atol=1e-6 * size + 1e-15)
+    assert energy_balance_error(full) < 1e-8
+
+
+@JOINTS
+@pytest.mark.parametrize("method", ["condensed", "reduced"])
+def test_a_dwell_reaches_the_motion_of_harmonic_balance_and_closes_its_energy(joint: Joint, method: str) -> None:
+    history = dwell(joint, method, 30)
     balance = HarmonicBalance(contact_of(joint, 9, 512), LEVEL)
-    motion = solve_motion(balance, 2.0 * np.pi * hertz)
+    motion = solve_motion(balance, 2.0 * np.pi * HERTZ)
     tip = float(np.hypot(*(motion[1:3] @ balance.model.tip)))
-    last = history["tip_displacement"].values[-160:]
-    first = abs(2.0 / 160 * np.sum(last * np.exp(-2j * np.pi * np.arange(160) / 160)))
+    last = history["tip_displacement"].values[-STEPS:]
+    first = abs(2.0 / STEPS * np.sum(last * np.exp(-2j * np.pi * np.arange(STEPS) / STEPS)))
     assert first == pytest.approx(tip, rel=5e-3)
     assert energy_balance_error(history) < 1e-8
     if isinstance(joint, Spring):  # the trapezoidal work of a step is that of the potential to second order
