@@ -48,7 +48,6 @@ class LabResult:
     settings: LabSettings | None = None
     inputs: tuple[dict[str, Any], ...] = ()
     drawings: Mapping[str, Figure] = field(default_factory=dict)
-    texts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:
