@@ -61,6 +61,13 @@ CASES: dict[str, tuple[str, list[str]]] = {
             PROBE, "coil.material={E_1: 2.8e9, E_2: 2.8e9, nu_12: 0.35, G_12: 1e9, G_23: 1e9, rho: 2000}",
         ],
     ),
+    "harmonic of wraps that slide": (
+        "slipping_harmonic",
+        [
+            "mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=3", "harmonic.harmonics=1",
+            "harmonic.samples=32",
+        ],
+    ),
     "modal": ("coiled_stiff", [*COARSE, "mesh.radial=1", "modal.count=3", PROBE, DAMPED]),
     "modal_transient": ("case_study", ["mesh.discretisation=fourier", "mesh.axial=4", "mesh.radial=1"]),
     "slip_damping": (

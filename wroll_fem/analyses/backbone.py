@@ -247,7 +247,7 @@ ANALYSIS = Analysis(
         ),
         "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
     },
-    plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map"),
+    plots=("backbone", "slip_map", "peak_slip_vectors", "pressure_map", "wrap_slip"),
     preflight=preflight.CHECKS["backbone"],
     estimate=estimate_curve,
     resumable=True,

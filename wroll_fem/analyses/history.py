@@ -65,7 +65,10 @@ VARIABLES: dict[str, tuple[str, ...]] = {
     ),
     "interface, point": ("cumulative_slip", "max_slip", "slipped", "pressure"),
 }  # fmt: skip
-PLOTS = ("response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder")
+PLOTS = (
+    "response", "energy_ledger", "slip_map", "peak_slip_vectors", "pressure_map", "slip_scene", "slip_on_cylinder",
+    "wrap_slip",
+)  # fmt: skip
 
 
 class SharedStructure:

@@ -21,7 +21,7 @@ ENTRIES: dict[str, Entry] = {
 FIELDS: dict[str, Field] = {
     "parameter": Field("1", "fitted parameter"),
     "fitted": Field("1", "unknown of the fit"),
-    "other_fitted": Field("1", "unknown of the fit"),
+    "other_fitted": Field("1", "other unknown of the fit"),
     "parameter_name": Field("1", "name of the parameter, with its unit"),
     "parameter_value": Field("1", "value of the parameter, in its unit"),
     "parameter_low": Field("1", "lower end of the 95 % interval, in the unit of the parameter"),

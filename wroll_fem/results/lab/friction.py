@@ -51,14 +51,14 @@ ENTRIES: dict[str, Entry] = {
 FIELDS: dict[str, Field] = {
     "rate_table_slip_rate": Field("m s-1", "slip rate of the table"),
     **estimate("rate_table_coefficient", "1", "coefficient of friction of the table"),
-    "step_slip": Field("m", "slip"),
-    "step_coefficient": Field("1", "coefficient of friction"),
+    "step_slip": Field("m", "slip in the record of steps"),
+    "step_coefficient": Field("1", "coefficient of friction in the record of steps"),
     "step_ageing": Field("1", "coefficient of friction by the ageing law"),
     "step_slip_law": Field("1", "coefficient of friction by the slip law"),
-    "preload_force": Field("N", "normal force of one piston"),
+    "preload_force": Field("N", "normal force of one piston in the ramp"),
     **estimate("preload_compliance", "m N-1", "compliance of both stacks"),
     "preload_compliance_fitted": Field("m N-1", "fitted compliance of both stacks"),
-    **estimate("preload_capacity", "N", "shear capacity"),
+    **estimate("preload_capacity", "N", "shear capacity of the ramp"),
     "preload_capacity_fitted": Field("N", "fitted shear capacity"),
 }
 """Name in results.nc -> unit and label."""

@@ -47,11 +47,11 @@ FIELDS: dict[str, Field] = {
     **estimate("loop_displacement", "m", "amplitude of the displacement in a cycle"),
     **estimate("loop_force", "N", "amplitude of the force in a cycle"),
     "loop_count": Field("1", "number of cycles"),
-    "point_slip_rate": Field("m s-1", "slip rate"),
+    "point_slip_rate": Field("m s-1", "slip rate of the point"),
     "point_profile": Field("1", "profile of the test"),
     "point_record": Field("1", "record, counted from 0"),
-    **estimate("point_coefficient", "1", "coefficient of friction"),
+    **estimate("point_coefficient", "1", "coefficient of friction of the point"),
     "curve_displacement": Field("m", "displacement without the fixture"),
-    "curve_force": Field("N", "shear force on both stacks"),
+    "curve_force": Field("N", "shear force on both stacks along the record"),
 }
 """Name in results.nc -> unit and label."""

@@ -39,9 +39,6 @@ ENTRIES: dict[str, Entry] = {
 FIELDS: dict[str, Field] = {
     "target": Field("1", "number of the target"),
     "axis": Field("1", "axis of the image (x: columns, y: rows, downwards)"),
-    "pair": Field("1", "pair of targets in one group"),
-    "row": Field("1", "row of the image"),
-    "column": Field("1", "column of the image"),
     "rest_time": Field("s", "time at rest"),
     "target_group": Field("1", "group of the target, -1 without table"),
     "target_layer": Field("1", "layer of the target, 0 for the mandrel, -1 without table"),
