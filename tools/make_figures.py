@@ -40,6 +40,7 @@ def jobs() -> dict[str, list[str]]:
     found = {"main": ["configs/lab_sweep.yaml"], "modes": ["configs/lab_modal.yaml"]}
     found["case_study"] = ["configs/case_study.yaml"]
     found["slipping_coil"] = ["configs/slipping_coil.yaml"]
+    found["slipping_harmonic"] = ["configs/slipping_harmonic.yaml"]
     found["random"] = ["configs/lab_random.yaml"]
     found["shock"] = ["configs/lab_shock.yaml"]
     found["sizing"] = ["configs/sizing_irosa.yaml"]
@@ -206,6 +207,7 @@ def main() -> None:
         ("sizing/figures/margin.png", "sizing.png"),
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
         ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),
+        ("slipping_harmonic/figures/wrap_slip.png", "slipping_coil_wraps.png"),
         ("random/figures/spectra.png", "random_spectra.png"),
         ("shock/figures/shock.png", "shock.png"),
     ):
