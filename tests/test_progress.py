@@ -131,7 +131,7 @@ def test_messages_survive_a_stream_that_cannot_show_them() -> None:
 def test_a_log_that_cannot_be_written_ends_the_run(capsys: pytest.CaptureFixture[str]) -> None:
     report = TerminalProgress(io.StringIO())
     report.log_to(Path("/dev/full"))
-    with pytest.raises(StorageError, match=r"^/dev/full: cannot be written \(No space left on device\); make room"):
+    with pytest.raises(StorageError, match=r"^/dev/full: cannot be written \(No space left on device\); free some"):
         report.info("much")
     with pytest.raises(StorageError):  # the line is still in the buffer
         report.close()

@@ -88,7 +88,7 @@ class StorageError(WrollError):
 
     def __init__(self, problem: str, *, file: str) -> None:
         self.problem, self.file = problem, file
-        remedy = "make room there, then run the same command again (`wroll run` with --resume)"
+        remedy = "free some room there, then run the same command again (`wroll run` with --resume)"
         super().__init__(f"{file}: {problem}; {remedy}")
 
 

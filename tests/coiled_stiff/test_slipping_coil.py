@@ -345,7 +345,14 @@ def test_the_tip_motion_of_the_levels_alone_is_judged_by_small_displacement_theo
         (["excitation.frequency=90"], "excitation.frequency"),
         (["mesh.discretisation=fourier"], "mesh.discretisation"),
         (["winding.mu=0"], "winding.mu"),
-        (["coil.interface=friction"], "coil.inside"),
+        (
+            [
+                "coil.interface=friction",
+                "contact={friction: {mu: 0.3, elastic_slip: 1e-6}}",
+                "preload={kind: winding_stress}",
+            ],
+            "coil.interface",
+        ),
         (
             ["coil.material={kind: lamina, E_1: 1e9, E_2: 1e9, nu_12: 0.3, G_12: 1e8, G_23: 1e8, rho: 1e3}"],
             "material.kind",

@@ -128,7 +128,7 @@ def test_samples_fill_every_slice_of_every_range_once(tmp_path: Path) -> None:
         ("base: {tiny}\ngrid: {preload.pressure: 5}", "grid", "preload.pressure is not a list"),
         ("base: {tiny}\ngrid: {preload.pressure: []}", "grid", "preload.pressure is an empty list"),
         ("base: {tiny}\ngrid: {preload.pressure: [1, 1]}", "grid", "has a duplicate value"),
-        ("base: {tiny}\ngrid: {preload.pressure: [3e4, 3.0e+4]}", "grid.yaml", "two cases have the same folder"),
+        ("base: {tiny}\ngrid: {preload.pressure: [3e4, 30 kPa]}", "grid.yaml", "two cases have the same folder"),
         ("base: {tiny}\ngrid: {}", "grid", "is empty: no key is varied"),
         ("base: {tiny}", "grid", "is empty: no key is varied"),
         ("grid: {preload.pressure: [1, 2]}", "base", "is missing"),

@@ -30,7 +30,7 @@ Wroll = Callable[..., Result]
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without asking git for the revision, which takes most of the time of a run with fake analyses."""
-    monkeypatch.setattr("wroll_fem.jobs.folder.provenance", dict)
+    monkeypatch.setattr("wroll_fem.jobs.result_folder.provenance", dict)
     monkeypatch.setattr("wroll_fem.results.dataset.provenance", dict)
 
 
@@ -63,7 +63,7 @@ def test_a_run_survives_a_fault_at_every_file_operation(
         if fault == "full" and ended.code:
             assert ended.code == 4, (number, ended.errors)
             assert ended.errors.count("\n") == 1, ended.errors
-            assert "No space left on device); make room there, then run the same command again" in ended.errors
+            assert "No space left on device); free some room there, then run the same command again" in ended.errors
         again = wroll("run", TINY, "--out", "here", "--resume")
         assert again.exit_code == 0, (number, again.output)
         assert folder.status() == "complete"

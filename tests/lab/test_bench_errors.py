@@ -139,7 +139,7 @@ def test_measured_voltage_and_current_are_read_with_their_units(tmp_path: Path) 
         **{"units.tension": "N", "units.current": "mA", "columns.voltage": "u", "columns.current": "i"},
     )
     assert found.summary["voltages_v"] == [6.0]
-    assert found.summary["currents_a"] == [pytest.approx(0.5, rel=0.02)]
+    assert found.summary["currents_ampere"] == [pytest.approx(0.5, rel=0.02)]
     assert any("the current is not constant" in text for text in found.warnings)
 
 

@@ -285,7 +285,7 @@ SUMMARY: dict[str, Entry] = {name: entry for entries in GROUPS.values() for name
 _SUFFIXES = {
     "m_s2": "m/s²", "m_s": "m/s", "n_per_m": "N/m", "m_per_n": "m/N", "n_m": "N/m", "rad_s": "rad/s",
     "hz": "Hz", "j": "J", "pa": "Pa", "m": "m", "s": "s", "kg": "kg",
-    "n": "N", "nm": "N m", "rad": "rad", "g": "g", "w": "W", "db": "dB", "px": "px",
+    "n": "N", "nm": "N m", "rad": "rad", "g": "g", "w": "W", "v": "V", "ampere": "A", "db": "dB", "px": "px",
 }  # fmt: skip
 """Suffix of a name -> unit. The suffix `_g` marks an acceleration divided by 9.80665 m/s²."""
 

@@ -84,7 +84,7 @@ def tension(files: Sequence[Path], settings: TensionSettings, progress: Progress
     pressures = _pressures(found, settings, progress)
     summary: dict[str, Any] = {
         "voltages_v": [one.voltage for one in found],
-        "currents_a": [one.current for one in found],
+        "currents_ampere": [one.current for one in found],
         "trial_counts": [one.trials for one in found],
         **entries("winding_tension", "n", [one.mean for one in found]),
         "tension_within_n": [one.within for one in found],

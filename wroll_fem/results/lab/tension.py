@@ -7,7 +7,7 @@ from wroll_fem.results.lab.shear import INTERVAL, estimate
 
 ENTRIES: dict[str, Entry] = {
     "voltages_v": number("V", "voltage of the winding motor per setting"),
-    "currents_a": number("A", "current of the membrane roller per setting"),
+    "currents_ampere": number("A", "current of the membrane roller per setting"),
     "trial_counts": number("", "number of trials per setting"),
     "winding_tension_n": Entry("N", "mean tension per setting"),
     "winding_tension_interval_n": Entry("N", "interval of the mean tension", INTERVAL),
