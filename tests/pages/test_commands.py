@@ -64,6 +64,7 @@ FLIGHT = [
 ]  # fmt: skip
 """At a level at which no coil opens."""
 
+WRAPS = "mesh={circumferential: 8, axial: 4, radial: 1}"
 SMALLER: dict[str, list[str]] = {
     "case_study": [*SOLID, "winding.cells=600"],
     "coiled_stiff": SOLID,
@@ -107,12 +108,9 @@ SMALLER: dict[str, list[str]] = {
     "winding_case_study": ["winding.cells=600"],
     "winding_lab": [],
     "winding_sweep": [*COARSE, *SHORT_CHIRP, "winding.cells=100"],
-    "slipping_kapton": ["mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[2]"],
-    "slipping_flight": ["mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[0.5]"],
-    "slipping_harmonic": [
-        "mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=3", "harmonic.harmonics=1",
-    ],
-    "slipping_coil": ["mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[5]"],
+    "slipping_kapton": [WRAPS, "excitation.amplitude_g=[2]"], "slipping_flight": [WRAPS, "excitation.amplitude_g=[1]"],
+    "slipping_harmonic": [WRAPS, "excitation.amplitude_g=3", "harmonic.harmonics=1"],
+    "slipping_coil": [WRAPS, "excitation.amplitude_g=[5]"],
 }  # fmt: skip
 """Case file -> what is changed in the scratch copy so that a run takes seconds: coarse mesh, short motion, few values.
 
