@@ -134,7 +134,7 @@ def save_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def netcdf_image(dataset: xr.Dataset, encoding: Mapping[Hashable, Mapping[str, Any]] | None = None) -> memoryview:
+def netcdf_image(dataset: xr.Dataset, encoding: Mapping[Hashable, Mapping[str, Any]] | None = None) -> bytes:
     """Content of a NetCDF file (HDF5) in memory.
 
     HDF5 does not write to the disk itself: where the disk is full it cannot close its file, and ends the process at
@@ -143,7 +143,7 @@ def netcdf_image(dataset: xr.Dataset, encoding: Mapping[Hashable, Mapping[str, A
     image = io.BytesIO()
     with h5netcdf.File(image, "w") as file:
         dataset.dump_to_store(H5NetCDFStore(file), encoding=encoding)
-    return image.getbuffer()
+    return image.getvalue()
 
 
 def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Dataset:

@@ -59,7 +59,7 @@ def write_arrays(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> Pat
         ready = {name: sp.csc_matrix(v) if sp.issparse(v) else v for name, v in fields.items()}
         scipy.io.savemat(image, ready, do_compression=True, oned_as="column", long_field_names=True)
     with replacing(path, remedy="choose another file") as file:
-        file.write_bytes(image.getbuffer())
+        file.write_bytes(image.getvalue())
     return path
 
 

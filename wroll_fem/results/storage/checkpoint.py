@@ -34,7 +34,7 @@ def write_checkpoint(path: str | os.PathLike[str], arrays: Mapping[str, Any]) ->
     """
     image = io.BytesIO()  # numpy leaves a half-open archive where a disk is full
     np.savez(image, **{_FORMAT_KEY: np.array(FORMAT)}, **arrays)
-    write_sealed(path, image.getbuffer())
+    write_sealed(path, image.getvalue())
 
 
 def check_checkpoint(path: str | os.PathLike[str]) -> None:

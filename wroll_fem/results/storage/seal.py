@@ -18,7 +18,7 @@ _SIZE = len(_START) + 64 + 1  # with the hexadecimal digits and the end of the l
 _BLOCK = 1 << 20
 
 
-def write_sealed(path: str | os.PathLike[str], content: bytes | memoryview) -> None:
+def write_sealed(path: str | os.PathLike[str], content: bytes) -> None:
     """Write ``content`` and its seal; an existing file is replaced once the new one is complete.
 
     Raises
