@@ -167,8 +167,9 @@ def test_the_figure_shows_the_slip_between_the_wraps() -> None:
     assert "Wraps slide in" in ax.get_title(loc="left")
     assert "per period" in ax.get_title(loc="left")
     plt.close("all")
-    with pytest.raises(InputError, match="no slip between wraps"):
-        wf.plot.wrap_slip(quasi_static())
+    for other in (quasi_static(), xr.Dataset({"cumulative_slip": (("interface", "point"), np.zeros((1, 3)))})):
+        with pytest.raises(InputError, match="no slip between wraps"):
+            wf.plot.wrap_slip(other)
 
 
 @pytest.mark.parametrize(

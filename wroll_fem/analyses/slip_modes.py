@@ -12,7 +12,6 @@ from threadpoolctl import threadpool_limits
 from wroll_fem.analyses.followed_mode import main_mode
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import base_acceleration
-from wroll_fem.case.kinds import BackboneCase
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.path_span.periodic import periodic_motion
 from wroll_fem.dynamics.path_span.span import PathSpan
@@ -68,9 +67,7 @@ def path_span(case: StructuralCase, system: System, state: ContactState, progres
 
 def _wanted(case: StructuralCase) -> tuple[float, float]:
     """Largest tip amplitude (m) and base acceleration (m/s^2) of an analysis; infinite where it does not say."""
-    if isinstance(case, BackboneCase):
-        return case.backbone.tip_largest, np.inf
-    if case.backbone is not None and case.analysis == "random_response":
+    if case.backbone is not None and case.analysis in ("backbone", "random_response"):
         return case.backbone.tip_largest, np.inf
     return np.inf, float(getattr(case.excitation, "amplitude", np.inf))
 

@@ -22,7 +22,7 @@ _REACH = 1.4
 
 def has_wraps(dataset: xr.Dataset) -> bool:
     """Whether a result has slip between wraps at points that form a grid."""
-    return "cumulative_slip" in dataset and _interface(dataset) is not None and _grid(dataset) is not None
+    return "cumulative_slip" in dataset and _grid(dataset) is not None
 
 
 def plot_wrap_slip(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -58,7 +58,7 @@ def plot_wrap_slip(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax = style.axes(ax, 4.6)
     ax.grid(False)
     ax.set_facecolor("#E4E4E4")
-    depth, height = 1e3 * (_faces(grid.r) - _faces(grid.r)[0]), 1e3 * np.maximum(_faces(grid.z), 0.0)
+    depth, height = (1e3 * (faces - faces[0]) for faces in (_faces(grid.r), _faces(grid.z)))
     if most > 0.0:
         shown = ax.pcolormesh(
             depth, height, np.ma.masked_less(slip, 10.0**-_DECADES * most).T, cmap="magma_r",
@@ -88,7 +88,10 @@ def _interface(dataset: xr.Dataset) -> int | None:
 
 
 def _grid(dataset: xr.Dataset) -> CoilGrid | None:
+    """Grid of the points between the wraps; None without wraps that slide, or where the points form none."""
     number = _interface(dataset)
+    if number is None:
+        return None
     place = [dataset[name] for name in ("theta_rad", "z_m", "r_m")]
     rows = [p.isel(interface=number).values if "interface" in p.dims else p.values for p in place]
     return coil_grid(np.stack(rows, axis=1))

@@ -74,7 +74,8 @@ def test_a_roll_resumes_bit_by_bit_at_twenty_random_checkpoints(
     chance, motion = random.Random(18), Dwell(60.0, 150.0, 6.0, ramp_cycles=2.0)
     for _ in range(20):
         stops = [chance.randrange(1, 19)]
-        resumed_equals_whole(system, preload, motion, 1 / 6000, method, stops, tmp_path / "c.npz", monkeypatch)
+        whole = resumed_equals_whole(system, preload, motion, 1 / 6000, method, stops, tmp_path / "c.npz", monkeypatch)
+        assert float(whole["friction_energy"][-1]) > 0.0
 
 
 def test_a_checkpoint_of_another_format_or_run_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
