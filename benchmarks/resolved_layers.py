@@ -73,16 +73,16 @@ def roll(coil: dict[str, Any], mesh: dict[str, Any], **sections: Any) -> OnRoll:
     return build_case(data).expect(OnRoll)
 
 
-def continuum(mesh: dict[str, Any]) -> tuple[System, ContactState]:
-    """Solid coil whose wraps slide."""
-    # the shells have the shear factor 5/6, so the web of the solid has it too
+def continuum(mesh: dict[str, Any], radial: int) -> tuple[System, ContactState]:
+    """Solid coil whose wraps slide; ``radial`` elements through its thickness, thin ones at the mandrel."""
+    # shells have the shear factor 5/6, so the web between the wraps of the solid has it too
     material = {
         "kind": "cylindrical_orthotropic", "E_theta": E, "E_z": E, "E_r": E_R, "nu_theta_z": NU, "nu_theta_r": 0.0,
         "nu_z_r": 0.0, "G_z_theta": SHEAR, "G_r_theta": 5.0 / 6.0 * SHEAR, "rho": 1400,
     }  # fmt: skip
     case = roll(
         {"model": "solid", "inside": "slipping", "material": material, "wrap_interfaces": {"elastic_slip": SLIP}},
-        mesh, analysis="slip_damping", damping_ratio=ZETA,
+        {**mesh, "radial": radial, "radial_grading": 30.0}, analysis="slip_damping", damping_ratio=ZETA,
         excitation={"kind": "sine", "frequency": "resonance", "amplitude_g": list(LEVELS)},
     )  # fmt: skip
     _, _, system, start = slipping_structure(case)
@@ -111,10 +111,16 @@ def layered(layers: int, mesh: dict[str, Any], *, per_wrap: bool = True) -> tupl
     return system, ContactState.pressed(system, pressure)
 
 
-def response(system: System, start: ContactState, levels: Sequence[float] = LEVELS) -> Response:
-    """Follow the first mode up to the highest level, g."""
+def first_mode(system: System, start: ContactState) -> tuple[LoadPath, FloatArray, float]:
+    """Path from rest, first mode of the sticking structure, and its frequency, Hz."""
     path = LoadPath(system, start, tolerance=TOLERANCE)
     mode = main_mode(system, path)
+    return path, mode, float(np.sqrt(mode @ (path.stiffness @ mode))) / (2.0 * np.pi)
+
+
+def response(system: System, start: ContactState, levels: Sequence[float] = LEVELS) -> Response:
+    """Follow the first mode up to the highest level, g."""
+    path, mode, stuck = first_mode(system, start)
     highest = 1.02 * GRAVITY * levels[-1]
     found = followed_path(
         path, mode, lambda done: bool(base_acceleration(path, done, mode, ZETA)[-1] > highest), SilentProgress()
@@ -125,31 +131,36 @@ def response(system: System, start: ContactState, levels: Sequence[float] = LEVE
     def at(values: FloatArray) -> FloatArray:
         return np.interp(np.log(levels), np.log(base), values, left=np.nan, right=np.nan)
 
-    stuck = float(np.sqrt(mode @ (path.stiffness @ mode))) / (2.0 * np.pi)
     logs = np.exp(at(np.log(np.maximum(found.dissipation, 1e-30))))
     return Response(stuck, at(found.frequency / (2.0 * np.pi)), at(found.damping), logs, at(tip), system.n_points)
+
+
+def table(limit: Response, found: dict[int, Response]) -> list[str]:
+    """Rows of a table: differences from the continuum in per cent, the largest over the levels."""
+    rows = ["| layers | f without slip | f | damping by friction | slip work | tip |", "|---|---|---|---|---|---|"]
+    for n, one in found.items():
+        changes = [100.0 * (np.atleast_1d(a) / b - 1.0) for a, b in zip(one[:5], limit[:5], strict=True)]
+        largest = [float(change[np.argmax(np.abs(change))]) for change in changes]
+        rows.append(f"| {n} | " + " | ".join(f"{value:+.2f} %" for value in largest) + " |")
+    return rows
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--layers", type=int, nargs="+", default=[5, 10, 20])
-    parser.add_argument("--around", type=int, default=16)
-    parser.add_argument("--along", type=int, default=8)
-    parser.add_argument("--grading", type=float, default=10.0)
-    parser.add_argument("--radial", type=int, default=6)
+    parser.add_argument("--around", type=int, default=16, help="elements around the roll")
+    parser.add_argument("--along", type=int, default=8, help="elements along the axis")
+    parser.add_argument("--radial", type=int, default=6, help="elements of the continuum through its thickness")
+    parser.add_argument("--levels", type=float, nargs="+", default=LEVELS, help="levels, g")
     parser.add_argument("--of-one", action="store_true", help="interfaces with the elastic slip of one wrap interface")
-    arguments = parser.parse_args()
-    mesh = {"circumferential": arguments.around, "axial": arguments.along, "grading": arguments.grading}
+    given = parser.parse_args()
+    mesh = {"circumferential": given.around, "axial": given.along, "grading": 10.0}
     with threadpool_limits(1):
-        began = time.process_time()
-        limit = response(*continuum({**mesh, "radial": arguments.radial, "radial_grading": 30.0}))
-        print(limit, f"{time.process_time() - began:.1f} s")
-        for n in arguments.layers:
-            began = time.process_time()
-            found = response(*layered(n, mesh, per_wrap=not arguments.of_one))
-            print(n, found.points, f"{time.process_time() - began:.1f} s")
-            for name in ("stuck", "frequency", "damping", "work", "tip"):
-                print(name, 100 * (np.asarray(getattr(found, name)) / getattr(limit, name) - 1.0))
+        limit = response(*continuum(mesh, given.radial), given.levels)
+        print(f"continuum: {limit.stuck:.2f} Hz without slip, {limit.points} points, {time.process_time():.0f} s")
+        print("Hz", np.round(limit.frequency, 2), "damping %", np.round(100.0 * limit.damping, 2))
+        found = {n: response(*layered(n, mesh, per_wrap=not given.of_one), given.levels) for n in given.layers}
+    print(*table(limit, found), f"{time.process_time():.0f} s of CPU", sep="\n")
 
 
 if __name__ == "__main__":
