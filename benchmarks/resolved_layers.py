@@ -73,8 +73,8 @@ def roll(coil: dict[str, Any], mesh: dict[str, Any], **sections: Any) -> OnRoll:
     return build_case(data).expect(OnRoll)
 
 
-def continuum(mesh: dict[str, Any], radial: int) -> tuple[System, ContactState]:
-    """Solid coil whose wraps slide; ``radial`` elements through its thickness, thin ones at the mandrel."""
+def continuum(mesh: dict[str, Any], radial: int, grading: float = 30.0) -> tuple[System, ContactState]:
+    """Solid coil whose wraps slide; ``radial`` elements through its thickness, the outermost ``grading`` as thick."""
     # shells have the shear factor 5/6, so the web between the wraps of the solid has it too
     material = {
         "kind": "cylindrical_orthotropic", "E_theta": E, "E_z": E, "E_r": E_R, "nu_theta_z": NU, "nu_theta_r": 0.0,
@@ -82,7 +82,7 @@ def continuum(mesh: dict[str, Any], radial: int) -> tuple[System, ContactState]:
     }  # fmt: skip
     case = roll(
         {"model": "solid", "inside": "slipping", "material": material, "wrap_interfaces": {"elastic_slip": SLIP}},
-        {**mesh, "radial": radial, "radial_grading": 30.0}, analysis="slip_damping", damping_ratio=ZETA,
+        {**mesh, "radial": radial, "radial_grading": grading}, analysis="slip_damping", damping_ratio=ZETA,
         excitation={"kind": "sine", "frequency": "resonance", "amplitude_g": list(LEVELS)},
     )  # fmt: skip
     _, _, system, start = slipping_structure(case)
@@ -147,16 +147,17 @@ def table(limit: Response, found: dict[int, Response]) -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--layers", type=int, nargs="+", default=[5, 10, 20])
+    parser.add_argument("--layers", type=int, nargs="*", default=[5, 10, 20])
     parser.add_argument("--around", type=int, default=16, help="elements around the roll")
     parser.add_argument("--along", type=int, default=8, help="elements along the axis")
     parser.add_argument("--radial", type=int, default=6, help="elements of the continuum through its thickness")
+    parser.add_argument("--radial-grading", type=float, default=30.0, help="ratio of their thicknesses")
     parser.add_argument("--levels", type=float, nargs="+", default=LEVELS, help="levels, g")
     parser.add_argument("--of-one", action="store_true", help="interfaces with the elastic slip of one wrap interface")
     given = parser.parse_args()
     mesh = {"circumferential": given.around, "axial": given.along, "grading": 10.0}
     with threadpool_limits(1):
-        limit = response(*continuum(mesh, given.radial), given.levels)
+        limit = response(*continuum(mesh, given.radial, given.radial_grading), given.levels)
         print(f"continuum: {limit.stuck:.2f} Hz without slip, {limit.points} points, {time.process_time():.0f} s")
         print("Hz", np.round(limit.frequency, 2), "damping %", np.round(100.0 * limit.damping, 2))
         found = {n: response(*layered(n, mesh, per_wrap=not given.of_one), given.levels) for n in given.layers}

@@ -204,8 +204,8 @@ wf.plot.slip_work(sliding)
 plt.show()
 
 # %% [markdown]
-# Frequency and damping over the level. At 1 g slip hardly matters; at 15 g it takes most of the motion that the linear
-# model predicts. Its frequency and damping ratio are the same at every level.
+# Frequency and damping over the level. At 1 g slip takes 8 % of the motion that the linear model predicts, at 15 g two
+# thirds. Frequency and damping ratio of the linear model are the same at every level.
 
 # %%
 levels = sliding["amplitude_g"].values
