@@ -73,7 +73,7 @@ def roll(coil: dict[str, Any], mesh: dict[str, Any], **sections: Any) -> OnRoll:
     return build_case(data).expect(OnRoll)
 
 
-def continuum(mesh: dict[str, Any], radial: int, grading: float = 30.0) -> tuple[System, ContactState]:
+def continuum(mesh: dict[str, Any], radial: int, grading: float = 300.0) -> tuple[System, ContactState]:
     """Solid coil whose wraps slide; ``radial`` elements through its thickness, the outermost ``grading`` as thick."""
     # shells have the shear factor 5/6, so the web between the wraps of the solid has it too
     material = {
@@ -150,8 +150,8 @@ def main() -> None:
     parser.add_argument("--layers", type=int, nargs="*", default=[5, 10, 20])
     parser.add_argument("--around", type=int, default=16, help="elements around the roll")
     parser.add_argument("--along", type=int, default=8, help="elements along the axis")
-    parser.add_argument("--radial", type=int, default=6, help="elements of the continuum through its thickness")
-    parser.add_argument("--radial-grading", type=float, default=30.0, help="ratio of their thicknesses")
+    parser.add_argument("--radial", type=int, default=8, help="elements of the continuum through its thickness")
+    parser.add_argument("--radial-grading", type=float, default=300.0, help="ratio of their thicknesses")
     parser.add_argument("--levels", type=float, nargs="+", default=LEVELS, help="levels, g")
     parser.add_argument("--of-one", action="store_true", help="interfaces with the elastic slip of one wrap interface")
     given = parser.parse_args()
