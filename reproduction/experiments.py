@@ -6,7 +6,7 @@ The other shaker tests are judged in `shaker_sweeps`, `shaker_random` and `shake
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -23,7 +23,7 @@ from reproduction.shaker_sweeps import shades
 from reproduction.verdict import Verdict
 from reproduction.words import kpa, monotone, numbers
 from wroll_fem.plotting import style
-from wroll_fem.plotting.study import PRESSURE, natural_frequency, read, values_of
+from wroll_fem.plotting.study import PRESSURE, StudyCase, natural_frequency, read, values_of
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.estimators import single_dof_transmissibility
 from wroll_fem.typing import FloatArray
@@ -119,10 +119,12 @@ def c39(evidence: Evidence) -> Verdict:
 
 def c40(evidence: Evidence) -> Verdict:
     found, f_m = over_levels(evidence, 0.25), mandrel(evidence)
+    alone, wound, *_ = shaker_random.readings(evidence)
     pressure, f = min(found.items())
     value = (
         f"{1e-3 * pressure:g} kPa: {f[0]:.1f} Hz at {LEVELS[0]:g} m/s^2, {f[-1]:.1f} Hz at {LEVELS[-1]:g} m/s^2; "
-        f"mandrel alone {f_m:.1f} Hz"
+        f"mandrel alone {f_m:.1f} Hz; the loosest winding of the experiment, random motion: {shaker_random.said(wound)}, "
+        f"mandrel alone {alone.f_n[0]:.1f} Hz"
     )
     return Verdict(value, bool(f[0] > f_m > f[-1]))
 
@@ -148,8 +150,7 @@ def c42(evidence: Evidence) -> Verdict:
     swept = max(r.f_n for r in shaker_sweeps.readings(evidence))
     value = (
         f"largest f_n {highest:.1f} Hz (backbones, {LEVELS[0]:g} to {LEVELS[-1]:g} m/s^2) and {swept:.1f} Hz "
-        "(sweeps of 7.9 oct/min), "
-        f"f_b = {f_b:.1f} Hz"
+        f"(sweeps of 7.9 oct/min), f_b = {f_b:.1f} Hz"
     )
     return Verdict(value, max(highest, swept) <= 1.005 * f_b)
 
@@ -173,7 +174,7 @@ def levels_figure(evidence: Evidence) -> Axes:
     """Draw Fig. 3.10: resonance over the tip acceleration; backbones above, random motion below."""
     _, rows = plt.subplots(2, 1, figsize=(style.WIDTH, 7.6), dpi=style.DPI, layout="constrained", height_ratios=[3, 2])
     top, low = (style.axes(ax) for ax in rows)
-    members = sorted(evidence.study(LEVELS_STUDY), key=lambda m: float(m.values[PRESSURE]))
+    members = sorted(evidence.study(LEVELS_STUDY), key=lambda m: (float(m.values[PRESSURE]), float(m.values[MU])))
     colours = dict(zip(values_of(members, PRESSURE), shades(len(values_of(members, PRESSURE))), strict=True))
     for m in members:
         f, tip = m.data["resonance_frequency"].values, m.data["tip_amplitude"].values
@@ -188,17 +189,27 @@ def levels_figure(evidence: Evidence) -> Axes:
         low.semilogx(series.tip, series.f_n, color=colour, marker=mark, ms=5, lw=1.3, label=series.name)
     f_m, f_b = mandrel(evidence), bound(evidence, "bonded", "free")
     for ax in (top, low):
-        ax.axhline(f_m, color="black", lw=1.0, ls=(0, (5, 2)))
         ax.axhline(f_b, color=style.GREEN, lw=1.0, ls=(0, (5, 2)))
+        ax.set_ylim(top=f_b + 4.0)
         ax.set_ylabel("Resonance $f_n$ (Hz)")
+    top.axhline(f_m, color="black", lw=1.0, ls=(0, (5, 2)))
+    ticks = [20.0, 50.0, 100.0, 200.0]
+    low.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    low.minorticks_off()
     top.annotate(f"bonded, {f_b:.1f} Hz", (0.01, f_b), (0, 3), xycoords=("axes fraction", "data"), **_SMALL)
     top.annotate(f"mandrel alone, {f_m:.1f} Hz", (0.01, f_m), (0, 3), xycoords=("axes fraction", "data"), **_SMALL)
     top.set_xlabel("Tip acceleration relative to the base at resonance, 0-peak (m/s²)")
     low.set_xlabel("Tip acceleration under random motion, rms (m/s²)")
     top.legend(fontsize=8, framealpha=0.9, title="sine, external pressure", title_fontsize=8)
     low.legend(fontsize=8, framealpha=0.9, title="random, winding tension", title_fontsize=8)
-    style.title(top, "Simulation: the resonance rises with preload and friction and falls with the level")
+    ends = [lowest.data["resonance_frequency"].values[[0, -1]] for lowest in members if _is_loosest(lowest, members)]
+    said = " and ".join(f"from {f[0]:.1f} to {f[1]:.1f} Hz" for f in ends)
+    style.title(top, f"Simulation: with the level, $f_n$ of the loosest roll falls {said} with doubled friction")
     return top
+
+
+def _is_loosest(member: StudyCase, members: Sequence[StudyCase]) -> bool:
+    return bool(member.values[PRESSURE] == min(m.values[PRESSURE] for m in members))
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8}

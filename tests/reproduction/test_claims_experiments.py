@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 from support.fake_evidence import FakeEvidence, bending_at, judges, member, reference
 
-from reproduction import Evidence, experiments, realistic_scale, shaker_sweeps, sweep_rate
+from reproduction import Evidence, experiments, realistic_scale, shaker_random, shaker_sweeps, sweep_rate
 from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from wroll_fem.plotting.study import StudyCase
 from wroll_fem.signals.estimators import peak_transmissibility
@@ -103,10 +103,15 @@ def lab(folder: Path, ends: dict[float, dict[float, tuple[float, float]]] | None
 
 @pytest.fixture(autouse=True)
 def highest(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """Largest resonance of the fast sweeps, for C42."""
+    """Largest resonance of the fast sweeps, for C42; readings of random motion, for the text of C40."""
     found = [158.0]
     sweep = shaker_sweeps.Reading(300.0, 0.0, 0.015, 60.0, 1.1, 0.0, 0.015, 1.1)
     monkeypatch.setattr(shaker_sweeps, "readings", lambda _: [sweep._replace(f_n=found[0])])
+    ones = np.ones(3)
+    series = [
+        shaker_random.Series(t, ones, ones, ones, f * ones, ones, ones, ones) for t, f in ((0.0, 150.0), (20.0, 151.0))
+    ]
+    monkeypatch.setattr(shaker_random, "readings", lambda _: series)
     return found
 
 
