@@ -123,8 +123,8 @@ def c40(evidence: Evidence) -> Verdict:
     pressure, f = min(found.items())
     value = (
         f"{1e-3 * pressure:g} kPa: {f[0]:.1f} Hz at {LEVELS[0]:g} m/s^2, {f[-1]:.1f} Hz at {LEVELS[-1]:g} m/s^2; "
-        f"mandrel alone {f_m:.1f} Hz; the loosest winding of the experiment, random motion: {shaker_random.said(wound)}, "
-        f"mandrel alone {alone.f_n[0]:.1f} Hz"
+        f"mandrel alone {f_m:.1f} Hz; the loosest winding of the experiment, random motion: "
+        f"{shaker_random.said(wound)}, mandrel alone {alone.f_n[0]:.1f} Hz"
     )
     return Verdict(value, bool(f[0] > f_m > f[-1]))
 
