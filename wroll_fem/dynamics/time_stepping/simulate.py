@@ -154,6 +154,7 @@ def simulate(
     progress = progress or SilentProgress()
     if stepper is None:
         stepper = make_stepper(system, preload, method=method, scheme=scheme, options=options, dt=dt)
+    stepper.follow(motion)
     grid = TimeGrid.constant(motion.duration, dt) if grid is None else grid
     steps, times = grid.count, grid.times
     base = np.asarray(motion.acceleration(times))

@@ -58,6 +58,14 @@ class CommonState(Protocol):
         ...
 
 
+class BetweenSteps(Protocol):
+    """Base motion that has an acceleration at any time."""
+
+    def acceleration(self, time: FloatArray) -> FloatArray:
+        """Base acceleration in m/s^2 at ``time`` (n,) in s."""
+        ...
+
+
 class Stepper(ABC):
     """Base class of methods that advance a system step by step from its preload state.
 
@@ -109,6 +117,9 @@ class Stepper(ABC):
     def record_size(self) -> int:
         """Number of columns of a step record."""
         return record_size(len(self.system.output_rows))
+
+    def follow(self, motion: BetweenSteps) -> None:
+        """Prepare for ``motion``; a scheme that uses the base acceleration within the steps takes it from there."""
 
     def step(self, dt: float) -> Step:
         """Time step ``dt`` (s) and parameters of the integration scheme, for compiled code."""

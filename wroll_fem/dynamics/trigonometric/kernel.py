@@ -1,0 +1,215 @@
+"""Compiled loop of the trigonometric integration (equations in `stepper`)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from wroll_fem.dynamics.time_stepping import modal_kernel, records, reduced_kernel
+from wroll_fem.dynamics.time_stepping.modal_kernel import answer, damped, strain_energy, viscous_force
+from wroll_fem.dynamics.time_stepping.records import (
+    FIRST_PROBE,
+    INPUT_FLOW,
+    KINETIC,
+    NUMERICAL_FLOW,
+    OF_PROBE,
+    STRAIN,
+    TIP_ACCELERATION,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    VISCOUS_FLOW,
+    record_contact,
+    record_flows,
+)
+from wroll_fem.dynamics.time_stepping.reduced_kernel import (
+    KeptMatrix,
+    commit_contact,
+    keep_row,
+    solve_step,
+    working_arrays,
+)
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.dynamics.trigonometric.propagation import NODES, OUTPUTS, WEIGHTS
+from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import FloatArray
+
+drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__)
+
+LAST = len(NODES) - 1
+
+
+class TrigonometricState(NamedTuple):
+    """State of a trigonometric run.
+
+    Attributes
+    ----------
+    motion, contact : motion in reduced coordinates, and contact state of all points
+    free : (m,) displacement d without the static answer of unresolved modes to friction's correction
+    force, force_before : (m,) reduced force of friction's correction now, and one step before
+    clock : (1,) time, s
+    kept, time_step, projection_error, motion_norm, largest, training, opened : see `ReducedState`
+    """
+
+    motion: Motion
+    contact: ContactMemory
+    free: FloatArray
+    force: FloatArray
+    force_before: FloatArray
+    clock: FloatArray
+    kept: KeptMatrix
+    time_step: FloatArray
+    projection_error: FloatArray
+    motion_norm: FloatArray
+    largest: FloatArray
+    training: FloatArray
+    opened: FloatArray
+
+
+@numba.njit(cache=True)
+def _propagate(steps, free, v, force, nodes, out):
+    """Fill ``out`` (OUTPUTS, m) with the results of a step, without the force at its end; see `Propagation`."""
+    at = 0
+    for block in range(steps.starts.shape[0] - 1):
+        first = steps.starts[block]
+        n = steps.starts[block + 1] - first
+        for kind in range(OUTPUTS):
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += steps.state[at + j] * free[first + j]
+                for j in range(n):
+                    total += steps.state[at + n + j] * v[first + j]
+                for j in range(n):
+                    total += steps.state[at + 2 * n + j] * force[first + j]
+                for j in range(nodes.shape[0]):
+                    total += steps.base[kind, first + i, j] * nodes[j]
+                out[kind, first + i] = total
+                at += 4 * n
+
+
+@numba.njit(cache=True)
+def _add_end(steps, force, out):
+    """Add to ``out`` (OUTPUTS, m) what the ``force`` (m,) at the end of the step adds."""
+    at = 0
+    for block in range(steps.starts.shape[0] - 1):
+        first = steps.starts[block]
+        n = steps.starts[block + 1] - first
+        for kind in range(OUTPUTS):
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += steps.state[at + 3 * n + j] * force[first + j]
+                out[kind, first + i] += total
+                at += 4 * n
+
+
+@numba.njit(cache=True)
+def _work_of_nodes(nodes, steps, modal, v, out, flows):
+    """Add the work of the base and of the dashpots during a step to ``flows``, by quadrature."""
+    has_dashpots = damped(modal.dashpots)
+    for j in range(LAST + 1):
+        velocity = v if j == 0 else (out[1] if j == LAST else out[2 + j])
+        weight = steps.dt * WEIGHTS[j]
+        flows[INPUT_FLOW] -= weight * nodes[j] * np.dot(modal.base, velocity)
+        if has_dashpots:
+            flows[VISCOUS_FLOW] += weight * np.dot(velocity, viscous_force(modal.dashpots, velocity))
+
+
+@numba.njit(cache=True)
+def _commit_motion(nodes, steps, modal, x, force, out, state, flows):
+    """Update the motion; add the work of base, dashpots and scheme (derived in docs/trigonometric.md).
+
+    Parameters
+    ----------
+    nodes : base acceleration at `NODES`, m/s^2
+    x : (m,) displacement at the end of the step
+    force : (m,) force of friction's correction at the end of the step
+    out : (OUTPUTS, m) results of the step
+    """
+    motion, free, eigenvalues = state.motion, state.free, modal.eigenvalues
+    _work_of_nodes(nodes, steps, modal, motion.v, out, flows)
+    numerical, given = 0.0, 0.0
+    mean_base = 0.5 * (nodes[0] + nodes[LAST])
+    for i in range(x.shape[0]):
+        d, q, f = free[i], motion.q[i], state.force[i]
+        d_new, q_new, f_new = out[0, i], x[i], force[i]
+        if steps.resolved[i]:
+            numerical -= (f_new - f) * (0.5 * (d + d_new) - out[2, i]) + 0.5 * (f + f_new) * (d_new - d)
+        numerical += 0.5 * (f + f_new) * (q_new - q)
+        numerical -= 0.5 * eigenvalues[i] * (q_new * q_new - q * q - d_new * d_new + d * d)
+        given -= mean_base * modal.base[i] * (q_new - q - d_new + d)
+    flows[INPUT_FLOW] += given
+    flows[NUMERICAL_FLOW] += numerical + given
+    motion.q[:] = x
+    motion.v[:] = out[1]
+    free[:] = out[0]
+    motion.a[:] = -modal.base * nodes[LAST] - eigenvalues * free
+    for i in range(x.shape[0]):
+        if steps.resolved[i]:
+            motion.a[i] += force[i]
+    if damped(modal.dashpots):
+        motion.a[:] -= viscous_force(modal.dashpots, motion.v)
+    state.force_before[:] = state.force
+    state.force[:] = force
+    state.clock[0] += steps.dt
+
+
+@numba.njit(cache=True)
+def _record_motion(motion, modal, record):
+    """Write displacement, velocity and acceleration of tip and probes, and the kinetic energy, to a record."""
+    record[TIP_DISPLACEMENT] = np.dot(modal.tip, motion.q)
+    record[TIP_VELOCITY] = np.dot(modal.tip, motion.v)
+    record[TIP_ACCELERATION] = np.dot(modal.tip, motion.a)
+    record[KINETIC] = 0.5 * np.dot(motion.v, motion.v)
+    for k in range(modal.probes.shape[0]):
+        first = FIRST_PROBE + OF_PROBE * k
+        record[first] = np.dot(modal.probes[k], motion.q)
+        record[first + 1] = np.dot(modal.probes[k], motion.v)
+        record[first + 2] = np.dot(modal.probes[k], motion.a)
+
+
+@numba.njit(cache=True)
+def advance_trigonometric(
+    nodes, step, steps, modal, interface, reference, laws, state, newton, accumulated, checks, records
+):
+    """Advance by up to len(nodes) steps; returns the number of completed steps.
+
+    A step that does not converge ends the loop; ``state`` is the state after the last completed step.
+
+    Parameters
+    ----------
+    nodes : (k, len(NODES)) base acceleration in each step, m/s^2
+    step, steps : `Step` with alpha = 0, and `Propagation`
+    modal, interface, reference, laws : `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
+    state, accumulated : `TrigonometricState` and `Accumulated`, updated
+    newton : `Newton`; its history receives the residuals of the last step
+    checks : `ResidualChecks`, filled
+    records : (k, record_size) output
+    """
+    motion, contact = state.motion, state.contact
+    m = motion.q.shape[0]
+    work = working_arrays(m, laws, reference)
+    trial, x, q_hat, force = work.trial, np.zeros(m), np.zeros(m), np.zeros(m)
+    out = np.zeros((OUTPUTS, m))
+    checks.filled[0] = 0
+    for number in range(nodes.shape[0]):
+        _propagate(steps, state.free, motion.v, state.force, nodes[number], out)
+        q_hat[:] = out[0]
+        x[:] = q_hat + answer(modal, 2.0 * state.force - state.force_before, 1.0)
+        iterations = solve_step(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
+        if iterations < 0:
+            return number
+        force[:] = -work.force
+        _add_end(steps, force, out)
+        _commit_motion(nodes[number], steps, modal, x, force, out, state, accumulated.flows)
+        commit_contact(trial, contact, reference, laws, step.dt, accumulated)
+        record = records[number]
+        _record_motion(motion, modal, record)
+        record_flows(record, accumulated)
+        record[STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
+        record_contact(record, accumulated, iterations, trial.status)
+        if (number + 1) % checks.every == 0 or number == nodes.shape[0] - 1:
+            keep_row(motion, trial.s, nodes[number, LAST], checks)
+    return nodes.shape[0]

@@ -1,0 +1,159 @@
+r"""Trigonometric integration: modes of the sticking structure are exact, friction's correction varies linearly in a step.
+
+In reduced coordinates q of the structure with sticking interfaces (`reduced_model`),
+
+.. math:: \ddot q + C \dot q + \Lambda q = -b\,a_g(t) + F(t), \qquad F = -(G \Phi)^T W\, s(q)
+
+with friction's correction s, which is zero while everything sticks. A step is the exact solution (`propagation`) for the
+given base motion and a correction that varies linearly between the ends of the step. This holds for modes with less than
+half a cycle in a step. A faster mode answers to the correction as a spring does, :math:`q = d + F / \lambda`, while its
+free motion d is exact:
+
+.. math:: q_{n+1} = \hat q_{n+1} + A F_{n+1}, \qquad A = \frac{1 - \mathrm{sinc}(\omega h)}{\omega^2} \;\;
+          (\omega h < \pi), \quad \frac{1}{\omega^2} \;\; (\omega h \ge \pi)
+
+for modes without damping. The filter :math:`\omega^2 A` rises from 0 to 1, so that the correction is explicit in slow
+modes up to :math:`(\omega h)^2 / 6` and implicit in fast ones, where sticking friction and closed contact are stiffer
+than the inertia in a step. Any :math:`0 \le \omega^2 A \le 1` keeps the oscillation of a mode bounded when slip softens
+it: with the stiffness :math:`\rho \omega^2, 0 \le \rho \le 1`, a step turns its phase by :math:`\Theta`,
+:math:`1 - \cos\Theta = \rho (1 - \cos\omega h) / (1 - (1 - \rho)\, \omega^2 A) \in [0, 2]`.
+
+Without slip and opening there is no error of the period or of the amplitude at any step. Slip that softens a mode to
+:math:`\rho \omega^2` shortens its period by :math:`(1 - \rho) (\omega h)^2 / 24`.
+
+References
+----------
+Gautschi (1961), Numer. Math. 3, 381, doi:10.1007/BF01386037.
+Deuflhard (1979), ZAMP 30, 177, doi:10.1007/BF01601932.
+Hochbruck, Lubich (1999), Numer. Math. 83, 403, doi:10.1007/s002110050456 (filter functions).
+Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, chapter XIII, doi:10.1007/3-540-30666-8.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+
+from wroll_fem.contact.kernels import Reference
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.modal_kernel import correction
+from wroll_fem.dynamics.time_stepping.records import NUMERICAL_FLOW
+from wroll_fem.dynamics.time_stepping.reduced import CHECK_EVERY, ReducedStepper, empty_matrix
+from wroll_fem.dynamics.time_stepping.reduced_kernel import ResidualChecks, sum_up
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Dashpots, Modal, Motion, Newton
+from wroll_fem.dynamics.time_stepping.stepper import BetweenSteps
+from wroll_fem.dynamics.trigonometric.kernel import TrigonometricState, advance_trigonometric
+from wroll_fem.dynamics.trigonometric.propagation import NODES, Propagation, force_answer, propagation
+from wroll_fem.typing import FloatArray
+
+LOOSER = 1e4
+"""Residual of a converged step relative to that of the implicit schemes (`solver.tolerance`). What it leaves is part of
+the energy ledger as numerical dissipation, and does not grow: the free motion of the modes does not contain it."""
+
+
+class TrigonometricStepper(ReducedStepper):
+    """`ReducedStepper` whose modes are propagated exactly; see the docstring of this module."""
+
+    state: TrigonometricState  # type: ignore[assignment]  # with the fields of `ReducedState` that the base class uses
+
+    def __init__(self, system: System, preload: ContactState, scheme: Scheme, *words, **options):  # type: ignore[no-untyped-def]
+        self._motion: BetweenSteps | None = None
+        super().__init__(system, preload, scheme, *words, **options)
+        self.residual_limit *= LOOSER
+
+    def follow(self, motion: BetweenSteps) -> None:
+        """Use the base acceleration of ``motion`` within the steps; by default it is linear between their ends."""
+        self._motion = motion
+
+    def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
+        return TrigonometricState(
+            Motion.zeros(m), contact, *np.zeros((3, m)), np.zeros(1), empty_matrix(m, contact), *np.zeros((6, 1))
+        )
+
+    def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
+        state, m = self.state, len(turn)
+        new = self._empty_state(m, state.contact)
+        if turn.shape[1]:
+            new.motion.q[:], new.motion.v[:], new.motion.a[:] = (turn @ part for part in state.motion[:3])
+        matrix = new.kept._replace(tangents=state.kept.tangents, renewals=state.kept.renewals)
+        kept = {"kept": matrix, "clock": state.clock}
+        kept |= {name: getattr(state, name) for name in ("projection_error", "motion_norm", "largest", "training")}
+        return new._replace(**kept, opened=state.opened)
+
+    def _use(self, model: ReducedModel) -> None:
+        super()._use(model)
+        self._propagations: dict[float, Propagation] = {}
+        force = self._force()
+        self.state.force[:] = force
+        self.state.force_before[:] = force
+
+    def _force(self) -> FloatArray:
+        """(m,) reduced force of friction's correction in the committed state of the contact."""
+        contact, s = self.state.contact, np.zeros_like(self.state.contact.jump)
+        correction(contact.jump, contact.traction, self.reference, s)
+        return -(self._interface.force @ s)
+
+    def _prepare(self, dt: float) -> Modal:
+        """Matrices of steps of ``dt`` (s); the state is split into free motion and static answer once they change."""
+        model, state = self.model, self.state
+        if dt not in self._steps:
+            self._steps[dt], self._propagations[dt] = _step(model, dt)
+        modal = self._steps[dt]
+        if state.time_step[0] != dt:
+            steps = self._propagations[dt]
+            free, v = state.free, state.motion.v
+            free[:] = state.motion.q
+            fast = ~steps.resolved
+            free[fast] = -(steps.flexibility * model.base)[fast] * self.base_acceleration
+            self.accumulated.flows[NUMERICAL_FLOW] += 0.5 * np.sum(v[fast] ** 2)
+            v[fast] = 0.0
+            sum_up(state.kept, self.reference.springs, self._interface.jump, self.system.laws.area, 1.0, modal)
+            state.kept.inverse[:] = la.inv(state.kept.matrix)
+            state.time_step[0] = dt
+        return modal
+
+    def _nodes(self, acceleration: FloatArray, dt: float) -> FloatArray:
+        """(k, len(NODES)) base acceleration in the steps, m/s^2; ``acceleration`` (k + 1,) at their ends."""
+        if self._motion is None:
+            return acceleration[:-1, None] + np.diff(acceleration)[:, None] * NODES
+        start = self.state.clock[0] + dt * np.arange(len(acceleration) - 1)
+        times = start[:, None] + dt * NODES
+        return np.asarray(self._motion.acceleration(times.ravel())).reshape(times.shape)
+
+    def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
+        """Advance in the compiled loop; see `Stepper.try_steps`."""
+        m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
+        modal = self._prepare(dt)
+        newton = Newton(self.residual_limit, most, np.zeros(most + 1))
+        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 3 * m + 3 * n + 1))
+        checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
+        done = advance_trigonometric(
+            self._nodes(acceleration, dt), self.step(dt), self._propagations[dt], modal, self._interface,
+            self.reference, self.system.laws, self.state, newton, self.accumulated, checks, records,
+        )  # fmt: skip
+        if done < len(acceleration) - 1:
+            self.last_history = [float(h) for h in newton.history if h > 0.0]
+        self._checked.append(rows[: checks.filled[0]])
+        return int(done)
+
+
+def _step(model: ReducedModel, dt: float) -> tuple[Modal, Propagation]:
+    """Linear structure for Newton's method, and coefficients, of steps of ``dt`` (s)."""
+    none = np.zeros(0)
+    given = model.eigenvalues, model.base, model.tip, model.probes
+    if model.damping is None:
+        steps = propagation(model.eigenvalues, (), model.base, dt)
+        inverse = np.concatenate([part.ravel() for part in force_answer(steps)])
+        return Modal(*given, inverse, Dashpots(none, np.zeros(1, np.int64), none, none, none)), steps
+    rates = np.diag(model.damping).copy()
+    if not np.count_nonzero(model.damping - np.diag(rates)):
+        steps = propagation(model.eigenvalues, [rates], model.base, dt)
+        inverse = np.concatenate([part.ravel() for part in force_answer(steps)])
+        return Modal(*given, inverse, Dashpots(rates, np.array([0, model.size]), none, none, none)), steps
+    steps = propagation(model.eigenvalues, [model.damping], model.base, dt)
+    [answer] = force_answer(steps)
+    flat = (np.ascontiguousarray(part).ravel() for part in (model.damping, la.inv(answer), answer))
+    return Modal(*given, none, Dashpots(none, np.array([0, model.size]), *flat)), steps
