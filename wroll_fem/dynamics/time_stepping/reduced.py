@@ -20,6 +20,7 @@ Krysl, Lall, Marsden (2001), Int. J. Numer. Meth. Engng 51, 479, doi:10.1002/nme
 from __future__ import annotations
 
 import time as clock
+from typing import ClassVar
 
 import numpy as np
 import scipy.linalg as la
@@ -107,6 +108,7 @@ class ReducedStepper(Stepper):
     """
 
     name = "reduced"
+    remedy: ClassVar[str] = "use solver.method: condensed, or raise solver.reduction_tolerance"
     state: ReducedState
 
     def __init__(
@@ -156,9 +158,15 @@ class ReducedStepper(Stepper):
         """Raise a ReductionError if a part of the structure is unrestrained."""
         values = self.condensation.eigenvalues
         if unpressed(self.system, self.preload):
-            raise _refused("an interface carries no pressure: its layers are not held in the reduced model", time)
+            raise self._refused("an interface carries no pressure: its layers are not held in the reduced model", time)
         if values.min() < FLOATING * values.max():
-            raise _refused("neither friction nor a support holds a layer in the reduced model", time)
+            raise self._refused("neither friction nor a support holds a layer in the reduced model", time)
+
+    def _refused(self, message: str, time: float, residuals: FloatArray | None = None) -> ReductionError:
+        return ReductionError(
+            message, time_s=time, iterations=0, residual_history=[] if residuals is None else residuals[:5].tolist(),
+            advice=self.remedy,
+        )  # fmt: skip
 
     def adopt(self, model: ReducedModel) -> None:
         """Use a model whose basis contains the current one; the state is converted to the new coordinates."""
@@ -280,7 +288,8 @@ class ReducedStepper(Stepper):
                 opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
                 state.opened[0] = max(float(state.opened[0]), float(opened))
                 if self.error_estimate > self.largest_error:
-                    raise _refused(f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %", time)
+                    reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
+                    raise self._refused(reached, time)
                 return records
             self.restore(start)
             self._enrich(self.tolerance * np.sqrt(largest), time)
@@ -338,7 +347,8 @@ class ReducedStepper(Stepper):
         keep[0] = True
         model = self.model.enriched(left[:, keep] / root)
         if model.size > LARGEST or model.size == self.model.size:
-            raise _refused(f"the reduced model does not follow the motion ({self.model.size} coordinates)", time, size)
+            problem = f"the reduced model does not follow the motion ({self.model.size} coordinates)"
+            raise self._refused(problem, time, size)
         self.adopt(model)
 
     def report(self) -> dict[str, float]:
@@ -380,10 +390,3 @@ def empty_matrix(m: int, contact: ContactMemory) -> KeptMatrix:
     return KeptMatrix(
         np.zeros((len(contact.jump) // 3, 3, 3)), np.zeros((m, m)), np.zeros((m, m)), np.zeros(1, np.int64)
     )
-
-
-def _refused(message: str, time: float, residuals: FloatArray | None = None) -> ReductionError:
-    return ReductionError(
-        message, time_s=time, iterations=0, residual_history=[] if residuals is None else residuals[:5].tolist(),
-        advice="use solver.method: condensed, or raise solver.reduction_tolerance",
-    )  # fmt: skip

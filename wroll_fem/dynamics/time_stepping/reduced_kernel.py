@@ -128,7 +128,7 @@ class Trial(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays in which a step is solved: trial contact, residuals (m,), forces (m,), displacement (m,), tangents, scales.
+    """Arrays in which a step is solved: trial contact, residuals, forces and displacement (m,), tangents, scales.
 
     After `solve_step` the trial contact and ``force``, the reduced force of the traction correction, are those of the
     solution.

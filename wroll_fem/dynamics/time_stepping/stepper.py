@@ -83,6 +83,7 @@ class Stepper(ABC):
         self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
         self.accumulated = Accumulated.zeros(system.n_points)
         self.cuts = 0
+        self.motion: BetweenSteps | None = None
         self.base_acceleration = np.zeros(())  # m/s^2, with which the committed acceleration is in balance
         gamma = system.laws.gamma
         self.residual_limit = options.tolerance * (float(gamma.min()) if gamma.size else 1.0)
@@ -119,7 +120,8 @@ class Stepper(ABC):
         return record_size(len(self.system.output_rows))
 
     def follow(self, motion: BetweenSteps) -> None:
-        """Prepare for ``motion``; a scheme that uses the base acceleration within the steps takes it from there."""
+        """Let a scheme that uses the base acceleration within the steps take it from ``motion``."""
+        self.motion = motion
 
     def step(self, dt: float) -> Step:
         """Time step ``dt`` (s) and parameters of the integration scheme, for compiled code."""

@@ -31,7 +31,7 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     working_arrays,
 )
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
-from wroll_fem.dynamics.trigonometric.propagation import NODES, OUTPUTS, WEIGHTS
+from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
 
@@ -46,8 +46,9 @@ class TrigonometricState(NamedTuple):
     Attributes
     ----------
     motion, contact : motion in reduced coordinates, and contact state of all points
-    free : (m,) displacement d without the static answer of unresolved modes to friction's correction
+    free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and d'
     force, force_before : (m,) reduced force of friction's correction now, and one step before
+    known : (m,) this force as p knows it, which differs after a change of the basis
     clock : (1,) time, s
     kept, time_step, projection_error, motion_norm, largest, training, opened : see `ReducedState`
     """
@@ -55,8 +56,10 @@ class TrigonometricState(NamedTuple):
     motion: Motion
     contact: ContactMemory
     free: FloatArray
+    free_rate: FloatArray
     force: FloatArray
     force_before: FloatArray
+    known: FloatArray
     clock: FloatArray
     kept: KeptMatrix
     time_step: FloatArray
@@ -118,41 +121,71 @@ def _work_of_nodes(nodes, steps, modal, v, out, flows):
 
 
 @numba.njit(cache=True)
-def _commit_motion(nodes, steps, modal, x, force, out, state, flows):
+def _answer_start(steps, state, q_hat):
+    """Add to ``q_hat`` (m,) the displacement p of unresolved modes after the step, without the force at its end."""
+    for i in range(q_hat.shape[0]):
+        if not steps.resolved[i]:
+            p, rate = state.motion.q[i] - state.free[i], state.motion.v[i] - state.free_rate[i]
+            load = (1.0 - IMPLICIT) * state.known[i] - steps.eigenvalues[i] * p
+            q_hat[i] += p + steps.mobility[i] * (rate * steps.dt + IMPLICIT * steps.dt * steps.dt * load)
+
+
+@numba.njit(cache=True)
+def _commit_answer(steps, modal, force, mean_base, out, state, flows, i):
+    """Advance p of the unresolved mode ``i``; add its work to ``flows``. Returns p and its rate and acceleration.
+
+    p follows the implicit midpoint rule with the weight `IMPLICIT` of the end of the step (docs/trigonometric.md).
+    """
+    dt, value, rate = steps.dt, steps.eigenvalues[i], steps.rates[i]
+    d, d_rate, f, f_new = state.free[i], state.free_rate[i], state.force[i], force[i]
+    p, p_rate = state.motion.q[i] - d, state.motion.v[i] - d_rate
+    load = (1.0 - IMPLICIT) * state.known[i] + IMPLICIT * f_new
+    mean = steps.mobility[i] * (p_rate + IMPLICIT * dt * (load - value * p))
+    change = dt * (load - rate * mean - value * (p + IMPLICIT * dt * mean))
+    p_new, p_rate_new = p + dt * mean, p_rate + change
+    d_new, d_rate_new = out[0, i], out[1, i]
+    moved, free_moved = p_new - p, d_new - d
+    numerical = (0.5 * (f + f_new) - load) * moved + (IMPLICIT - 0.5) * (change * change + value * moved * moved)
+    numerical += (0.5 * (f + f_new) - 2.0 * rate * mean) * free_moved  # p and d together
+    numerical -= d_rate_new * p_rate_new - d_rate * p_rate + value * (d_new * p_new - d * p)
+    given = -mean_base * modal.base[i] * moved
+    flows[INPUT_FLOW] += given
+    flows[NUMERICAL_FLOW] += numerical + given
+    flows[VISCOUS_FLOW] += rate * mean * (dt * mean + 2.0 * free_moved)
+    return p_new, p_rate_new, change / dt
+
+
+@numba.njit(cache=True)
+def _commit_motion(nodes, steps, modal, force, out, state, flows):
     """Update the motion; add the work of base, dashpots and scheme (derived in docs/trigonometric.md).
 
     Parameters
     ----------
     nodes : base acceleration at `NODES`, m/s^2
-    x : (m,) displacement at the end of the step
     force : (m,) force of friction's correction at the end of the step
     out : (OUTPUTS, m) results of the step
     """
-    motion, free, eigenvalues = state.motion, state.free, modal.eigenvalues
-    _work_of_nodes(nodes, steps, modal, motion.v, out, flows)
-    numerical, given = 0.0, 0.0
+    motion, free = state.motion, state.free
+    _work_of_nodes(nodes, steps, modal, state.free_rate, out, flows)
     mean_base = 0.5 * (nodes[0] + nodes[LAST])
-    for i in range(x.shape[0]):
-        d, q, f = free[i], motion.q[i], state.force[i]
-        d_new, q_new, f_new = out[0, i], x[i], force[i]
-        if steps.resolved[i]:
-            numerical -= (f_new - f) * (0.5 * (d + d_new) - out[2, i]) + 0.5 * (f + f_new) * (d_new - d)
-        numerical += 0.5 * (f + f_new) * (q_new - q)
-        numerical -= 0.5 * eigenvalues[i] * (q_new * q_new - q * q - d_new * d_new + d * d)
-        given -= mean_base * modal.base[i] * (q_new - q - d_new + d)
-    flows[INPUT_FLOW] += given
-    flows[NUMERICAL_FLOW] += numerical + given
-    motion.q[:] = x
-    motion.v[:] = out[1]
-    free[:] = out[0]
-    motion.a[:] = -modal.base * nodes[LAST] - eigenvalues * free
-    for i in range(x.shape[0]):
-        if steps.resolved[i]:
-            motion.a[i] += force[i]
+    motion.a[:] = -modal.base * nodes[LAST] - modal.eigenvalues * out[0]
     if damped(modal.dashpots):
-        motion.a[:] -= viscous_force(modal.dashpots, motion.v)
+        motion.a[:] -= viscous_force(modal.dashpots, out[1])
+    for i in range(force.shape[0]):
+        if steps.resolved[i]:
+            f, f_new = state.force[i], force[i]
+            flows[NUMERICAL_FLOW] -= (f_new - f) * (0.5 * (free[i] + out[0, i]) - out[2, i])
+            motion.q[i], motion.v[i] = out[0, i], out[1, i]
+            motion.a[i] += f_new
+        else:
+            p, rate, acceleration = _commit_answer(steps, modal, force, mean_base, out, state, flows, i)
+            motion.q[i], motion.v[i] = out[0, i] + p, out[1, i] + rate
+            motion.a[i] += acceleration
+    free[:] = out[0]
+    state.free_rate[:] = out[1]
     state.force_before[:] = state.force
     state.force[:] = force
+    state.known[:] = force
     state.clock[0] += steps.dt
 
 
@@ -195,15 +228,16 @@ def advance_trigonometric(
     out = np.zeros((OUTPUTS, m))
     checks.filled[0] = 0
     for number in range(nodes.shape[0]):
-        _propagate(steps, state.free, motion.v, state.force, nodes[number], out)
+        _propagate(steps, state.free, state.free_rate, state.force, nodes[number], out)
         q_hat[:] = out[0]
+        _answer_start(steps, state, q_hat)
         x[:] = q_hat + answer(modal, 2.0 * state.force - state.force_before, 1.0)
         iterations = solve_step(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
         if iterations < 0:
             return number
         force[:] = -work.force
         _add_end(steps, force, out)
-        _commit_motion(nodes[number], steps, modal, x, force, out, state, accumulated.flows)
+        _commit_motion(nodes[number], steps, modal, force, out, state, accumulated.flows)
         commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         record = records[number]
         _record_motion(motion, modal, record)

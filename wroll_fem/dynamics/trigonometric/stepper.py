@@ -1,13 +1,13 @@
-r"""Trigonometric integration: modes of the sticking structure are exact, friction's correction varies linearly in a step.
+r"""Trigonometric integration: modes of the sticking structure are exact, friction's correction is linear in a step.
 
 In reduced coordinates q of the structure with sticking interfaces (`reduced_model`),
 
 .. math:: \ddot q + C \dot q + \Lambda q = -b\,a_g(t) + F(t), \qquad F = -(G \Phi)^T W\, s(q)
 
-with friction's correction s, which is zero while everything sticks. A step is the exact solution (`propagation`) for the
-given base motion and a correction that varies linearly between the ends of the step. This holds for modes with less than
-half a cycle in a step. A faster mode answers to the correction as a spring does, :math:`q = d + F / \lambda`, while its
-free motion d is exact:
+with friction's correction s, which is zero while everything sticks. A step is the exact solution (`propagation`) for
+the given base motion and a correction that varies linearly between the ends of the step. This holds for modes with less
+than half a cycle in a step. A faster mode answers to the correction as a spring does, :math:`q = d + F / \lambda`,
+while its free motion d is exact:
 
 .. math:: q_{n+1} = \hat q_{n+1} + A F_{n+1}, \qquad A = \frac{1 - \mathrm{sinc}(\omega h)}{\omega^2} \;\;
           (\omega h < \pi), \quad \frac{1}{\omega^2} \;\; (\omega h \ge \pi)
@@ -34,19 +34,20 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.contact.kernels import Reference
+from wroll_fem.contact.laws import PointLaws
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
-from wroll_fem.dynamics.time_stepping.records import NUMERICAL_FLOW
 from wroll_fem.dynamics.time_stepping.reduced import CHECK_EVERY, ReducedStepper, empty_matrix
 from wroll_fem.dynamics.time_stepping.reduced_kernel import ResidualChecks, sum_up
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Dashpots, Modal, Motion, Newton
-from wroll_fem.dynamics.time_stepping.stepper import BetweenSteps
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.dynamics.trigonometric.kernel import TrigonometricState, advance_trigonometric
 from wroll_fem.dynamics.trigonometric.propagation import NODES, Propagation, force_answer, propagation
+from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
 LOOSER = 1e4
@@ -57,20 +58,23 @@ the energy ledger as numerical dissipation, and does not grow: the free motion o
 class TrigonometricStepper(ReducedStepper):
     """`ReducedStepper` whose modes are propagated exactly; see the docstring of this module."""
 
+    remedy = "use integrator.scheme: hht, for which the run falls back to solver.method: condensed"
     state: TrigonometricState  # type: ignore[assignment]  # with the fields of `ReducedState` that the base class uses
 
-    def __init__(self, system: System, preload: ContactState, scheme: Scheme, *words, **options):  # type: ignore[no-untyped-def]
-        self._motion: BetweenSteps | None = None
-        super().__init__(system, preload, scheme, *words, **options)
+    def __init__(
+        self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
+        tolerance: float = 2e-3, largest_error: float = np.inf, condensation: Condensation | None = None,
+    ):  # fmt: skip
+        check_laws(system.laws)
+        super().__init__(
+            system, preload, scheme, options, dt=dt, tolerance=tolerance, largest_error=largest_error,
+            condensation=condensation,
+        )  # fmt: skip
         self.residual_limit *= LOOSER
-
-    def follow(self, motion: BetweenSteps) -> None:
-        """Use the base acceleration of ``motion`` within the steps; by default it is linear between their ends."""
-        self._motion = motion
 
     def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
         return TrigonometricState(
-            Motion.zeros(m), contact, *np.zeros((3, m)), np.zeros(1), empty_matrix(m, contact), *np.zeros((6, 1))
+            Motion.zeros(m), contact, *np.zeros((5, m)), np.zeros(1), empty_matrix(m, contact), *np.zeros((6, 1))
         )
 
     def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
@@ -78,6 +82,7 @@ class TrigonometricStepper(ReducedStepper):
         new = self._empty_state(m, state.contact)
         if turn.shape[1]:
             new.motion.q[:], new.motion.v[:], new.motion.a[:] = (turn @ part for part in state.motion[:3])
+            new = new._replace(free=turn @ state.free, free_rate=turn @ state.free_rate, known=turn @ state.force)
         matrix = new.kept._replace(tangents=state.kept.tangents, renewals=state.kept.renewals)
         kept = {"kept": matrix, "clock": state.clock}
         kept |= {name: getattr(state, name) for name in ("projection_error", "motion_norm", "largest", "training")}
@@ -103,25 +108,24 @@ class TrigonometricStepper(ReducedStepper):
             self._steps[dt], self._propagations[dt] = _step(model, dt)
         modal = self._steps[dt]
         if state.time_step[0] != dt:
-            steps = self._propagations[dt]
-            free, v = state.free, state.motion.v
-            free[:] = state.motion.q
-            fast = ~steps.resolved
-            free[fast] = -(steps.flexibility * model.base)[fast] * self.base_acceleration
-            self.accumulated.flows[NUMERICAL_FLOW] += 0.5 * np.sum(v[fast] ** 2)
-            v[fast] = 0.0
+            # modes that are resolved have no answer p; modes beyond half a cycle have the static response to the base
+            steps, q, v = self._propagations[dt], state.motion.q, state.motion.v
+            state.free[steps.resolved], state.free_rate[steps.resolved] = q[steps.resolved], v[steps.resolved]
+            fast = steps.eigenvalues * dt**2 > np.pi**2
+            state.free[fast] = -model.base[fast] / model.eigenvalues[fast] * self.base_acceleration
+            state.free_rate[fast] = 0.0
             sum_up(state.kept, self.reference.springs, self._interface.jump, self.system.laws.area, 1.0, modal)
             state.kept.inverse[:] = la.inv(state.kept.matrix)
             state.time_step[0] = dt
         return modal
 
     def _nodes(self, acceleration: FloatArray, dt: float) -> FloatArray:
-        """(k, len(NODES)) base acceleration in the steps, m/s^2; ``acceleration`` (k + 1,) at their ends."""
-        if self._motion is None:
+        """(k, len(NODES)) base acceleration in the steps, m/s^2; without a motion linear between their ends."""
+        if self.motion is None:
             return acceleration[:-1, None] + np.diff(acceleration)[:, None] * NODES
         start = self.state.clock[0] + dt * np.arange(len(acceleration) - 1)
         times = start[:, None] + dt * NODES
-        return np.asarray(self._motion.acceleration(times.ravel())).reshape(times.shape)
+        return np.asarray(self.motion.acceleration(times.ravel())).reshape(times.shape)
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
@@ -138,6 +142,24 @@ class TrigonometricStepper(ReducedStepper):
             self.last_history = [float(h) for h in newton.history if h > 0.0]
         self._checked.append(rows[: checks.filled[0]])
         return int(done)
+
+
+def check_laws(laws: PointLaws) -> None:
+    """Refuse friction that sticks nowhere, and friction that falls with the slip rate.
+
+    Raises
+    ------
+    InputError
+        If there is such a law.
+    """
+    if not (laws.stores_slip | laws.elastic).all():
+        problem = "friction without memory sticks nowhere, so that there are no sticking modes to propagate"
+    elif laws.weakening.any():
+        problem = "friction that falls with the slip rate may have several solutions of a trigonometric step"
+    else:
+        return
+    remedy = "use hht, or contact.friction.law: penalty_coulomb"
+    raise InputError(problem, key="integrator.scheme", remedy=remedy)
 
 
 def _step(model: ReducedModel, dt: float) -> tuple[Modal, Propagation]:
