@@ -7,9 +7,11 @@ import pytest
 import scipy.linalg as la
 
 from wroll_fem.dynamics.trigonometric.propagation import (
+    IMPLICIT,
     INSIDE,
     NODES,
     OUTPUTS,
+    RESOLVED,
     WEIGHTS,
     force_answer,
     phi_functions,
@@ -58,10 +60,12 @@ def test_coupled_modes_are_those_of_their_coordinates() -> None:
     force = np.array([2.0, 3.0])
     rest = np.concatenate([force / values, np.zeros(2)])
     right = rest - la.expm(DT * system) @ rest
-    found = steps.state.reshape(OUTPUTS * 2, 8)[:4, 4:] @ np.tile(force, 2)
+    found = steps.state.reshape(OUTPUTS * 2, 8)[:4, 4:] @ np.tile(force / steps.gain, 2)
     np.testing.assert_allclose(found, right, rtol=1e-9, atol=1e-13)
     np.testing.assert_allclose(
-        steps.base[:2].sum(axis=2).ravel(), -(steps.state.reshape(OUTPUTS * 2, 8)[:4, 4:] @ np.tile(base, 2)), rtol=1e-10
+        steps.base[:2].sum(axis=2).ravel(),
+        -(steps.state.reshape(OUTPUTS * 2, 8)[:4, 4:] @ np.tile(base / steps.gain, 2)),
+        rtol=1e-10,
     )
 
 
@@ -71,7 +75,7 @@ def test_velocities_inside_and_the_mean_belong_to_the_same_motion() -> None:
     value, rate = 6e5, 40.0
     steps = propagation(np.array([value]), [np.array([rate])], np.array([1.3]), DT)
     start, forces, nodes = rng.standard_normal(2), rng.standard_normal(2), rng.standard_normal(len(NODES))
-    found = steps.state.reshape(OUTPUTS, 4) @ [*start, *forces] + steps.base[:, 0] @ nodes
+    found = steps.state.reshape(OUTPUTS, 4) @ [*start, *forces / steps.gain] + steps.base[:, 0] @ nodes
     poly = np.polyfit(NODES, nodes, len(NODES) - 1)
     from scipy.integrate import solve_ivp
 
@@ -84,15 +88,17 @@ def test_velocities_inside_and_the_mean_belong_to_the_same_motion() -> None:
     assert found[1] == pytest.approx(right[1, -1], rel=1e-9)
     assert found[2] == pytest.approx(right[2, -1] / DT, rel=1e-9)
     np.testing.assert_allclose(found[3:], right[1, 1 : 1 + INSIDE], rtol=1e-9)
-    assert WEIGHTS @ NODES**7 == pytest.approx(1.0 / 8.0, rel=1e-14)
+    assert pytest.approx(1.0 / 8.0, rel=1e-14) == WEIGHTS @ NODES**7
 
 
 def test_the_implicit_part_is_the_filter_of_the_page() -> None:
-    """(1 - sinc) / omega^2 below half a cycle per step, 1 / omega^2 above."""
-    angles = np.array([0.2, 1.0, 3.1, 3.2, 50.0])
+    """Gautschi's filter for resolved modes, the implicit midpoint rule for the others."""
+    angles = np.array([0.003, 0.2, 0.99, 1.01, 50.0])
     values = (angles / DT) ** 2
     found = np.ravel(force_answer(propagation(values, [], np.zeros(5), DT))) * values
-    right = np.where(angles < np.pi, 1.0 - np.sin(angles) / angles, 1.0)
-    np.testing.assert_allclose(found, right, rtol=1e-10)
+    half = np.sinc(0.5 * angles / np.pi)
+    mobile = (IMPLICIT * angles) ** 2
+    right = np.where(angles < RESOLVED, 1.0 - half**2, mobile / (1.0 + mobile))
+    np.testing.assert_allclose(found, right, atol=1e-11)
     coupled = force_answer(propagation(values, [np.zeros((5, 5))], np.zeros(5), DT))[0]
-    np.testing.assert_allclose(np.diag(coupled) * values, right, rtol=1e-10)
+    np.testing.assert_allclose(np.diag(coupled) * values, right, atol=1e-11)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
 import xarray as xr
 from support.exact_systems import contact_point, coulomb_oscillator, dense_system, lifting_mass, orbiting_mass
 from support.interrupted import interrupted
@@ -15,15 +17,14 @@ from support.paths import CONFIGS
 
 from wroll_fem import load_case
 from wroll_fem.analyses.shared.preparation import prepare
-from wroll_fem.contact.interface import PenaltyCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import simulate as module
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
-from wroll_fem.dynamics.time_stepping.reduced import modes_to_reduce
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
@@ -45,7 +46,9 @@ def prepared(*overrides: str) -> tuple[System, ContactState]:
     return prepare(case, SilentProgress())
 
 
-def history(system: System, state: ContactState, motion: Dwell, dt: float, scheme: Scheme, **more: object) -> xr.Dataset:
+def history(
+    system: System, state: ContactState, motion: Dwell, dt: float, scheme: Scheme, **more: object
+) -> xr.Dataset:
     method = str(more.pop("method", "reduced"))
     tolerance = float(more.pop("tolerance", 2e-3))  # type: ignore[arg-type]
     run = make_stepper(
@@ -89,26 +92,45 @@ def modal_solution(value: float, rate: float, w: float, times: FloatArray) -> Fl
     return found + decay * np.real(q * np.cos(own * times) + (v + 0.5 * rate * q) / own * np.sin(own * times))
 
 
-@pytest.mark.parametrize("damping", ["damping.modal=0.004", "damping={rayleigh: {alpha: 8.0, beta: 1.0e-6}}"])
 @pytest.mark.parametrize("steps", [8, 20])
-def test_a_stuck_roll_has_the_modal_response_of_its_closed_form(damping: str, steps: int) -> None:
-    """All modes of a bonded roll under a base sine of 150 Hz: 1e-10 of the tip motion at any number of steps.
-
-    At 8 steps per cycle the base motion of degree 4 in a step leaves 3e-8.
-    """
-    case = load_case(LAB, ["mesh={circumferential: 4, axial: 2, grading: 1}", "coil.model=bonded", damping])
-    system, state = prepare(case, SilentProgress())
+def test_a_stuck_roll_has_the_modal_response_of_its_closed_form(steps: int) -> None:
+    """All damped modes of a roll that sticks, base sine of 150 Hz; at 8 steps its polynomial in a step leaves 1e-8."""
+    words = ["mesh={circumferential: 8, axial: 2, grading: 1}", "coil.model=bonded", "damping.modal=0.004"]
+    system, state = prepare(load_case(LAB, words), SilentProgress())
     dt, sine = 1.0 / (150.0 * steps), Sine(150.0, 15.0)
-    modes = modes_to_reduce(system, state, HHT, dt)
-    found = history(system, state, sine, dt, EXACT, tolerance=1e-12)  # type: ignore[arg-type]
-    times = found["time"].values
-    rates = np.concatenate([np.diag(part) if part.ndim == 2 else part for part in modes.damping])
-    right = np.zeros(len(times))
-    for value, rate, share in zip(modes.eigenvalues, rates, -modes.base * modes.tip, strict=True):
-        if abs(share) > 0.0:
-            right += share * modal_solution(value, rate, sine.w, times)
+    run = TrigonometricStepper(system, state, EXACT, NewtonOptions(), dt=dt)
+    modes = run.condensation
+    run.adopt(ReducedModel.complete(modes))
+    found = simulate(system, state, sine, dt=dt, scheme=EXACT, stepper=run)
+    times, right = found["time"].values, 0.0
+    for value, rate, share in zip(
+        modes.eigenvalues, np.concatenate(modes.damping), -modes.base * modes.tip, strict=True
+    ):
+        right = right + share * modal_solution(value, rate, sine.w, times)
     tip = found["tip_displacement"].values
+    assert len(times) > 15 * steps
     assert np.abs(tip - right).max() < (1e-10 if steps == 20 else 1e-7) * np.abs(right).max()
+    assert gap(found) < 1e-6
+
+
+def test_coupled_damping_has_the_closed_form_too() -> None:
+    """A chain of five masses with one dashpot to ground, which couples the modes: 10 steps per cycle."""
+    k = 4.0e4 * (2.0 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1))
+    dashpot = np.zeros((5, 5))
+    dashpot[0, 0] = 60.0
+    plain = dense_system(k, np.eye(5), np.ones(5), tip=[0, 0, 0, 0, 1.0])
+    system = dataclasses.replace(plain, damping=sp.csr_matrix(dashpot))
+    state, sine, dt = ContactState.unloaded(system), Sine(20.0, 12.0), 1.0 / 400.0
+    found = history(system, state, sine, dt, EXACT)  # type: ignore[arg-type]
+    matrix = np.block([[np.zeros((5, 5)), np.eye(5)], [-k, -dashpot]])
+    load = np.concatenate([np.zeros(5), -np.ones(5)])
+    steady = np.linalg.solve(1j * sine.w * np.eye(10) - matrix, load)
+    step, y = la.expm(dt * matrix), -steady.imag
+    right = []
+    for time in found["time"].values:
+        right.append(np.imag(steady * np.exp(1j * sine.w * time))[4] + y[4])
+        y = step @ y
+    assert np.abs(found["tip_displacement"].values - right).max() < 1e-10 * np.abs(right).max()
     assert gap(found) < 1e-6
 
 
@@ -159,13 +181,13 @@ def test_a_jenkins_oscillator_agrees_with_fine_steps_to_second_order() -> None:
     system, dwell = jenkins(), Dwell(3.0, 14.0, 8.0, ramp_cycles=2.0)
     state = solve_preload(system)
     counts = np.array([20, 40, 80, 160, 320])
-    fine = central_differences(int(8 * 20480), dwell, 1e-4)
+    fine = central_differences(8 * 20480, dwell, 1e-4)
     errors = []
     for count in counts:
         found = history(system, state, dwell, 1.0 / (14.0 * count), EXACT)
         tip = found["tip_displacement"].values
         errors.append(np.abs(tip - fine[:: (len(fine) - 1) // (len(tip) - 1)]).max() / np.abs(fine).max())
-        assert gap(found) < 1e-8
+        assert gap(found) < 1e-6
     assert float(found["friction_energy"][-1]) > 0.1 * float(found["input_work"][-1])
     slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert -2.5 < slope < -1.6
@@ -189,14 +211,14 @@ def test_random_systems_agree_with_fine_steps_of_hht(number: int) -> None:
     system = dataclasses.replace(system, damping=rng.uniform(0.2, 3.0) * system.mass)
     state = solve_preload(system)
     dwell = Dwell(rng.uniform(2.0, 8.0), 12.0, 6.0, ramp_cycles=2.0)
-    right = history(system, state, dwell, 1.0 / (12.0 * 1600), HHT)
+    right = history(system, state, dwell, 1.0 / (12.0 * 3200), Scheme.hht(0.0))
     errors = []
     for steps in (80, 320):
         found = history(system, state, dwell, 1.0 / (12.0 * steps), EXACT)
         errors.append(difference(found, right))
         assert gap(found) < 1e-6
     assert errors[1] < 4e-3
-    assert errors[1] < 0.5 * errors[0] + 1e-4
+    assert errors[1] < 0.25 * errors[0] + 1e-4
 
 
 def test_coulomb_friction_takes_four_mu_n_over_k_per_cycle() -> None:
@@ -205,12 +227,12 @@ def test_coulomb_friction_takes_four_mu_n_over_k_per_cycle() -> None:
     dt = 2.0 * np.pi / 100.0 / 200
     run = TrigonometricStepper(system, solve_preload(system), EXACT, NewtonOptions(), dt=dt)
     base = np.zeros(200 * 6)
-    base[:50] = 60.0 * np.sin(np.pi * np.arange(50) / 50)
+    base[:50] = 150.0 * np.sin(np.pi * np.arange(50) / 50)
     records = run.advance(base, dt, 0.0)
-    u = records[60:, 0]
-    peaks = np.abs(u[1:-1][(np.abs(u[1:-1]) > np.abs(u[:-2])) & (np.abs(u[1:-1]) >= np.abs(u[2:]))])
-    drops = -np.diff(peaks)[: max(int(peaks[0] / 6e-4) - 2, 3)]
-    np.testing.assert_allclose(drops, 2.0 * 0.3 * 10.0 / 1.0e4, rtol=5e-3)
+    u = np.abs(records[60:, 0])
+    peaks = u[1:-1][(u[1:-1] > u[:-2]) & (u[1:-1] >= u[2:])]
+    assert len(peaks) > 4
+    np.testing.assert_allclose(-np.diff(peaks)[:4], 2.0 * 0.3 * 10.0 / 1.0e4, rtol=1e-2)
 
 
 def test_a_lifting_mass_follows_its_opening() -> None:
@@ -230,9 +252,8 @@ def test_what_it_cannot_follow_is_refused() -> None:
     run = TrigonometricStepper(system, state, EXACT, NewtonOptions(), dt=DT, largest_error=1e-2)
     with pytest.raises(ReductionError, match=r"use integrator\.scheme: hht"):
         simulate(system, state, STRONG, dt=DT, scheme=EXACT, stepper=run)
-    table = RateCoulomb(0.3, 1e-6, (0.0, 1e-3), (0.3, 0.2)) if False else None
-    assert table is None
-    for law, words in ((SmoothedCoulomb(0.3, 1e-6), "friction without memory"),):
+    falling = RateCoulomb(0.3, 1e-6, (0.0, 1e-3), (0.3, 0.2))
+    for law, words in ((SmoothedCoulomb(0.3, 1e-6), "friction without memory"), (falling, "falls with the slip rate")):
         point = contact_point([0, 1], [1, 0], [0, 0], mu=0.5, gamma=1e-4, kn=1.0e8)
         point = dataclasses.replace(point, friction=law)
         rough = dense_system(np.diag([5.0e3, 0.0]), np.eye(2), [1, 0], point, tip=[1, 0], preload=[0, -1.0])
@@ -241,11 +262,12 @@ def test_what_it_cannot_follow_is_refused() -> None:
     for method in ("condensed", "full"):
         with pytest.raises(InputError, match="does not propagate modes"):
             make_stepper(system, state, method=method, scheme=EXACT, options=NewtonOptions(), dt=DT)
-    assert isinstance(PenaltyCoulomb(0.3, 1e-6).name, str)
 
 
 @pytest.mark.parametrize("stops", [[2], [1, 2]])
-def test_a_resumed_run_is_the_same_bit_by_bit(stops: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_resumed_run_is_the_same_bit_by_bit(
+    stops: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "CHUNK", 110)
     options = {"dt": DT, "scheme": EXACT, "method": "reduced", "every": 10}
     system, state = prepared("damping.modal=0.01")

@@ -31,11 +31,15 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     working_arrays,
 )
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.dynamics.trigonometric import propagation
 from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
+from wroll_fem.numerics import newton as rates
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
 
-drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__)
+drop_stale_cache(
+    __file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__, propagation.__file__, rates.__file__
+)
 
 LAST = len(NODES) - 1
 
@@ -46,7 +50,8 @@ class TrigonometricState(NamedTuple):
     Attributes
     ----------
     motion, contact : motion in reduced coordinates, and contact state of all points
-    free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and d'
+    free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and without
+        the shift of the others; its rate d'
     force, force_before : (m,) reduced force of friction's correction now, and one step before
     known : (m,) this force as p knows it, which differs after a change of the basis
     clock : (1,) time, s
@@ -173,10 +178,15 @@ def _commit_motion(nodes, steps, modal, force, out, state, flows):
         motion.a[:] -= viscous_force(modal.dashpots, out[1])
     for i in range(force.shape[0]):
         if steps.resolved[i]:
-            f, f_new = state.force[i], force[i]
-            flows[NUMERICAL_FLOW] -= (f_new - f) * (0.5 * (free[i] + out[0, i]) - out[2, i])
-            motion.q[i], motion.v[i] = out[0, i], out[1, i]
-            motion.a[i] += f_new
+            d, d_new, q, q_new = free[i], out[0, i], motion.q[i], out[0, i] + steps.shift[i] * force[i]
+            change, mean, gain = force[i] - state.force[i], 0.5 * (force[i] + state.force[i]), steps.gain[i]
+            given = -mean_base * modal.base[i] * (q_new - q - d_new + d)
+            numerical = mean * (q_new - q - gain * (d_new - d)) - gain * change * (0.5 * (d + d_new) - out[2, i])
+            numerical -= 0.5 * modal.eigenvalues[i] * (q_new * q_new - q * q - d_new * d_new + d * d)
+            flows[INPUT_FLOW] += given
+            flows[NUMERICAL_FLOW] += numerical + given
+            motion.q[i], motion.v[i] = q_new, out[1, i]
+            motion.a[i] += gain * force[i]
         else:
             p, rate, acceleration = _commit_answer(steps, modal, force, mean_base, out, state, flows, i)
             motion.q[i], motion.v[i] = out[0, i] + p, out[1, i] + rate

@@ -59,6 +59,8 @@ class Propagation(NamedTuple):
     state : flat array of the (OUTPUTS n_b, 4 n_b) matrices that act on d, v and the forces at both ends of a step
     base : (OUTPUTS, m, len(NODES)) results per unit base acceleration at each node
     resolved : (m,) bool, modes whose angle in a step is below `RESOLVED`, which forces drive exactly
+    gain, shift : (m,) filter of the forces on these modes: factor on the force that drives d, dimensionless (0 for the
+        other modes), and displacement q - d per force, s^2
     eigenvalues, rates : (m,) rad^2/s^2, and damping of each mode alone, 1/s
     mobility : (m,) 1 / (1 + w h rate + (w h)^2 eigenvalue) with the weight w = `IMPLICIT` and the step h, dimensionless
     dt : size of the step, s
@@ -68,6 +70,8 @@ class Propagation(NamedTuple):
     state: FloatArray
     base: FloatArray
     resolved: np.ndarray
+    gain: FloatArray
+    shift: FloatArray
     eigenvalues: FloatArray
     rates: FloatArray
     mobility: FloatArray
@@ -109,6 +113,7 @@ def propagation(eigenvalues: FloatArray, damping: Sequence[FloatArray], base: Fl
     m = len(eigenvalues)
     angles = dt * np.sqrt(np.maximum(eigenvalues, 0.0))
     resolved = angles < RESOLVED
+    gain, shift = _filter(angles, resolved, dt)
     alone = [np.diag(part).copy() if part.ndim == 2 else part for part in damping]
     rates = np.concatenate([*alone, np.zeros(0 if damping else m)])
     mobility = 1.0 / (1.0 + IMPLICIT * dt * rates + (IMPLICIT * dt) ** 2 * eigenvalues)
@@ -122,18 +127,32 @@ def propagation(eigenvalues: FloatArray, damping: Sequence[FloatArray], base: Fl
     sizes = np.diff(starts)
     if not coupled:  # all blocks have one coordinate: together
         matrices, responses = _coefficients(eigenvalues[:, None], np.array(blocks).reshape(m, 1, 1), dt)
-        matrices[..., 2:] *= resolved[:, None, None]
+        matrices[..., 2:] *= gain[:, None, None]
         state.append(matrices.ravel())
         answers[:] = -np.einsum("boej,b->obj", responses.reshape(m, OUTPUTS, 1, len(NODES)), base)
     else:
         for first, size, block in zip(starts[:-1], sizes, blocks, strict=True):
             here = slice(first, first + size)
             matrices, responses = _coefficients(eigenvalues[None, here], block[None], dt)
-            matrices[0][:, 2 * size :] *= np.tile(resolved[here], 2)
+            matrices[0][:, 2 * size :] *= np.tile(gain[here], 2)
             state.append(matrices.ravel())
             by_mode = responses.reshape(OUTPUTS, size, size, len(NODES))
             answers[:, here] = -np.einsum("oicj,c->oij", by_mode, base[here])
-    return Propagation(starts, np.concatenate(state), answers, resolved, eigenvalues, rates, mobility, dt)
+    return Propagation(starts, np.concatenate(state), answers, resolved, gain, shift, eigenvalues, rates, mobility, dt)
+
+
+def _filter(angles: FloatArray, resolved: np.ndarray, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Gain (m,) and shift (m,), s^2, of the forces on modes with the ``angles`` (m,) in a step of ``dt``, s.
+
+    Without damping d = q - shift F with the force gain F, linear in time, gives Gautschi's filter: the implicit part of
+    the step is (1 - sinc^2(angle / 2)) / omega^2 = dt^2 / 12 for slow modes.
+    """
+    cardinal = np.sinc(angles / np.pi)
+    half = np.sinc(0.5 * angles / np.pi) ** 2
+    gain = np.where(resolved, half / np.where(resolved, cardinal, 1.0), 0.0)
+    slow = angles < 1e-2  # series, where 1 - gain cancels
+    shift = np.where(slow, -1.0 / 12.0, (1.0 - gain) / np.where(slow, 1.0, angles) ** 2)
+    return gain, np.where(resolved, dt**2 * shift, 0.0)
 
 
 def _coefficients(eigenvalues: FloatArray, damping: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
@@ -170,7 +189,7 @@ def _coefficients(eigenvalues: FloatArray, damping: FloatArray, dt: float) -> tu
 def force_answer(steps: Propagation) -> list[FloatArray]:
     """Displacement after a step per unit force at its end, s^2, of each block (m_b, m_b): the implicit part."""
     found, at = [], 0
-    answer = np.where(steps.resolved, 0.0, (IMPLICIT * steps.dt) ** 2 * steps.mobility)
+    answer = np.where(steps.resolved, steps.shift, (IMPLICIT * steps.dt) ** 2 * steps.mobility)
     for first, size in zip(steps.starts[:-1], np.diff(steps.starts), strict=True):
         block = steps.state[at : at + OUTPUTS * size * 4 * size].reshape(OUTPUTS * size, 4 * size)
         found.append(block[:size, 3 * size :] + np.diag(answer[first : first + size]))

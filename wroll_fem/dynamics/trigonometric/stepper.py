@@ -50,7 +50,7 @@ from wroll_fem.dynamics.trigonometric.propagation import NODES, Propagation, for
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 
-LOOSER = 1e4
+LOOSER = 1e3
 """Residual of a converged step relative to that of the implicit schemes (`solver.tolerance`). What it leaves is part of
 the energy ledger as numerical dissipation, and does not grow: the free motion of the modes does not contain it."""
 
@@ -110,7 +110,8 @@ class TrigonometricStepper(ReducedStepper):
         if state.time_step[0] != dt:
             # modes that are resolved have no answer p; modes beyond half a cycle have the static response to the base
             steps, q, v = self._propagations[dt], state.motion.q, state.motion.v
-            state.free[steps.resolved], state.free_rate[steps.resolved] = q[steps.resolved], v[steps.resolved]
+            state.free[steps.resolved] = (q - steps.shift * state.known)[steps.resolved]
+            state.free_rate[steps.resolved] = v[steps.resolved]
             fast = steps.eigenvalues * dt**2 > np.pi**2
             state.free[fast] = -model.base[fast] / model.eigenvalues[fast] * self.base_acceleration
             state.free_rate[fast] = 0.0
