@@ -222,17 +222,21 @@ def test_random_systems_agree_with_fine_steps_of_hht(number: int) -> None:
 
 
 def test_coulomb_friction_takes_four_mu_n_over_k_per_cycle() -> None:
-    """Free decay after a pulse: stick stiffness 3e8 N/m against 1e4 N/m, 300 cycles of the sticking mode per step."""
+    """Free decay after a pulse: the only mode sticks with 3e8 N/m and slides with 1e4 N/m.
+
+    It is not resolved, and the midpoint rule with a weight of 0.55 damps its sliding by 0.05 omega h: 3e-4 here, which
+    takes another 2 % of the drop at the largest of the peaks.
+    """
     system = coulomb_oscillator(gamma=1e-8)
-    dt = 2.0 * np.pi / 100.0 / 200
+    dt = 2.0 * np.pi / 100.0 / 1000
     run = TrigonometricStepper(system, solve_preload(system), EXACT, NewtonOptions(), dt=dt)
-    base = np.zeros(200 * 6)
-    base[:50] = 150.0 * np.sin(np.pi * np.arange(50) / 50)
+    base = np.zeros(1000 * 6)
+    base[:250] = 150.0 * np.sin(np.pi * np.arange(250) / 250)
     records = run.advance(base, dt, 0.0)
-    u = np.abs(records[60:, 0])
+    u = np.abs(records[300:, 0])
     peaks = u[1:-1][(u[1:-1] > u[:-2]) & (u[1:-1] >= u[2:])]
     assert len(peaks) > 4
-    np.testing.assert_allclose(-np.diff(peaks)[:4], 2.0 * 0.3 * 10.0 / 1.0e4, rtol=1e-2)
+    np.testing.assert_allclose(-np.diff(peaks)[:4], 2.0 * 0.3 * 10.0 / 1.0e4, rtol=4e-2)
 
 
 def test_a_lifting_mass_follows_its_opening() -> None:
@@ -287,7 +291,7 @@ def test_an_orbiting_mass_slips_along_a_circle_as_with_hht() -> None:
     system = orbiting_mass()
     state, dwell = solve_preload(system), Dwell(20.0, 12.0, 8.0, ramp_cycles=2.0)
     right = history(system, state, dwell, 2.5e-5, HHT)
-    found = history(system, state, dwell, 1e-3, EXACT)
+    found = history(system, state, dwell, 2.5e-4, EXACT)
     a = np.interp(found["time"], right["time"], right["tip_displacement"])
     assert np.abs(found["tip_displacement"].values - a).max() < 2e-2 * np.abs(a).max()
 

@@ -184,13 +184,14 @@ def history_error(scheme: Scheme, dt: float, motion: BaseMotion, oscillator: Osc
 def period_error(scheme: Scheme, dt: float, frequency: float, stuck: float | None = None) -> float:
     """Relative lengthening of the period of a resonance at ``frequency`` (Hz), which is at ``stuck`` (Hz) without slip.
 
-    With exact modes only the softening by slip has an error (`trigonometric.stepper`); it is 0 if ``stuck`` is None.
+    With exact modes only the softening by slip has an error (docs/trigonometric.md); it is 0 if ``stuck`` is None.
     """
     if not scheme.exact_modes:
         return numerical_damping(scheme, 2.0 * np.pi * frequency * dt)[1]
     if stuck is None or not stuck > frequency:
         return 0.0
-    return -((2.0 * np.pi * dt) ** 2) * (stuck**2 - frequency**2) / 24.0
+    softened = (frequency / stuck) ** 2
+    return float(softened * (1.0 - softened) * (2.0 * np.pi * stuck * dt) ** 4 / 480.0)
 
 
 def curve_error(

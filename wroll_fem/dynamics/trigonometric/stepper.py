@@ -4,22 +4,16 @@ In reduced coordinates q of the structure with sticking interfaces (`reduced_mod
 
 .. math:: \ddot q + C \dot q + \Lambda q = -b\,a_g(t) + F(t), \qquad F = -(G \Phi)^T W\, s(q)
 
-with friction's correction s, which is zero while everything sticks. A step is the exact solution (`propagation`) for
-the given base motion and a correction that varies linearly between the ends of the step. This holds for modes with less
-than half a cycle in a step. A faster mode answers to the correction as a spring does, :math:`q = d + F / \lambda`,
-while its free motion d is exact:
+with friction's correction s, which is zero while everything sticks. The linear part of a step is exact (`propagation`).
+Modes with :math:`\omega h < 1` are driven by the correction, linear in time and filtered (Gautschi); the others answer
+to it by the implicit midpoint rule. With :math:`q_{n+1} = \hat q_{n+1} + A F_{n+1}` and :math:`x = \omega^2 A`,
 
-.. math:: q_{n+1} = \hat q_{n+1} + A F_{n+1}, \qquad A = \frac{1 - \mathrm{sinc}(\omega h)}{\omega^2} \;\;
-          (\omega h < \pi), \quad \frac{1}{\omega^2} \;\; (\omega h \ge \pi)
+.. math:: x = 1 - \mathrm{sinc}^2(\omega h / 2) \;\; (\omega h < 1), \qquad
+          x = \frac{(w \omega h)^2}{1 + (w \omega h)^2} \;\; (\omega h \ge 1, w = 0.55)
 
-for modes without damping. The filter :math:`\omega^2 A` rises from 0 to 1, so that the correction is explicit in slow
-modes up to :math:`(\omega h)^2 / 6` and implicit in fast ones, where sticking friction and closed contact are stiffer
-than the inertia in a step. Any :math:`0 \le \omega^2 A \le 1` keeps the oscillation of a mode bounded when slip softens
-it: with the stiffness :math:`\rho \omega^2, 0 \le \rho \le 1`, a step turns its phase by :math:`\Theta`,
-:math:`1 - \cos\Theta = \rho (1 - \cos\omega h) / (1 - (1 - \rho)\, \omega^2 A) \in [0, 2]`.
-
-Without slip and opening there is no error of the period or of the amplitude at any step. Slip that softens a mode to
-:math:`\rho \omega^2` shortens its period by :math:`(1 - \rho) (\omega h)^2 / 24`.
+for modes without damping: the correction is explicit in slow modes up to :math:`(\omega h)^2 / 12` and implicit in fast
+ones, where sticking friction and closed contact are stiffer than the inertia in a step. The same Newton iteration as
+for HHT solves this equation. Derivation, stability and energies: docs/trigonometric.md.
 
 References
 ----------
