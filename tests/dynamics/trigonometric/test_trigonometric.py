@@ -146,13 +146,14 @@ def test_energy_identity_holds_through_slip_opening_and_growth_of_the_basis(over
 
 
 def test_a_roll_agrees_with_condensed_at_four_times_the_steps() -> None:
-    right = history(*prepared(), STRONG, DT / 4.0, HHT, method="condensed")
-    found = history(*prepared(), STRONG, DT, EXACT)
-    implicit = history(*prepared(), STRONG, DT, HHT)
-    assert difference(found, right) < 4e-3  # the finer HHT still lengthens the period by 1.4e-4
-    assert difference(implicit, right) > 5.0 * difference(found, right)
+    motion = Dwell(5.0, 150.0, 12.0, ramp_cycles=4.0)
+    right = history(*prepared(), motion, DT / 4.0, Scheme.hht(0.0), method="condensed")
+    found = history(*prepared(), motion, DT, EXACT, tolerance=1e-3)
+    implicit = history(*prepared(), motion, DT, HHT, tolerance=1e-3)
+    assert difference(found, right) < 1.2e-2  # at 160 steps the period of the reference is still 1.3e-4 too long
+    assert difference(implicit, right) > 8.0 * difference(found, right)
     friction = [float(run["friction_energy"][-1]) for run in (found, right)]
-    assert friction[0] == pytest.approx(friction[1], rel=5e-3)
+    assert friction[0] == pytest.approx(friction[1], rel=2e-2)
 
 
 def jenkins(gamma: float = 1e-4) -> System:

@@ -183,7 +183,7 @@ def _coefficients(eigenvalues: FloatArray, damping: FloatArray, dt: float) -> tu
     parts = [results(whole, 1.0, slice(0, 2 * n), 0), results(whole, 1.0, slice(0, n), 1)]
     for node in NODES[1:-1]:
         parts.append(results(phi_functions(node * matrix, degree + 1), node, slice(n, 2 * n), 0))
-    return tuple(np.concatenate(kind, axis=1) for kind in zip(*parts, strict=True))  # type: ignore[return-value]
+    return tuple(np.concatenate(kind, axis=1) for kind in zip(*parts, strict=True))
 
 
 def force_answer(steps: Propagation) -> list[FloatArray]:

@@ -67,20 +67,20 @@ class TrigonometricStepper(ReducedStepper):
         self.residual_limit *= LOOSER
 
     def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
-        return TrigonometricState(
-            Motion.zeros(m), contact, *np.zeros((5, m)), np.zeros(1), empty_matrix(m, contact), *np.zeros((6, 1))
-        )
+        matrix, none = empty_matrix(m, contact), np.zeros((5, m))
+        return TrigonometricState(Motion.zeros(m), contact, *none, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
 
     def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
         state, m = self.state, len(turn)
         new = self._empty_state(m, state.contact)
+        kept = new.kept._replace(tangents=state.kept.tangents, renewals=state.kept.renewals)
         if turn.shape[1]:
             new.motion.q[:], new.motion.v[:], new.motion.a[:] = (turn @ part for part in state.motion[:3])
             new = new._replace(free=turn @ state.free, free_rate=turn @ state.free_rate, known=turn @ state.force)
-        matrix = new.kept._replace(tangents=state.kept.tangents, renewals=state.kept.renewals)
-        kept = {"kept": matrix, "clock": state.clock}
-        kept |= {name: getattr(state, name) for name in ("projection_error", "motion_norm", "largest", "training")}
-        return new._replace(**kept, opened=state.opened)
+        return state._replace(
+            motion=new.motion, free=new.free, free_rate=new.free_rate, force=new.force, force_before=new.force_before,
+            known=new.known, kept=kept,
+        )  # fmt: skip
 
     def _use(self, model: ReducedModel) -> None:
         super()._use(model)
