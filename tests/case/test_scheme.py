@@ -21,5 +21,5 @@ def test_the_trigonometric_scheme_is_for_reduced_alone(method: str) -> None:
 
 
 def test_the_trigonometric_scheme_has_no_alpha() -> None:
-    with pytest.raises(InputError, match="scheme trigonometric has a fixed alpha, got -0.1"):
+    with pytest.raises(InputError, match=r"scheme trigonometric has a fixed alpha, got -0\.1"):
         load_case(SWEEP, ["integrator={scheme: trigonometric, alpha: -0.1}"])
