@@ -73,6 +73,7 @@ def main() -> None:
     heads = ("base, m/s²", "scheme", "steps per cycle", "error of the tip", "error of the friction work",
              "numerical dissipation / input", "iterations", "µs of CPU per step")  # fmt: skip
     page = [
+        "# Error of the integration schemes", "",
         "Lab roll on 12 x 6 cells, dwell of twelve cycles at 150 Hz, `solver.reduction_tolerance: 1e-3`, against",
         f"`condensed` with no_damping and {FINEST} steps per cycle. Errors: largest one of the tip history, and the",
         "friction work at the end. The CPU time of a step leaves out the training of the basis. Computed by",
