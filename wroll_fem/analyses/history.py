@@ -21,7 +21,7 @@ from wroll_fem.analyses.shock_plan import unresolved_modes
 from wroll_fem.analyses.slip_modes import path_span, slips_inside
 from wroll_fem.case.structural import OnStructure
 from wroll_fem.dynamics.path_span.span import PathSpan
-from wroll_fem.dynamics.path_span.stepper import PathStepper
+from wroll_fem.dynamics.path_span.stepper import PathStepper, path_stepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -127,6 +127,8 @@ def time_history(
         try:
             history = run.history(method, saving)
         except ReductionError as error:
+            if run.scheme.exact_modes:
+                raise
             fell_back, reason = True, error.problem
             saving = None if saving is None else replace(saving, resume=False)
     if fell_back:
@@ -220,7 +222,7 @@ class _Integration:
         with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
             stepper: Stepper
             if span is not None:
-                stepper = PathStepper(system, state, scheme, options, dt=dt, tolerance=tolerance, span=span)
+                stepper = path_stepper(system, state, scheme, options, dt=dt, tolerance=tolerance, span=span)
             else:
                 stepper = make_stepper(
                     system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,

@@ -105,7 +105,8 @@ class _Branch:
         read = estimate_damping(frequency, T, case.output.damping)
         participation = history.attrs.get("tip_participation")
         dt = step_at(history, read.shape.f_n) if case.integrator.follow_frequency else None
-        error, coarse = sweep_step_error(case, (frequency, np.abs(T)), read.shape, participation, dt)
+        stuck = history.attrs.get("stuck_resonance_hz")
+        error, coarse = sweep_step_error(case, (frequency, np.abs(T)), read.shape, participation, dt, stuck)
         known = Circumstances(
             self.motion, participation, spectrum=magnitude(curve, "transmissibility_spectrum").values,
             remarks=(coarse, numerical_remark(history)), rigid=rigid_tip(history),

@@ -13,8 +13,10 @@ MOST_STEPS_PER_CYCLE = 100_000
 DEFAULT_STEPS = 40
 """Number of time steps per cycle for `auto`; the analysis of a dwell may choose more."""
 
-SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0}
-"""HHT parameter alpha of the named schemes (thesis, Table B.1); 0 for quasi_static, which is backward Euler."""
+SCHEME_ALPHA = {"transient_fidelity": -0.05, "moderate_dissipation": -0.41421, "no_damping": 0.0, "quasi_static": 0.0,
+                "trigonometric": 0.0}  # fmt: skip
+"""HHT parameter alpha of the named schemes (thesis, Table B.1); 0 for quasi_static, which is backward Euler, and for
+trigonometric, which has no alpha."""
 
 
 def _own_alpha(given: dict[str, Any]) -> float:
@@ -23,13 +25,16 @@ def _own_alpha(given: dict[str, Any]) -> float:
 
 
 class Integrator(Section):
-    """Time integration: Hilber-Hughes-Taylor (HHT) scheme with alpha <= 0, or backward Euler (quasi_static)."""
+    """Time integration: Hilber-Hughes-Taylor (HHT) scheme with alpha <= 0, backward Euler, or trigonometric."""
 
-    scheme: Literal["hht", "transient_fidelity", "moderate_dissipation", "no_damping", "quasi_static"] = Field(
+    scheme: Literal[
+        "hht", "transient_fidelity", "moderate_dissipation", "no_damping", "quasi_static", "trigonometric"
+    ] = Field(
         default="hht",
         description="hht uses alpha; transient_fidelity (-0.05), moderate_dissipation (-0.41421) and no_damping (0) "
-        "are hht with that alpha; quasi_static is backward Euler",
-    )
+        "are hht with that alpha; quasi_static is backward Euler; trigonometric propagates the modes of the sticking "
+        "structure exactly (method reduced alone)",
+    )  # fmt: skip
     alpha: Real = Field(
         default_factory=_own_alpha,
         ge=-0.41422,

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from wroll_fem.case.case import Check, case_kind
 from wroll_fem.case.checks import check_motion, check_steps
 from wroll_fem.case.checks_random import check_duration
+from wroll_fem.case.checks_scheme import check_scheme
 from wroll_fem.case.excitation import (
     SHOCK_KINDS,
     ChirpExcitation,
@@ -42,6 +43,7 @@ class HistoryCase(StructuralCase):
     def _checks(self) -> Iterator[Check]:
         yield from super()._checks()
         yield lambda: check_steps(self.excitation, self.integrator, self.solver)
+        yield lambda: check_scheme(self.integrator, self.solver)
 
 
 class SweepCase(HistoryCase):

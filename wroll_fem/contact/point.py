@@ -194,7 +194,8 @@ def tangential_work(k, p_c, p, t_c, t, dg, e_c, e, laws):
     new = 0.5 * stick_stiffness(k, p, laws) * (e[0] ** 2 + e[1] ** 2)
     friction = mean_h * (dg[0] - de_h) + mean_z * (dg[1] - de_z)
     elastic = mean_h * de_h + mean_z * de_z
-    return friction, elastic, elastic if laws.elastic[k] else new - old
+    conserved = laws.elastic[k] * 1.0  # no branch here: numba would count references to the arrays of the laws
+    return friction, elastic, conserved * elastic + (1.0 - conserved) * (new - old)
 
 
 @numba.njit(cache=True, inline="always")

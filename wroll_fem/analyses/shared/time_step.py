@@ -155,12 +155,13 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
 
 def sweep_step_error(
     case: SweepCase, curve: tuple[FloatArray, FloatArray], read: HalfPower, participation: float | None = None,
-    dt: float | None = None,
+    dt: float | None = None, stuck: float | None = None,
 ) -> tuple[float, str]:  # fmt: skip
     """Relative error of |T| of a sweep due to its time step (nan without a peak), and a warning ("" if it is small).
 
     ``curve`` is frequency (n,), Hz, and |T| (n,); ``participation`` that of the resonant mode, if it is known
-    (`likely_damping`); ``dt`` the time step at the resonance, s, if it is not that of the case.
+    (`likely_damping`); ``dt`` the time step at the resonance, s, if it is not that of the case; ``stuck`` the resonance
+    with stuck interfaces, Hz, whose softening by slip the trigonometric scheme does not follow exactly.
     """
     if not read.resonant:
         return np.nan, ""
@@ -169,7 +170,7 @@ def sweep_step_error(
     frequency, height = curve
     if sweep_motion(case.excitation).rate_at(read.f_n) <= sweep_rate_limit(read.f_n, oscillator.zeta):
         height = without_ripple(height)
-    error = curve_error(scheme, dt, frequency, height, oscillator.zeta)
+    error = curve_error(scheme, dt, frequency, height, oscillator.zeta, stuck)
     return error, _warning("|T| on the flanks of the peak", error, WANTED_CURVE, case, oscillator, dt)
 
 
@@ -220,6 +221,11 @@ def _warning(what: str, error: float, wanted: float, case: HistoryCase, oscillat
         return ""
     scheme, steps = Scheme.named(case.integrator.scheme, case.integrator.alpha), steps_per_cycle(case)
     turn = 2.0 * np.pi * oscillator.frequency_hz * dt
+    if scheme.exact_modes:
+        return (
+            f"the time step changes {what} by about {100 * error:.2g} %: {steps} steps per cycle do not resolve the "
+            f"slip; set integrator.steps_per_cycle to {steps_for(error, steps, wanted)}"
+        )
     damping, longer = numerical_damping(scheme, turn)
     return (
         f"the time step changes {what} by about {100 * error:.2g} %: at {steps} steps per cycle the scheme lengthens "

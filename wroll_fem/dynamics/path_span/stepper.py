@@ -12,6 +12,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
+from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
 from wroll_fem.typing import FloatArray
 
 LARGER = 1.1
@@ -20,6 +21,8 @@ LARGER = 1.1
 
 class PathStepper(ReducedStepper):
     """`ReducedStepper` in the modes of a `PathSpan`; whenever the motion has grown, it is checked in all unknowns.
+
+    With `TrigonometricStepper` as second base class (`path_stepper`) these modes are propagated exactly.
 
     Parameters
     ----------
@@ -58,3 +61,16 @@ class PathStepper(ReducedStepper):
     def report(self) -> dict[str, float]:
         """Numbers of `ReducedStepper`, and the largest part of the motion that its modes lacked."""
         return super().report() | {"span_error_estimate": float(self.outside[0])}
+
+
+class TrigonometricPathStepper(PathStepper, TrigonometricStepper):
+    """`PathStepper` whose modes are propagated exactly."""
+
+
+def path_stepper(
+    system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float, span: PathSpan,
+    tolerance: float,
+) -> PathStepper:  # fmt: skip
+    """Stepper in the modes of ``span`` for the ``scheme``."""
+    kind = TrigonometricPathStepper if scheme.exact_modes else PathStepper
+    return kind(system, preload, scheme, options, dt=dt, span=span, tolerance=tolerance)

@@ -122,3 +122,17 @@ class TrialContact:
         return ContactState(
             displacement, jump.copy(), self.elastic_slip.copy(), self.traction.copy(), self.status.copy()
         )
+
+
+def open_fraction(system: System, preload: ContactState) -> float:
+    """Share of contact points that are open in the preload state."""
+    gaps = normals(preload.jump)
+    return float(np.mean((gaps > 0.0) & system.laws.separation)) if system.n_points else 0.0
+
+
+def unpressed(system: System, preload: ContactState) -> bool:
+    """Whether, in the preload state, at least one interface with separable points has no pressure at any point."""
+    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
+    free = np.split(system.laws.separation, ends)
+    pressed = np.split(preload.pressure > 0.0, ends)
+    return any(bool(f.any()) and not p.any() for f, p in zip(free, pressed, strict=True)) if system.n_points else False

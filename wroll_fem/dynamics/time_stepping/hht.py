@@ -43,11 +43,16 @@ from wroll_fem.errors import InputError
 
 @dataclass(frozen=True)
 class Scheme:
-    """Parameters of the HHT family (alpha, beta, gamma), dimensionless."""
+    """Parameters of the HHT family (alpha, beta, gamma), dimensionless.
+
+    With ``exact_modes`` the scheme is trigonometric instead: the modes of the sticking structure are propagated exactly
+    (`dynamics.trigonometric`).
+    """
 
     alpha: float
     beta: float
     gamma: float
+    exact_modes: bool = False
 
     @classmethod
     def hht(cls, alpha: float) -> Scheme:
@@ -66,6 +71,7 @@ class Scheme:
             "moderate_dissipation": cls(-0.41421, 0.5, 0.91421),
             "no_damping": cls.hht(0.0),
             "quasi_static": cls(0.0, 1.0, 1.5),
+            "trigonometric": cls(0.0, 0.25, 0.5, exact_modes=True),
         }
         if name not in named:
             raise InputError(f"unknown scheme {name!r}", key="integrator.scheme", remedy=f"use hht, {', '.join(named)}")
@@ -95,7 +101,7 @@ def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
     Returns
     -------
     tuple
-        (damping ratio, relative lengthening of the period), dimensionless.
+        (damping ratio, relative lengthening of the period), dimensionless; zero for a scheme with exact modes.
 
     Raises
     ------
@@ -114,6 +120,8 @@ def numerical_damping(scheme: Scheme, omega_dt: float) -> tuple[float, float]:
     """
     if not (np.isfinite(omega_dt) and omega_dt > 0.0):
         raise InputError(f"omega dt = {omega_dt} is not a positive angle", remedy="give 2 pi / steps per cycle")
+    if scheme.exact_modes:
+        return 0.0, 0.0
     eigenvalues = np.linalg.eigvals(amplification_matrix(scheme, omega_dt))
     root = eigenvalues[np.argmax(eigenvalues.imag)]
     if root.imag <= 0.0:

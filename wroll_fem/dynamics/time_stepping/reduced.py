@@ -20,17 +20,18 @@ Krysl, Lall, Marsden (2001), Int. J. Numer. Meth. Engng 51, 479, doi:10.1002/nme
 from __future__ import annotations
 
 import time as clock
+from typing import ClassVar
 
 import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.kernels import Reference
-from wroll_fem.contact.point import contact_dofs, normals
+from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
 from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
-from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
+from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit, open_fraction, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.records import OPEN
@@ -107,6 +108,7 @@ class ReducedStepper(Stepper):
     """
 
     name = "reduced"
+    remedy: ClassVar[str] = "use solver.method: condensed, or raise solver.reduction_tolerance"
     state: ReducedState
 
     def __init__(
@@ -126,10 +128,14 @@ class ReducedStepper(Stepper):
             CONTACT_SHARE * np.sqrt(2.0 * contact_energy_limit(system.laws, preload.pressure)) if n else np.inf
         )
         self.vectors = np.zeros((len(self.condensation.eigenvalues), 0))
-        self.state = _empty_state(0, ContactMemory.of(preload))
+        self.state = self._empty_state(0, ContactMemory.of(preload))
         for c, dofs in enumerate(contact_dofs(n).T):
             self.state.kept.tangents[:, c, c] = springs[dofs]
         self.adopt(self._first_model())
+
+    def _empty_state(self, m: int, contact: ContactMemory) -> ReducedState:
+        """State at rest in ``m`` reduced coordinates, with the contact state ``contact``."""
+        return ReducedState(Motion.zeros(m), contact, np.zeros(m), empty_matrix(m, contact), *np.zeros((6, 1)))
 
     def _first_model(self) -> ReducedModel:
         """Reduced model at the start of the run.
@@ -152,23 +158,31 @@ class ReducedStepper(Stepper):
         """Raise a ReductionError if a part of the structure is unrestrained."""
         values = self.condensation.eigenvalues
         if unpressed(self.system, self.preload):
-            raise _refused("an interface carries no pressure: its layers are not held in the reduced model", time)
+            raise self._refused("an interface carries no pressure: its layers are not held in the reduced model", time)
         if values.min() < FLOATING * values.max():
-            raise _refused("neither friction nor a support holds a layer in the reduced model", time)
+            raise self._refused("neither friction nor a support holds a layer in the reduced model", time)
+
+    def _refused(self, message: str, time: float, residuals: FloatArray | None = None) -> ReductionError:
+        return ReductionError(
+            message, time_s=time, iterations=0, residual_history=[] if residuals is None else residuals[:5].tolist(),
+            advice=self.remedy,
+        )  # fmt: skip
 
     def adopt(self, model: ReducedModel) -> None:
         """Use a model whose basis contains the current one; the state is converted to the new coordinates."""
-        turn = model.vectors.T @ self.vectors
-        state = self.state
-        size = (model.size, model.size)
-        if self.vectors.shape[1]:
-            motion, before = Motion(*(turn @ part for part in state.motion)), turn @ state.q_before
-        else:
-            motion, before = Motion.zeros(model.size), np.zeros(model.size)
-        kept = state.kept._replace(matrix=np.zeros(size), inverse=np.zeros(size))
-        self.state = state._replace(motion=motion, q_before=before, kept=kept)
+        self.state = self._turned(model.vectors.T @ self.vectors)
         self._use(model)
         self.state.time_step[0] = 0.0  # the kept matrix belonged to the old coordinates
+
+    def _turned(self, turn: FloatArray) -> ReducedState:
+        """State in m new coordinates; ``turn`` (m, present coordinates) projects the present ones on the new basis."""
+        state, m = self.state, len(turn)
+        if turn.shape[1]:
+            motion, before = Motion(*(turn @ part for part in state.motion)), turn @ state.q_before
+        else:
+            motion, before = Motion.zeros(m), np.zeros(m)
+        kept = state.kept._replace(matrix=np.zeros((m, m)), inverse=np.zeros((m, m)))
+        return state._replace(motion=motion, q_before=before, kept=kept)
 
     def _use(self, model: ReducedModel) -> None:
         self.model, self.vectors = model, model.vectors
@@ -203,7 +217,7 @@ class ReducedStepper(Stepper):
         """Return to the state and the basis of a `snapshot`."""
         if state["vectors"] is not self.vectors:
             model = ReducedModel.on(self.condensation, state["vectors"], np.array(state["values"]))
-            self.state = _empty_state(model.size, self.state.contact)
+            self.state = self._empty_state(model.size, self.state.contact)
             self._use(model)
         super().restore(state)
 
@@ -274,7 +288,8 @@ class ReducedStepper(Stepper):
                 opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
                 state.opened[0] = max(float(state.opened[0]), float(opened))
                 if self.error_estimate > self.largest_error:
-                    raise _refused(f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %", time)
+                    reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
+                    raise self._refused(reached, time)
                 return records
             self.restore(start)
             self._enrich(self.tolerance * np.sqrt(largest), time)
@@ -332,7 +347,8 @@ class ReducedStepper(Stepper):
         keep[0] = True
         model = self.model.enriched(left[:, keep] / root)
         if model.size > LARGEST or model.size == self.model.size:
-            raise _refused(f"the reduced model does not follow the motion ({self.model.size} coordinates)", time, size)
+            problem = f"the reduced model does not follow the motion ({self.model.size} coordinates)"
+            raise self._refused(problem, time, size)
         self.adopt(model)
 
     def report(self) -> dict[str, float]:
@@ -369,30 +385,8 @@ def modes_to_reduce(system: System, preload: ContactState, scheme: Scheme, dt: f
     return condense(system, springs, scheme, dt, moments=moments)
 
 
-def _empty_state(m: int, contact: ContactMemory) -> ReducedState:
-    """State at rest in ``m`` reduced coordinates, with the contact state ``contact``."""
-    kept = KeptMatrix(
+def empty_matrix(m: int, contact: ContactMemory) -> KeptMatrix:
+    """Newton's matrix of ``m`` reduced coordinates before it is assembled."""
+    return KeptMatrix(
         np.zeros((len(contact.jump) // 3, 3, 3)), np.zeros((m, m)), np.zeros((m, m)), np.zeros(1, np.int64)
     )
-    return ReducedState(Motion.zeros(m), contact, np.zeros(m), kept, *np.zeros((6, 1)))
-
-
-def _refused(message: str, time: float, residuals: FloatArray | None = None) -> ReductionError:
-    return ReductionError(
-        message, time_s=time, iterations=0, residual_history=[] if residuals is None else residuals[:5].tolist(),
-        advice="use solver.method: condensed, or raise solver.reduction_tolerance",
-    )  # fmt: skip
-
-
-def open_fraction(system: System, preload: ContactState) -> float:
-    """Share of contact points that are open in the preload state."""
-    gaps = normals(preload.jump)
-    return float(np.mean((gaps > 0.0) & system.laws.separation)) if system.n_points else 0.0
-
-
-def unpressed(system: System, preload: ContactState) -> bool:
-    """Whether, in the preload state, at least one interface with separable points has no pressure at any point."""
-    ends = np.cumsum([interface.n_points for interface in system.interfaces])[:-1]
-    free = np.split(system.laws.separation, ends)
-    pressed = np.split(preload.pressure > 0.0, ends)
-    return any(bool(f.any()) and not p.any() for f, p in zip(free, pressed, strict=True)) if system.n_points else False

@@ -117,7 +117,7 @@ class ResidualChecks(NamedTuple):
     filled: IntArray
 
 
-class _Trial(NamedTuple):
+class Trial(NamedTuple):
     """Trial state of the interfaces: jump, traction, elastic slip, status and traction correction."""
 
     g: FloatArray
@@ -125,6 +125,35 @@ class _Trial(NamedTuple):
     e: FloatArray
     status: IntArray
     s: FloatArray
+
+
+class Work(NamedTuple):
+    """Arrays in which a step is solved: trial contact, residuals, forces and displacement (m,), tangents, scales.
+
+    After `solve_step` the trial contact and ``force``, the reduced force of the traction correction, are those of the
+    solution.
+    """
+
+    trial: Trial
+    rho: FloatArray
+    rho_new: FloatArray
+    force: FloatArray
+    force_new: FloatArray
+    x_new: FloatArray
+    tangent: FloatArray
+    scale: FloatArray
+
+
+@numba.njit(cache=True)
+def working_arrays(m, laws, reference):
+    """`Work` for ``m`` reduced coordinates."""
+    n = laws.area.shape[0]
+    trial = Trial(np.zeros(3 * n), np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64), np.zeros(3 * n))
+    scale = np.zeros(n)
+    for k in range(n):
+        scale[k] = max(reference.springs[hoop(k)], 1e-6 * laws.kn[k])
+    vectors = np.zeros((5, m))
+    return Work(trial, vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], np.zeros((n, 3, 3)), scale)
 
 
 @numba.njit(cache=True)
@@ -203,86 +232,102 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
     checks : `ResidualChecks`, filled
     records : (k, record_size) output
     """
-    dt, alpha = step.dt, step.alpha
-    motion, contact, kept, history = state.motion, state.contact, state.kept, newton.history
-    n, m = laws.area.shape[0], motion.q.shape[0]
-    t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
-    s, g = np.zeros(3 * n), np.zeros(3 * n)
-    trial = _Trial(g, t, e, status, s)
-    rho, rho_new, force, force_new = np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m)
-    x, x_new = np.zeros(m), np.zeros(m)
-    tangent = np.zeros((n, 3, 3))
-    stiffness_scale = np.zeros(n)
-    for k in range(n):
-        stiffness_scale[k] = max(reference.springs[hoop(k)], 1e-6 * laws.kn[k])
+    motion, contact = state.motion, state.contact
+    work = working_arrays(motion.q.shape[0], laws, reference)
+    trial, force, x = work.trial, work.force, np.zeros_like(motion.q)
     checks.filled[0] = 0
 
     for number in range(acceleration.shape[0] - 1):
         ag_new = acceleration[number + 1]
         h, q_hat = predict(motion, ag_new, step, modal)
         x[:] = 2.0 * motion.q - state.q_before
-        size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
-        history[:] = 0.0
-        history[0] = size
-        iterations = 0
-        fresh = False
-        while size > newton.limit:
-            if iterations == newton.max_iterations:
-                return number
-            if modal.dashpots.matrix.shape[0] > 0:
-                delta = np.dot(kept.inverse, by_block(modal.dashpots.matrix, modal.dashpots.starts, rho))
-            else:
-                delta = np.dot(kept.inverse, rho / modal.inverse)
-            iterations += 1
-            damping, new = 1.0, np.inf
-            while True:
-                x_new[:] = x - damping * delta
-                new = _residual(
-                    x_new, q_hat, modal, interface, reference, contact, laws, step, trial, force_new, rho_new
-                )
-                if new < size or not fresh or damping < 0.02:
-                    break
-                damping *= 0.5
-            rate = new / size
-            accepted = rate < 1.0 or fresh
-            if accepted:
-                x[:], rho[:], force[:], size = x_new, rho_new, force_new, new
-                history[iterations] = size
-            else:  # the kept matrix failed: back to x, with the tangent there
-                size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
-            fresh = False
-            if rate > REDUCED_RENEWAL and size > newton.limit:
-                consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
-                tolerance = TANGENT_CHANGE if iterations < 4 else 0.0
-                if _renew(kept, tangent, stiffness_scale, tolerance, interface.jump, laws.area, 1.0 + alpha) > 0:
-                    kept.renewals[0] += 1
-                    if kept.renewals[0] % REBUILD == 0:
-                        sum_up(kept, reference.springs, interface.jump, laws.area, 1.0 + alpha, modal)
-                    kept.inverse[:] = np.linalg.inv(kept.matrix)
-                fresh = True
-        if not np.isfinite(size):
+        iterations = solve_step(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
+        if iterations < 0:
             return number
         state.q_before[:] = motion.q
         ends = acceleration[number : number + 2]
         commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
-        interface_work(contact.jump, contact.elastic_slip, contact.traction, g, e, t, laws, accumulated.work)
-        path, peak, peak_vector = accumulated.slip
-        record_slip(contact.jump, contact.elastic_slip, g, e, reference.jump, status, path, peak, peak_vector)
-        record_opening(g, status, step.dt, accumulated.opening.gap, accumulated.opening.open_time)
-        contact.jump[:] = g
-        contact.elastic_slip[:] = e
-        contact.traction[:] = t
+        commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         records[number, STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
-        record_contact(records[number], accumulated, iterations, status)
+        record_contact(records[number], accumulated, iterations, trial.status)
         if (number + 1) % checks.every == 0 or number == acceleration.shape[0] - 2:
-            row = checks.rows[checks.filled[0]]
-            row[:m] = motion.q
-            row[m : 2 * m] = motion.a
-            row[2 * m : 3 * m] = motion.v
-            row[3 * m : 3 * m + 3 * n] = s
-            row[3 * m + 3 * n] = ag_new
-            checks.filled[0] += 1
+            keep_row(motion, trial.s, ag_new, checks)
     return acceleration.shape[0] - 1
+
+
+@numba.njit(cache=True)
+def solve_step(x, q_hat, step, modal, interface, reference, laws, contact, kept, newton, work):
+    """Solve the equations of a step (`_residual`), starting at ``x`` (m,); returns the number of iterations, or -1.
+
+    ``x`` becomes the solution; for ``work`` see `Work`. The other arguments are those of `advance_reduced`.
+    """
+    trial, rho, rho_new, force, force_new, x_new, tangent, scale = work
+    history = newton.history
+    factor = 1.0 + step.alpha
+    size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
+    history[:] = 0.0
+    history[0] = size
+    iterations = 0
+    fresh = False
+    while size > newton.limit:
+        if iterations == newton.max_iterations:
+            return -1
+        if modal.dashpots.matrix.shape[0] > 0:
+            delta = np.dot(kept.inverse, by_block(modal.dashpots.matrix, modal.dashpots.starts, rho))
+        else:
+            delta = np.dot(kept.inverse, rho / modal.inverse)
+        iterations += 1
+        damping, new = 1.0, np.inf
+        while True:
+            x_new[:] = x - damping * delta
+            new = _residual(x_new, q_hat, modal, interface, reference, contact, laws, step, trial, force_new, rho_new)
+            if new < size or not fresh or damping < 0.02:
+                break
+            damping *= 0.5
+        rate = new / size
+        accepted = rate < 1.0 or fresh
+        if accepted:
+            x[:], rho[:], force[:], size = x_new, rho_new, force_new, new
+            history[iterations] = size
+        else:  # the kept matrix failed: back to x, with the tangent there
+            size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
+        fresh = False
+        if rate > REDUCED_RENEWAL and size > newton.limit:
+            consistent_tangent(trial.g, contact.jump, contact.elastic_slip, laws, step.dt, tangent)
+            tolerance = TANGENT_CHANGE if iterations < 4 else 0.0
+            if _renew(kept, tangent, scale, tolerance, interface.jump, laws.area, factor) > 0:
+                kept.renewals[0] += 1
+                if kept.renewals[0] % REBUILD == 0:
+                    sum_up(kept, reference.springs, interface.jump, laws.area, factor, modal)
+                kept.inverse[:] = np.linalg.inv(kept.matrix)
+            fresh = True
+    return iterations if np.isfinite(size) else -1
+
+
+@numba.njit(cache=True)
+def commit_contact(trial, contact, reference, laws, dt, accumulated):
+    """Commit the trial state of the contact after a step ``dt`` (s), and add its work, slip and opening."""
+    g, t, e, status, _ = trial
+    interface_work(contact.jump, contact.elastic_slip, contact.traction, g, e, t, laws, accumulated.work)
+    path, peak, peak_vector = accumulated.slip
+    record_slip(contact.jump, contact.elastic_slip, g, e, reference.jump, status, path, peak, peak_vector)
+    record_opening(g, status, dt, accumulated.opening.gap, accumulated.opening.open_time)
+    contact.jump[:] = g
+    contact.elastic_slip[:] = e
+    contact.traction[:] = t
+
+
+@numba.njit(cache=True)
+def keep_row(motion, s, base_acceleration, checks):
+    """Save a step for the residual checks; ``s`` (3 n,) is its traction correction, Pa."""
+    m, n = motion.q.shape[0], s.shape[0]
+    row = checks.rows[checks.filled[0]]
+    row[:m] = motion.q
+    row[m : 2 * m] = motion.a
+    row[2 * m : 3 * m] = motion.v
+    row[3 * m : 3 * m + n] = s
+    row[3 * m + n] = base_acceleration
+    checks.filled[0] += 1
 
 
 @numba.njit(cache=True)

@@ -31,6 +31,7 @@ from wroll_fem.dynamics.time_stepping.records import (
 )
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.time_grid import TimeGrid
 from wroll_fem.progress import Progress, SilentProgress
@@ -93,8 +94,11 @@ def make_stepper(
 
     ``condensation``, for "reduced" and "condensed", has the modes of the structure; they are computed if it is None.
     """
+    if scheme.exact_modes and method != "reduced":
+        remedy = "use solver.method: reduced, or integrator.scheme: hht"
+        raise InputError(f"method {method} does not propagate modes", key="integrator.scheme", remedy=remedy)
     if method == "reduced":
-        return ReducedStepper(
+        return (TrigonometricStepper if scheme.exact_modes else ReducedStepper)(
             system, preload, scheme, options, dt=dt, tolerance=reduction_tolerance, largest_error=largest_error,
             condensation=condensation,
         )  # fmt: skip
@@ -154,6 +158,7 @@ def simulate(
     progress = progress or SilentProgress()
     if stepper is None:
         stepper = make_stepper(system, preload, method=method, scheme=scheme, options=options, dt=dt)
+    stepper.follow(motion)
     grid = TimeGrid.constant(motion.duration, dt) if grid is None else grid
     steps, times = grid.count, grid.times
     base = np.asarray(motion.acceleration(times))

@@ -38,6 +38,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
+from wroll_fem.dynamics.trigonometric.oscillator import trigonometric_response
 from wroll_fem.signals.base_motion import BaseMotion, SineMotion
 from wroll_fem.typing import FloatArray
 
@@ -93,14 +94,19 @@ class Oscillator:
     slip: float = 1.0
     spread: float = 1.0
 
-    def response(self, scheme: Scheme, dt: float, base: FloatArray) -> FloatArray:
-        """(n,) relative displacement, m, from rest in steps ``dt`` (s) under base acceleration ``base`` (n,), m/s^2."""
+    def response(self, scheme: Scheme, dt: float, base: FloatArray, finer: int = 1) -> FloatArray:
+        """(n,) relative displacement, m, from rest in steps ``dt`` (s) under base acceleration ``base`` (n,), m/s^2.
+
+        A scheme with exact modes follows a base motion with ``finer`` samples per step, ((n - 1) finer + 1,).
+        """
+        turn = 2.0 * np.pi * self.frequency_hz
+        limits = self.slip * ((np.arange(ELEMENTS) + 0.5) / ELEMENTS) ** self.spread
+        if scheme.exact_modes:
+            return trigonometric_response(turn, self.zeta, self.friction, limits, dt, base, finer)
         if self.friction == 0.0:
             numerator, denominator = self.filter(scheme, dt)
             return np.asarray(lfilter(numerator, denominator, base))
-        limits = self.slip * ((np.arange(ELEMENTS) + 0.5) / ELEMENTS) ** self.spread
         out = np.zeros(len(base))
-        turn = 2.0 * np.pi * self.frequency_hz
         parameters = (scheme.alpha, scheme.beta, scheme.gamma)
         _integrate(base, dt, parameters, turn**2, 2.0 * self.zeta * turn, self.friction, limits, out)
         return out
@@ -170,11 +176,27 @@ def history_error(scheme: Scheme, dt: float, motion: BaseMotion, oscillator: Osc
     steps = int(np.ceil(motion.duration / dt - 1e-9))
     fine = motion.acceleration(dt / FINER * np.arange(steps * FINER + 1))
     right = oscillator.response(scheme, dt / FINER, fine)[::FINER]
-    found = oscillator.response(scheme, dt, fine[::FINER])
+    coarse = (fine, FINER) if scheme.exact_modes else (fine[::FINER], 1)
+    found = oscillator.response(scheme, dt, *coarse)
     return float(np.abs(found - right).max() / np.abs(right).max())
 
 
-def curve_error(scheme: Scheme, dt: float, frequency: FloatArray, magnitude: FloatArray, zeta: float) -> float:
+def period_error(scheme: Scheme, dt: float, frequency: float, stuck: float | None = None) -> float:
+    """Relative lengthening of the period of a resonance at ``frequency`` (Hz), which is at ``stuck`` (Hz) without slip.
+
+    With exact modes only the softening by slip has an error (docs/trigonometric.md); it is 0 if ``stuck`` is None.
+    """
+    if not scheme.exact_modes:
+        return numerical_damping(scheme, 2.0 * np.pi * frequency * dt)[1]
+    if stuck is None or not stuck > frequency:
+        return 0.0
+    softened = (frequency / stuck) ** 2
+    return float(softened * (1.0 - softened) * (2.0 * np.pi * stuck * dt) ** 4 / 480.0)
+
+
+def curve_error(
+    scheme: Scheme, dt: float, frequency: FloatArray, magnitude: FloatArray, zeta: float, stuck: float | None = None
+) -> float:
     """Largest error of |T| in a slow sweep through a resonance, relative to the peak, from the computed curve.
 
     The longer period shifts the whole curve to lower frequencies, also where friction makes a flank steep. The damping
@@ -188,10 +210,12 @@ def curve_error(scheme: Scheme, dt: float, frequency: FloatArray, magnitude: Flo
         (n,) Hz and (n,) |T| of the computed curve.
     zeta
         Damping ratio at the peak.
+    stuck
+        Resonance with stuck interfaces, Hz, for a scheme with exact modes.
     """
     peak = float(frequency[int(np.argmax(magnitude))])
-    added, longer = numerical_damping(scheme, 2.0 * np.pi * peak * dt)
-    lengthening = longer * (frequency / peak) ** 2  # second order in the step
+    added = numerical_damping(scheme, 2.0 * np.pi * peak * dt)[0]
+    lengthening = period_error(scheme, dt, peak, stuck) * (frequency / peak) ** 2  # second order in the step
     shifted = np.interp(frequency * (1.0 - lengthening), frequency, magnitude)
     lost = added / zeta
     return max(float(np.abs(shifted - magnitude).max() / magnitude.max()), lost / (1.0 + lost))

@@ -58,6 +58,14 @@ class CommonState(Protocol):
         ...
 
 
+class BetweenSteps(Protocol):
+    """Base motion that has an acceleration at any time."""
+
+    def acceleration(self, time: FloatArray) -> FloatArray:
+        """Base acceleration in m/s^2 at ``time`` (n,) in s."""
+        ...
+
+
 class Stepper(ABC):
     """Base class of methods that advance a system step by step from its preload state.
 
@@ -75,6 +83,7 @@ class Stepper(ABC):
         self.system, self.preload, self.scheme, self.options = system, preload, scheme, options
         self.accumulated = Accumulated.zeros(system.n_points)
         self.cuts = 0
+        self.motion: BetweenSteps | None = None
         self.base_acceleration = np.zeros(())  # m/s^2, with which the committed acceleration is in balance
         gamma = system.laws.gamma
         self.residual_limit = options.tolerance * (float(gamma.min()) if gamma.size else 1.0)
@@ -109,6 +118,10 @@ class Stepper(ABC):
     def record_size(self) -> int:
         """Number of columns of a step record."""
         return record_size(len(self.system.output_rows))
+
+    def follow(self, motion: BetweenSteps) -> None:
+        """Let a scheme that uses the base acceleration within the steps take it from ``motion``."""
+        self.motion = motion
 
     def step(self, dt: float) -> Step:
         """Time step ``dt`` (s) and parameters of the integration scheme, for compiled code."""

@@ -1,0 +1,1 @@
+"""Trigonometric integration: modes of the sticking structure propagated exactly, friction's correction added."""

@@ -1,0 +1,259 @@
+"""Compiled loop of the trigonometric integration (equations in `stepper`)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from wroll_fem.dynamics.time_stepping import modal_kernel, records, reduced_kernel
+from wroll_fem.dynamics.time_stepping.modal_kernel import answer, damped, strain_energy, viscous_force
+from wroll_fem.dynamics.time_stepping.records import (
+    FIRST_PROBE,
+    INPUT_FLOW,
+    KINETIC,
+    NUMERICAL_FLOW,
+    OF_PROBE,
+    STRAIN,
+    TIP_ACCELERATION,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    VISCOUS_FLOW,
+    record_contact,
+    record_flows,
+)
+from wroll_fem.dynamics.time_stepping.reduced_kernel import (
+    KeptMatrix,
+    commit_contact,
+    keep_row,
+    solve_step,
+    working_arrays,
+)
+from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
+from wroll_fem.dynamics.trigonometric import propagation
+from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
+from wroll_fem.numerics import newton as rates
+from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import FloatArray
+
+drop_stale_cache(
+    __file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__, propagation.__file__, rates.__file__
+)
+
+LAST = len(NODES) - 1
+
+
+class TrigonometricState(NamedTuple):
+    """State of a trigonometric run.
+
+    Attributes
+    ----------
+    motion, contact : motion in reduced coordinates, and contact state of all points
+    free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and without
+        the shift of the others; its rate d'
+    force, force_before : (m,) reduced force of friction's correction now, and one step before
+    known : (m,) this force as p knows it, which differs after a change of the basis
+    clock : (1,) time, s
+    kept, time_step, projection_error, motion_norm, largest, training, opened : see `ReducedState`
+    """
+
+    motion: Motion
+    contact: ContactMemory
+    free: FloatArray
+    free_rate: FloatArray
+    force: FloatArray
+    force_before: FloatArray
+    known: FloatArray
+    clock: FloatArray
+    kept: KeptMatrix
+    time_step: FloatArray
+    projection_error: FloatArray
+    motion_norm: FloatArray
+    largest: FloatArray
+    training: FloatArray
+    opened: FloatArray
+
+
+@numba.njit(cache=True)
+def _propagate(steps, free, v, force, nodes, out):
+    """Fill ``out`` (OUTPUTS, m) with the results of a step, without the force at its end; see `Propagation`."""
+    at = 0
+    for block in range(steps.starts.shape[0] - 1):
+        first = steps.starts[block]
+        n = steps.starts[block + 1] - first
+        for kind in range(OUTPUTS):
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += steps.state[at + j] * free[first + j]
+                for j in range(n):
+                    total += steps.state[at + n + j] * v[first + j]
+                for j in range(n):
+                    total += steps.state[at + 2 * n + j] * force[first + j]
+                for j in range(nodes.shape[0]):
+                    total += steps.base[kind, first + i, j] * nodes[j]
+                out[kind, first + i] = total
+                at += 4 * n
+
+
+@numba.njit(cache=True)
+def _add_end(steps, force, out):
+    """Add to ``out`` (OUTPUTS, m) what the ``force`` (m,) at the end of the step adds."""
+    at = 0
+    for block in range(steps.starts.shape[0] - 1):
+        first = steps.starts[block]
+        n = steps.starts[block + 1] - first
+        for kind in range(OUTPUTS):
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += steps.state[at + 3 * n + j] * force[first + j]
+                out[kind, first + i] += total
+                at += 4 * n
+
+
+@numba.njit(cache=True)
+def _work_of_nodes(nodes, steps, modal, v, out, flows):
+    """Add the work of the base and of the dashpots during a step to ``flows``, by quadrature."""
+    has_dashpots = damped(modal.dashpots)
+    for j in range(LAST + 1):
+        velocity = v if j == 0 else (out[1] if j == LAST else out[2 + j])
+        weight = steps.dt * WEIGHTS[j]
+        flows[INPUT_FLOW] -= weight * nodes[j] * np.dot(modal.base, velocity)
+        if has_dashpots:
+            flows[VISCOUS_FLOW] += weight * np.dot(velocity, viscous_force(modal.dashpots, velocity))
+
+
+@numba.njit(cache=True)
+def _answer_start(steps, state, q_hat):
+    """Add to ``q_hat`` (m,) the displacement p of unresolved modes after the step, without the force at its end."""
+    for i in range(q_hat.shape[0]):
+        if not steps.resolved[i]:
+            p, rate = state.motion.q[i] - state.free[i], state.motion.v[i] - state.free_rate[i]
+            load = (1.0 - IMPLICIT) * state.known[i] - steps.eigenvalues[i] * p
+            q_hat[i] += p + steps.mobility[i] * (rate * steps.dt + IMPLICIT * steps.dt * steps.dt * load)
+
+
+@numba.njit(cache=True)
+def _commit_answer(steps, modal, force, mean_base, out, state, flows, i):
+    """Advance p of the unresolved mode ``i``; add its work to ``flows``. Returns p and its rate and acceleration.
+
+    p follows the implicit midpoint rule with the weight `IMPLICIT` of the end of the step (docs/trigonometric.md).
+    """
+    dt, value, rate = steps.dt, steps.eigenvalues[i], steps.rates[i]
+    d, d_rate, f, f_new = state.free[i], state.free_rate[i], state.force[i], force[i]
+    p, p_rate = state.motion.q[i] - d, state.motion.v[i] - d_rate
+    load = (1.0 - IMPLICIT) * state.known[i] + IMPLICIT * f_new
+    mean = steps.mobility[i] * (p_rate + IMPLICIT * dt * (load - value * p))
+    change = dt * (load - rate * mean - value * (p + IMPLICIT * dt * mean))
+    p_new, p_rate_new = p + dt * mean, p_rate + change
+    d_new, d_rate_new = out[0, i], out[1, i]
+    moved, free_moved = p_new - p, d_new - d
+    numerical = (0.5 * (f + f_new) - load) * moved + (IMPLICIT - 0.5) * (change * change + value * moved * moved)
+    numerical += (0.5 * (f + f_new) - 2.0 * rate * mean) * free_moved  # p and d together
+    numerical -= d_rate_new * p_rate_new - d_rate * p_rate + value * (d_new * p_new - d * p)
+    given = -mean_base * modal.base[i] * moved
+    flows[INPUT_FLOW] += given
+    flows[NUMERICAL_FLOW] += numerical + given
+    flows[VISCOUS_FLOW] += rate * mean * (dt * mean + 2.0 * free_moved)
+    return p_new, p_rate_new, change / dt
+
+
+@numba.njit(cache=True)
+def _commit_motion(nodes, steps, modal, force, out, state, flows):
+    """Update the motion; add the work of base, dashpots and scheme (derived in docs/trigonometric.md).
+
+    Parameters
+    ----------
+    nodes : base acceleration at `NODES`, m/s^2
+    force : (m,) force of friction's correction at the end of the step
+    out : (OUTPUTS, m) results of the step
+    """
+    motion, free = state.motion, state.free
+    _work_of_nodes(nodes, steps, modal, state.free_rate, out, flows)
+    mean_base = 0.5 * (nodes[0] + nodes[LAST])
+    motion.a[:] = -modal.base * nodes[LAST] - modal.eigenvalues * out[0]
+    if damped(modal.dashpots):
+        motion.a[:] -= viscous_force(modal.dashpots, out[1])
+    for i in range(force.shape[0]):
+        if steps.resolved[i]:
+            d, d_new, q, q_new = free[i], out[0, i], motion.q[i], out[0, i] + steps.shift[i] * force[i]
+            change, mean, gain = force[i] - state.force[i], 0.5 * (force[i] + state.force[i]), steps.gain[i]
+            given = -mean_base * modal.base[i] * (q_new - q - d_new + d)
+            numerical = mean * (q_new - q - gain * (d_new - d)) - gain * change * (0.5 * (d + d_new) - out[2, i])
+            numerical -= 0.5 * modal.eigenvalues[i] * (q_new * q_new - q * q - d_new * d_new + d * d)
+            flows[INPUT_FLOW] += given
+            flows[NUMERICAL_FLOW] += numerical + given
+            motion.q[i], motion.v[i] = q_new, out[1, i]
+            motion.a[i] += gain * force[i]
+        else:
+            p, rate, acceleration = _commit_answer(steps, modal, force, mean_base, out, state, flows, i)
+            motion.q[i], motion.v[i] = out[0, i] + p, out[1, i] + rate
+            motion.a[i] += acceleration
+    free[:] = out[0]
+    state.free_rate[:] = out[1]
+    state.force_before[:] = state.force
+    state.force[:] = force
+    state.known[:] = force
+    state.clock[0] += steps.dt
+
+
+@numba.njit(cache=True)
+def _record_motion(motion, modal, record):
+    """Write displacement, velocity and acceleration of tip and probes, and the kinetic energy, to a record."""
+    record[TIP_DISPLACEMENT] = np.dot(modal.tip, motion.q)
+    record[TIP_VELOCITY] = np.dot(modal.tip, motion.v)
+    record[TIP_ACCELERATION] = np.dot(modal.tip, motion.a)
+    record[KINETIC] = 0.5 * np.dot(motion.v, motion.v)
+    for k in range(modal.probes.shape[0]):
+        first = FIRST_PROBE + OF_PROBE * k
+        record[first] = np.dot(modal.probes[k], motion.q)
+        record[first + 1] = np.dot(modal.probes[k], motion.v)
+        record[first + 2] = np.dot(modal.probes[k], motion.a)
+
+
+@numba.njit(cache=True)
+def advance_trigonometric(
+    nodes, step, steps, modal, interface, reference, laws, state, newton, accumulated, checks, records
+):
+    """Advance by up to len(nodes) steps; returns the number of completed steps.
+
+    A step that does not converge ends the loop; ``state`` is the state after the last completed step.
+
+    Parameters
+    ----------
+    nodes : (k, len(NODES)) base acceleration in each step, m/s^2
+    step, steps : `Step` with alpha = 0, and `Propagation`
+    modal, interface, reference, laws : `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
+    state, accumulated : `TrigonometricState` and `Accumulated`, updated
+    newton : `Newton`; its history receives the residuals of the last step
+    checks : `ResidualChecks`, filled
+    records : (k, record_size) output
+    """
+    motion, contact = state.motion, state.contact
+    m = motion.q.shape[0]
+    work = working_arrays(m, laws, reference)
+    trial, x, q_hat, force = work.trial, np.zeros(m), np.zeros(m), np.zeros(m)
+    out = np.zeros((OUTPUTS, m))
+    checks.filled[0] = 0
+    for number in range(nodes.shape[0]):
+        _propagate(steps, state.free, state.free_rate, state.force, nodes[number], out)
+        q_hat[:] = out[0]
+        _answer_start(steps, state, q_hat)
+        x[:] = q_hat + answer(modal, 2.0 * state.force - state.force_before, 1.0)
+        iterations = solve_step(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
+        if iterations < 0:
+            return number
+        force[:] = -work.force
+        _add_end(steps, force, out)
+        _commit_motion(nodes[number], steps, modal, force, out, state, accumulated.flows)
+        commit_contact(trial, contact, reference, laws, step.dt, accumulated)
+        record = records[number]
+        _record_motion(motion, modal, record)
+        record_flows(record, accumulated)
+        record[STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
+        record_contact(record, accumulated, iterations, trial.status)
+        if (number + 1) % checks.every == 0 or number == nodes.shape[0] - 1:
+            keep_row(motion, trial.s, nodes[number, LAST], checks)
+    return nodes.shape[0]
