@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from wroll_fem.errors import InputError
@@ -63,7 +64,14 @@ def evaluate_with(
     paths = checked_inputs(files, folders=declared.folders)
     inputs = tuple(described(path) for path in paths)
     kept = KeptWarnings(progress if progress is not None else SilentProgress())
-    found = declared.evaluate(paths, settings, kept)
+    try:
+        found = declared.evaluate(paths, settings, kept)
+    except (np.linalg.LinAlgError, ArithmeticError) as error:  # of data without the motion that the kind needs
+        reason = " ".join(str(error).split())[:120]
+        raise InputError(
+            f"the numbers of the measurement cannot be evaluated ({reason})", file=", ".join(map(str, paths[:3])),
+            remedy="look at the columns over each other, and check columns, units and the kind of the test",
+        ) from None  # fmt: skip
     summary = {"evaluation": kind, "files": len(paths), **found.summary, "warnings": list(kept.warnings)}
     attrs = {
         "evaluation": kind, "settings_yaml": settings.yaml(), "inputs": list(inputs), "warnings": kept.warnings,

@@ -13,6 +13,9 @@ from wroll_fem.errors import InputError
 from wroll_fem.signals.records.columns import read_columns
 from wroll_fem.typing import FloatArray
 
+LARGEST, SMALLEST = 1e12, 1e-15
+"""Limits of the largest value of a channel, SI: beyond them, squares and products lose their digits."""
+
 
 class Channel(NamedTuple):
     """Wanted channel: its key in the settings, the column (name, or place counted from 1), and its units.
@@ -65,7 +68,8 @@ def read_channels(path: Path, channels: Sequence[Channel]) -> dict[str, FloatArr
     Raises
     ------
     InputError
-        If a column is missing (with the nearest name), a unit is unknown, a value is not finite, or the lengths differ.
+        If a column is missing (with the nearest name), a unit is unknown, a value is not finite, all values are
+        absurdly large or small, or the lengths differ.
     """
     factors = [channel.factor for channel in channels]
     columns = read_columns(path)
@@ -79,7 +83,14 @@ def read_channels(path: Path, channels: Sequence[Channel]) -> dict[str, FloatArr
                 f"sample {wrong[0] + 1} is {values[wrong[0]]} ({wrong.size} such)", file=f"{path}, column {name}",
                 remedy="repair the record, or cut it",
             )  # fmt: skip
-        found[channel.key] = factor * values
+        values = factor * values
+        largest = float(np.abs(values).max()) if values.size else 0.0
+        if largest > LARGEST or 0.0 < largest < SMALLEST:
+            raise InputError(
+                f"the largest value is {largest:.3g} {channel.si}", file=f"{path}, column {name}",
+                key=f"units.{channel.key}", remedy="check unit and column",
+            )  # fmt: skip
+        found[channel.key] = values
     lengths = {key: len(values) for key, values in found.items()}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
