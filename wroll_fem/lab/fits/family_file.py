@@ -13,7 +13,6 @@ from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.typing import FloatArray
 
-
 _NEEDED = (
     "family_real", "family_imag", "frequency", "condition_name", "tension", "base_level", "condition_f_n",
     "condition_zeta", "condition_f_n_interval", "condition_peak",
@@ -112,7 +111,11 @@ def read_families(paths: Sequence[Path]) -> list[Resonance]:
             inside = np.isfinite(size[k])
             found.append(
                 Resonance(
-                    str(name), motion=str(data.attrs.get("method", "")), frequency=f[inside], magnitude=size[k][inside], **own
+                    str(name),
+                    motion=str(data.attrs.get("method", "")),
+                    frequency=f[inside],
+                    magnitude=size[k][inside],
+                    **own,
                 )
             )
     if not found:
