@@ -297,7 +297,7 @@ class Family(Original):
         values, what = data[name].values, chance.randrange(6)
         if what == 0:
             return data.drop_vars(name)
-        if what == 1 and values.dtype.kind == "f":
+        if what == 1 and values.dtype.kind == "f" and values.size:
             values.flat[chance.randrange(values.size)] = chance.choice((np.nan, np.inf, 0.0, -1.0, 1e300, 1e-300))
         elif what == 2 and values.dtype.kind == "f":
             with np.errstate(over="ignore"):
