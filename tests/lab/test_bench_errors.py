@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,46 @@ def test_values_and_times(files: dict[str, str]) -> None:
     )
     assert "time does not rise: sample 6 is at 0 s" in message("shear", [spoiled(files["ramp"], 6, "0,1,2")], **UNITS)
     assert "line 8 has 2 columns" in message("shear", [spoiled(files["ramp"], 7, "0,1")], **UNITS)
+
+
+def changed(path: str, column: str, change: Callable[[np.ndarray], np.ndarray]) -> str:
+    """Copy of a file with one column changed."""
+    lines = Path(path).read_text(encoding="utf-8").splitlines()
+    at = lines[0].split(",").index(column)
+    table = np.array([line.split(",") for line in lines[1:]], dtype=float)
+    table[:, at] = change(table[:, at])
+    other = Path(path).with_name(f"changed_{column}.csv")
+    np.savetxt(other, table, "%.10g", ",", header=lines[0], comments="")
+    return str(other)
+
+
+def test_gaps_absurd_numbers_and_columns_that_stand_still(files: dict[str, str]) -> None:
+    one = files["ramp"]
+    gap = changed(one, "time", lambda t: t + 20.0 * (np.arange(len(t)) >= 300))
+    assert "gap of 20.07 s after" in message("shear", [gap], **UNITS)
+    assert "fill the gap, or cut the record there" in message("shear", [gap], **UNITS)
+    huge = changed(one, "force", lambda force: 1e20 * force)
+    assert "units.force: the largest value is" in message("shear", [huge], **UNITS)
+    tiny = changed(one, "displacement", lambda x: 1e-20 * x)
+    assert "units.displacement: the largest value is" in message("shear", [tiny], **UNITS)
+    still = changed(one, "displacement", np.zeros_like)
+    assert "the displacement stands still while the force changes" in message("shear", [still], **UNITS)
+
+
+def test_a_test_whose_steps_change_with_its_rate_has_no_gap(files: dict[str, str]) -> None:
+    found = wf.lab.evaluate("shear", [files["steps"]], normal_force=200.0, **UNITS)
+    assert len(found.summary["slip_rates_m_s"]) == 6
+
+
+def test_a_clipped_force_or_tension_is_a_warning(files: dict[str, str], tmp_path: Path) -> None:
+    cut = changed(files["loops"], "force", lambda force: np.clip(force, -90.0, 90.0))
+    found = wf.lab.evaluate("shear", [cut], normal_force=200.0, **UNITS)
+    assert any("extreme value 90: the record may be clipped" in text for text in found.warnings)
+    tension = np.minimum(40.0 + np.random.default_rng(1).standard_normal(200), 39.5)
+    path = tmp_path / "t.csv"
+    np.savetxt(path, np.column_stack([np.arange(200.0), tension]), delimiter=",", header="time,tension", comments="")
+    told = wf.lab.evaluate("tension", [path], **{"units.tension": "N", "voltage": 6.0, "current": 0.5}).warnings
+    assert any("extreme value 39.5" in text for text in told)
 
 
 def test_records_that_are_not_what_they_should_be(files: dict[str, str]) -> None:

@@ -226,3 +226,10 @@ def test_a_relative_grid_is_taken_from_the_settings_file(tmp_path: Path) -> None
     found = wf.lab.evaluate("fit", files, settings_file=other)
     assert found.settings is not None
     assert found.summary["fit_model"] == "backbones"
+
+
+@pytest.mark.parametrize("name", ["family_imag", "condition_f_n", "tension"])
+def test_results_without_a_variable_are_no_family(name: str, tmp_path: Path) -> None:
+    path = save_dataset(roll.measured_family().drop_vars(name), tmp_path / "results.nc")
+    with pytest.raises(InputError, match=f"has no family of curves \\({name} is missing\\)"):
+        read_families([path])

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import json
+import shutil
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 import yaml
 from pydantic import BaseModel
+from support.report_pages import parsed
 from typer.testing import CliRunner
 
 import wroll_fem as wf
@@ -19,6 +24,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.lab.examples import example_files
 from wroll_fem.lab.kinds import KINDS, find_kind
 from wroll_fem.lab.settings import read_settings
+from wroll_fem.report.lab import CAPTIONS
 from wroll_fem.results.dataset import FIELDS, load_dataset
 from wroll_fem.results.summary import SUMMARY
 
@@ -34,14 +40,30 @@ def settings_of(files: list[Path]) -> list[str]:
     return ["--settings", str(file)] if file.is_file() else []
 
 
+def command_of(kind: str, files: list[Path]) -> list[str]:
+    """Words of the command that evaluates the example of a kind into the folder `out` beside it."""
+    return ["lab", kind, *map(str, files), *settings_of(files), "--out", str(files[0].parents[1] / f"{kind}_out")]
+
+
+@pytest.fixture(scope="module")
+def evaluated(examples: dict[str, list[Path]]) -> Callable[[str], Path]:
+    """Function that returns the folder of the evaluated example of a kind."""
+
+    @cache
+    def folder(kind: str) -> Path:
+        words = command_of(kind, examples[kind])
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code == 0, done.output
+        return Path(words[-1])
+
+    return folder
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_example_of_a_kind_runs_into_a_complete_folder(
-    kind: str, examples: dict[str, list[Path]], tmp_path: Path
+    kind: str, examples: dict[str, list[Path]], evaluated: Callable[[str], Path]
 ) -> None:
-    out, files = tmp_path / "out", examples[kind]
-    words = ["lab", kind, *map(str, files), *settings_of(files), "--out", str(out)]
-    done = CliRunner().invoke(app, words)
-    assert done.exit_code == 0, done.output
+    out, files = evaluated(kind), examples[kind]
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     assert summary["evaluation"] == kind
     assert summary["files"] == len(files)
@@ -62,9 +84,27 @@ def test_the_example_of_a_kind_runs_into_a_complete_folder(
     model = find_kind(kind).settings
     given = settings_of(files)
     assert read_settings(model, out / "settings.yaml") == read_settings(model, given[1] if given else None)
-    again = CliRunner().invoke(app, words)
+    again = CliRunner().invoke(app, command_of(kind, files))
     assert again.exit_code == 2
     assert "is not empty; choose another --out" in again.output
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_figures_are_drawn_again_from_the_results_and_stand_in_the_report(
+    kind: str, evaluated: Callable[[str], Path]
+) -> None:
+    out = evaluated(kind)
+    first = {path.name: path.read_bytes() for path in (out / "figures").glob("*.png")}
+    shutil.rmtree(out / "figures")
+    done = CliRunner().invoke(app, ["report", str(out)])  # draws what the folder has not
+    assert (done.exit_code, done.output) == (0, f"{out / 'report.html'}\n")
+    drawn = [image.get("src", "").partition("base64,")[2] for image in parsed(out / "report.html").iter("img")]
+    assert {base64.b64decode(text) for text in drawn} == set(first.values())
+    redrawn = CliRunner().invoke(app, ["plot", str(out)])
+    assert redrawn.exit_code == 0, redrawn.output
+    assert {path.name: path.read_bytes() for path in (out / "figures").glob("*.png")} == first
+    assert {line.rpartition("/")[2] for line in redrawn.output.splitlines()} == set(first)
+    assert {name.removesuffix(".png") for name in first} <= set(CAPTIONS)
 
 
 def inner(model: type[BaseModel]) -> list[type[BaseModel]]:

@@ -51,7 +51,7 @@ class KindCommand(TyperCommand):
 
 
 def _default(value: Any) -> str:
-    if value is None or hasattr(value, "model_fields") or value == () or value == []:
+    if value is None or hasattr(type(value), "model_fields") or value == () or value == []:
         return ""
     return f"  [default: {str(value).lower() if isinstance(value, bool) else value}]"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -14,21 +15,35 @@ from wroll_fem.results.storage.paths import check_path
 @app.command()
 def plot(
     run_dir: Annotated[
-        Path, typer.Argument(metavar="RUN_DIR", help="Folder of a run, or a results file (.nc).", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="RUN_DIR",
+            help="Folder of a run or of a laboratory evaluation, or a results file (.nc).",
+            show_default=False,
+        ),
     ],
 ) -> None:
-    """Redraw the figures of a run from its results."""
+    """Redraw the figures of a run, or of a laboratory evaluation, from its results."""
     with reporting():
         from wroll_fem.jobs.folder import RunFolder
+        from wroll_fem.jobs.lab_folder import LabFolder
+        from wroll_fem.lab.evaluation import is_evaluation, result_of
         from wroll_fem.results.dataset import load_dataset
 
         check_path(run_dir)
         alone = run_dir.is_file()
         folder = RunFolder(run_dir.parent if alone else run_dir)
-        dataset = load_dataset(run_dir) if alone else folder.load()
+        measured = LabFolder(folder.path)
+        if not alone and measured.is_one():
+            dataset = measured.load().data
+        else:
+            dataset = load_dataset(run_dir) if alone else folder.load()
         from wroll_fem import analyses
 
-        for path in analyses.write_figures(dataset, folder.subfolder(folder.figures)):
+        redraw = (
+            result_of(dataset).write_figures if is_evaluation(dataset) else partial(analyses.write_figures, dataset)
+        )
+        for path in redraw(folder.subfolder(folder.figures)):
             typer.echo(str(path))
 
 
@@ -63,12 +78,14 @@ def report(
     folder: Annotated[
         Path,
         typer.Argument(
-            metavar="DIR", help="Folder of a run or of a batch, or a results file (.nc).", show_default=False
+            metavar="DIR",
+            help="Folder of a run, a batch or a laboratory evaluation, or a results file (.nc).",
+            show_default=False,
         ),
     ],
     out: Annotated[Path | None, typer.Option("--out", help="File to write; default DIR/report.html.")] = None,
 ) -> None:
-    """Write one self-contained HTML file about a run or a batch."""
+    """Write one self-contained HTML file about a run, a batch or a laboratory evaluation."""
     with reporting():
         from wroll_fem.report import write_report
 

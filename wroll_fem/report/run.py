@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from wroll_fem.case.strict_yaml import parse_yaml
 from wroll_fem.errors import InputError, WrollError
-from wroll_fem.jobs.folder import RunFolder
+from wroll_fem.jobs.folder import ResultFolder, RunFolder
 from wroll_fem.report import html
 from wroll_fem.report.damping import damping_table
 from wroll_fem.report.ledger import energy_ledger
@@ -69,22 +69,14 @@ def run_page(path: Path) -> str:
     warnings = run_warnings([*errors, *logged(folder)], status, summary, dataset) + [(text, True) for text in trouble]
     made = sorted(folder.figures.glob("*.png"))
     return _page(
-        path.resolve().name, written, summary, origin | {"status": status}, dataset, warnings, made, _files(path)
+        path.resolve().name, written, summary, origin | {"status": status}, dataset, warnings, made, file_list(path)
     )
 
 
-def result_page(path: Path) -> str:
-    """HTML report of a results file.
-
-    Raises
-    ------
-    InputError
-        If the file is not a results file.
-    """
+def result_page(path: Path, dataset: xr.Dataset) -> str:
+    """HTML report of a results file of a run, with its content."""
     from wroll_fem import analyses
-    from wroll_fem.results.dataset import load_dataset
 
-    dataset = load_dataset(path)
     complete = bool(dataset.attrs.get("complete", True))
     summary = analyses.summarise(dataset) if complete else {}
     status = "complete" if complete else "not finished"
@@ -190,7 +182,7 @@ def run_warnings(
     return found
 
 
-def logged(folder: RunFolder) -> list[tuple[str, str]]:
+def logged(folder: ResultFolder) -> list[tuple[str, str]]:
     """Messages of run.log, in order: ("warning" or "error", text)."""
     if not folder.log_file.is_file():
         return []
@@ -202,7 +194,11 @@ def metrics(summary: Mapping[str, Any]) -> html.Markup:
     """Tables of summary.json: scalar values, interfaces, modes."""
     if not summary:
         return html.paragraph("There is no summary.json: the run is not complete.")
-    lists = {key: value for key, value in summary.items() if isinstance(value, list) and key != "warnings"}
+    lists = {
+        key: value
+        for key, value in summary.items()
+        if isinstance(value, list) and value and key != "warnings" and not _is_pair(key, summary)
+    }
     head = ("quantity", "value", "in summary.json")
     single = [(label(k), shown(k, v), k) for k, v in summary.items() if k not in (*lists, "analysis", "warnings")]
     parts = [html.table(head, [row for row in single if row[2] not in GROUPS[EFFORT]], numbers=(1,))]
@@ -225,6 +221,11 @@ def metrics(summary: Mapping[str, Any]) -> html.Markup:
         parts.append(html.subheading("Series"))
         parts.append(html.table(("number", *map(label, columns)), rows, numbers=range(1, len(columns) + 1)))
     return html.join(parts) + (html.subheading(EFFORT) + effort if effort else html.Markup())
+
+
+def _is_pair(name: str, summary: Mapping[str, Any]) -> bool:
+    """Whether an entry is the interval of a single value, and not a list of intervals."""
+    return "_interval" in name and isinstance(summary.get(name.replace("_interval", "")), float)
 
 
 def _figures(made: list[Path], dataset: xr.Dataset | None, scratch: Path) -> html.Markup:
@@ -278,7 +279,8 @@ def origin_table(origin: Mapping[str, Any]) -> html.Markup:
     return html.terms([(k, str(v)) for k, v in entries if v not in (None, "", "none")] + [("Versions", versions)])
 
 
-def _files(path: Path) -> html.Markup:
+def file_list(path: Path) -> html.Markup:
+    """Names and sizes of the files of a folder."""
     found = sorted(p for p in path.rglob("*") if p.is_file() and p.name not in ("report.html", ".lock"))
     rows = [(str(p.relative_to(path)), f"{p.stat().st_size / 1e3:,.1f} kB") for p in found[:200]]
     return html.folded(f"{len(found)} files", html.table(("file", "size"), rows, numbers=(1,)))

@@ -25,6 +25,8 @@ def shown(name: str, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
+        if not value:
+            return "none"
         return ", ".join(shown(name, item) for item in value)
     if isinstance(value, Mapping):
         own = {str(key): str(key) if unit_of(str(key)) else name for key in value}  # a key without unit has the entry's

@@ -73,6 +73,25 @@ def case_rows(data: Plain) -> list[CaseRow]:
     return rows
 
 
+def setting_rows(fields: Mapping[str, FieldInfo], data: Plain) -> list[CaseRow]:
+    """Settings of an evaluation of the laboratory, those without a section first.
+
+    Parameters
+    ----------
+    fields
+        Fields of the model of the settings.
+    data
+        Content of settings.yaml.
+    """
+    rows: list[CaseRow] = []
+    for key, value in sorted(data.items(), key=lambda item: isinstance(item[1], Mapping)):
+        if key == "figures" or value is None:
+            continue
+        title = str(key).replace("_", " ").capitalize() if isinstance(value, Mapping) else "Settings"
+        rows += [CaseRow(title, *rest) for rest in _rows(fields, str(key), value, str(key), "")]
+    return rows
+
+
 def _rows(
     fields: Mapping[str, FieldInfo], name: str, value: Any, key: str, unit_around: str
 ) -> Iterator[tuple[str, str, str]]:

@@ -100,6 +100,13 @@ def test_a_wrong_frequency_and_a_short_rest_are_warned_of(files: list[Path], tmp
     assert found.summary["motion_frequency_hz"] == pytest.approx(140.0, abs=0.2)
 
 
+def test_more_frames_than_the_recording_has_are_warned_of_and_change_no_line(files: list[Path]) -> None:
+    found = wf.lab.evaluate("slip", files, **{**SHORT, "first_frame": 250, "frames": 10**9})
+    assert any("the recording has 150 from first_frame on" in text for text in found.warnings)
+    step = float(np.diff(found.data["frequency"].values)[0])
+    assert step == pytest.approx(RATE / 150)
+
+
 def test_a_folder_of_images_runs_into_a_folder_with_warnings_in_the_summary(tmp_path: Path) -> None:
     discs = (Disc(30.0, 30.0, 14.0), Disc(70.0, 30.0, 14.0), Disc(90.0, 60.0, 14.0))
     motion = np.array([[0.5, 0.0], [0.3, 0.0], [0.0, 0.0]])

@@ -70,6 +70,8 @@ def test_wrong_tables_are_one_line(tmp_path: Path) -> None:
         "line 2 has 4 cells": "target,group,layer\n1,2,3,4\n",
         "line 2: diameter_mm is '-2'": "target,group,layer,diameter_mm\n1,1,mandrel,-2\n",
         "line 2: no target within 8 px of x = 50 px": "target,group,layer,x_px,y_px\n1,1,mandrel,50,20\n",
+        "line 2: x_px is '1e300'": "target,group,layer,x_px,y_px\n1,1,mandrel,1e300,20\n",
+        "line 2: diameter_px is '1e-320'": "target,group,layer,x_px,y_px,diameter_px\n1,1,mandrel,30,20,1e-320\n",
         "line 2: x_px or y_px is missing": "target,group,layer,x_px,y_px\n1,1,mandrel,,20\n",
     }
     for message, text in wrong.items():

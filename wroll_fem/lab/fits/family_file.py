@@ -13,6 +13,11 @@ from wroll_fem.errors import InputError
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.typing import FloatArray
 
+_NEEDED = (
+    "family_real", "family_imag", "frequency", "condition_name", "tension", "base_level", "condition_f_n",
+    "condition_zeta", "condition_f_n_interval", "condition_peak",
+)  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Resonance:
@@ -82,10 +87,12 @@ def read_families(paths: Sequence[Path]) -> list[Resonance]:
                 "is no results.nc", file=str(file), remedy="evaluate the records first: wroll lab transmissibility"
             )
         data = load_dataset(file)
-        if "family_real" not in data:
+        missing = [name for name in _NEEDED if name not in data.variables]
+        if missing:
             raise InputError(
-                "has no family of curves", file=str(file), remedy="give a result of wroll lab transmissibility"
-            )
+                f"has no family of curves ({missing[0]} is missing)", file=str(file),
+                remedy="give a result of wroll lab transmissibility",
+            )  # fmt: skip
         f = data["frequency"].values
         size = np.hypot(data["family_real"].values, data["family_imag"].values)
         numbers = {
@@ -98,12 +105,17 @@ def read_families(paths: Sequence[Path]) -> list[Resonance]:
         for k, name in enumerate(data["condition_name"].values):
             own = {key: float(values[k]) for key, values in numbers.items()}
             own["f_n_error"] /= 1.96
-            if not (isfinite(own["f_n"]) and isfinite(own["peak"]) and own["peak"] > 1.0):
+            positive = all(isfinite(own[key]) and own[key] > 0.0 for key in ("f_n", "base_level", "peak"))
+            if not (positive and own["peak"] > 1.0):
                 continue
             inside = np.isfinite(size[k])
             found.append(
                 Resonance(
-                    str(name), motion=str(data.attrs["method"]), frequency=f[inside], magnitude=size[k][inside], **own
+                    str(name),
+                    motion=str(data.attrs.get("method", "")),
+                    frequency=f[inside],
+                    magnitude=size[k][inside],
+                    **own,
                 )
             )
     if not found:

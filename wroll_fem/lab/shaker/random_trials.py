@@ -72,6 +72,8 @@ def moving_band(spectra: Spectra) -> tuple[float, float]:
     active = spectra.base > 1e-4 * spectra.base.max()
     level = float(np.median(spectra.base[active]))
     at = np.flatnonzero(spectra.base > QUIET * level)
+    if not at.size:
+        raise InputError("the base does not move", key="base", remedy="give another column, or set band")
     return float(spectra.frequency[at[0]]), float(spectra.frequency[at[-1]])
 
 

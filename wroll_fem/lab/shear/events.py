@@ -106,7 +106,7 @@ def _jump(record: ShearRecord, jump: float | None) -> int | None:
     smooth = record.smooth_force
     top = float(smooth.max())
     start, end = rises_between(record, EARLY[0] * top, EARLY[1] * top, len(smooth))
-    stiffness, offset = np.polyfit(record.displacement[start:end], record.force[start:end], 1)
+    stiffness, offset = record.line(start, end)
     if not stiffness > 0.0:
         raise InputError(
             "the force does not rise with the displacement", file=record.source,

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from wroll_fem.errors import InputError
-from wroll_fem.lab.common.channels import Channel, per_file, read_channels
+from wroll_fem.lab.common.channels import Channel, clipped, per_file, read_channels
 from wroll_fem.lab.shear.events import find_event
 from wroll_fem.lab.shear.fixture import Fixture
 from wroll_fem.lab.shear.loops import crossings
@@ -90,6 +90,8 @@ def read_record(
     if columns.normal_force is not None:
         channels.append(Channel("normal_force", columns.normal_force, units.normal_force, "N"))
     data = read_channels(path, channels)
+    for text in clipped(data["force"], path, "force"):
+        progress.warning(text)
     pressed = float("nan") if normal_force is None else normal_force
     if "normal_force" in data:
         pressed = float(np.mean(data["normal_force"]))

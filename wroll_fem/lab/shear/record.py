@@ -103,4 +103,21 @@ class ShearRecord:
 
     def slope(self, start: int, stop: int) -> float:
         """Force over displacement, N/m, of samples from ``start`` to ``stop`` - 1, without confidence."""
-        return float(np.polyfit(self.displacement[start:stop], self.force[start:stop], 1)[0])
+        return self.line(start, stop)[0]
+
+    def line(self, start: int, stop: int) -> tuple[float, float]:
+        """Slope, N/m, and offset, N, of the force over the displacement, of samples from ``start`` to ``stop`` - 1.
+
+        Raises
+        ------
+        InputError
+            If the displacement stands still.
+        """
+        x, force = self.displacement[start:stop], self.force[start:stop]
+        if len(x) < 2 or not np.ptp(x) > 0.0:
+            raise InputError(
+                "the displacement stands still while the force changes", file=self.source,
+                remedy="check the columns, and the resolution of the displacement",
+            )  # fmt: skip
+        slope, offset = np.polyfit(x, force, 1)
+        return float(slope), float(offset)

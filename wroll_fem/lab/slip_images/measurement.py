@@ -68,7 +68,14 @@ def measure(files: Sequence[Path], settings: SlipSettings, progress: Progress) -
     """
     layout = settings.raw.layout() if settings.raw else None
     recording = open_frames(files, layout)
-    count = len(recording) - settings.first_frame if settings.frames is None else settings.frames
+    count = len(recording) - settings.first_frame
+    if settings.frames is not None:
+        if settings.frames > count:
+            progress.warning(
+                f"frames: {settings.frames} are asked for, but the recording has {max(count, 0)} from first_frame on; "
+                "these are used"
+            )
+        count = min(settings.frames, count)
     lines = band_lines(max(count, 1), settings.frame_rate, settings.frequency, settings.band)
     paths = follow(recording, settings.search(), first=settings.first_frame, count=settings.frames, progress=progress)
     _warn_of_losses(paths, progress)

@@ -19,6 +19,8 @@ MANDREL = 0
 """Number that stands for the mandrel in place of a layer."""
 
 _NEEDED = ("target", "group", "layer")
+_LARGEST, _SMALLEST = 1e9, 1e-9
+"""Limit of the numbers (nan is refused too), and least diameter, mm or px."""
 _OPTIONAL = ("x_px", "y_px", "diameter_px", "diameter_mm")
 
 
@@ -207,7 +209,7 @@ def _number(row: dict[str, str], name: str, path: Path, line: int) -> float | No
         value = float(text)
     except ValueError:
         value = float("nan")
-    if not np.isfinite(value) or (name.startswith("diameter") and value <= 0.0):
+    if not abs(value) < _LARGEST or (name.startswith("diameter") and value < _SMALLEST):
         what = "a number" + (" or mandrel" if name == "layer" else "")
         raise InputError(f"line {line}: {name} is {text!r}", file=str(path), remedy=f"write {what}")
     return value

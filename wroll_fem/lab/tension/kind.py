@@ -12,7 +12,7 @@ from pydantic import Field
 
 from wroll_fem.case.base import Real, Section, Switch, Whole
 from wroll_fem.errors import InputError
-from wroll_fem.lab.common.channels import Channel, per_file, read_channels
+from wroll_fem.lab.common.channels import Channel, clipped, per_file, read_channels
 from wroll_fem.lab.common.intervals import entries, variables
 from wroll_fem.lab.kinds import Figure, Kind
 from wroll_fem.lab.result import LabResult
@@ -120,6 +120,8 @@ def _trials(files: Sequence[Path], settings: TensionSettings, progress: Progress
     with progress.stage("trials", len(files)) as stage:
         for k, path in enumerate(files):
             data = read_channels(path, wanted)
+            for text in clipped(data["tension"], path, "tension"):
+                progress.warning(text)
             levels = []
             for key, values in given.items():
                 if values is not None:
