@@ -1,5 +1,6 @@
 # Two commands do everything on a fresh Debian 12 or 13: `make run` and `make test`.
 export OMP_NUM_THREADS := 1
+unexport PYTHONDONTWRITEBYTECODE # the processes that tests start read the bytecode of the first one
 SHELL := /bin/bash
 PYTHON := .venv/bin/python
 WORKERS ?= 2

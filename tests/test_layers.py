@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -87,7 +88,10 @@ def imports(path: Path) -> Iterator[Arrow]:
                 yield Arrow(file, node.lineno, full if full in MODULES else node.module)
 
 
-ARROWS = [arrow for path in files() for arrow in imports(path)]
+@cache
+def every_arrow() -> list[Arrow]:
+    """Imports of all files; read once, and only where a test asks."""
+    return [arrow for path in files() for arrow in imports(path)]
 
 
 def room(name: str) -> str:
@@ -101,7 +105,7 @@ def room_of(file: str) -> str:
 
 
 def inside() -> list[Arrow]:
-    return [arrow for arrow in ARROWS if arrow.target.split(".")[0] == "wroll_fem"]
+    return [arrow for arrow in every_arrow() if arrow.target.split(".")[0] == "wroll_fem"]
 
 
 def test_every_room_has_a_layer() -> None:
@@ -168,7 +172,7 @@ def test_no_imports_form_a_circle(rooms: bool) -> None:
 
 def test_dolfinx_is_known_in_fem_alone() -> None:
     heavy = {"dolfinx", "ufl", "basix", "ffcx"}
-    users = {arrow.file for arrow in ARROWS if arrow.target.split(".")[0] in heavy}
+    users = {arrow.file for arrow in every_arrow() if arrow.target.split(".")[0] in heavy}
     assert {file for file in users if room_of(file) != "fem"} <= DOLFINX_VERSIONS
 
 
@@ -182,7 +186,7 @@ def test_reports_and_jobs_know_no_solver() -> None:
 
 def test_nothing_in_the_package_imports_the_reproduction_or_the_tools() -> None:
     outside = {"reproduction", "tools", "tests", "support", "benchmarks"}
-    assert [arrow for arrow in ARROWS if arrow.target.split(".")[0] in outside] == []
+    assert [arrow for arrow in every_arrow() if arrow.target.split(".")[0] in outside] == []
 
 
 def test_rooms_are_small_enough_to_be_seen_at_once() -> None:

@@ -31,7 +31,7 @@ def run(case):
     return data, wf.summarise(data), progress.warnings
 
 
-@pytest.fixture(scope="module", params=MISSIONS)
+@pytest.fixture(scope="module", params=[MISSIONS[1], *(pytest.param(m, marks=pytest.mark.slow) for m in MISSIONS[::2])])
 def mission(request):
     case = load_case(CONFIGS / f"{request.param}.yaml")
     return case, *run(case)

@@ -111,6 +111,7 @@ def test_slip_is_that_between_two_wraps() -> None:
     assert float(thick["area"].sum()) == pytest.approx(0.5 * float(found["area"].sum()), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_span_of_a_short_path_is_enlarged_to_the_same_curve(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(slip_path, "MOST_LEVELS", 4)
     monkeypatch.setattr(slip_modes, "ROUNDS", 8)

@@ -29,10 +29,10 @@ LONG = f"""
 base: {CONFIGS / "oscillator.yaml"}
 grid:
   analysis: [dwell]
-  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 500}}]
+  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 250}}]
   contact.friction: [{{law: penalty_coulomb, mu: 0.3, elastic_slip: 1.0e-5}}]
   integrator.alpha: [-0.05, -0.1]
-  solver.checkpoint_seconds: [0.2]
+  solver.checkpoint_seconds: [0.1]
   output.figures: [false]
 """
 QUICK = f"""
@@ -113,6 +113,7 @@ def test_a_stopped_batch_goes_on_from_the_checkpoint(kill: signal.Signals, tmp_p
     assert first.summary()["friction_energy_j"] == whole["friction_energy_j"]  # as if nothing had happened
 
 
+@pytest.mark.slow
 def test_a_batch_killed_at_random_loses_and_repeats_nothing(tmp_path: Path) -> None:
     path, out = grid_file(tmp_path, QUICK), tmp_path / "out"
     chance = random.Random(5)
@@ -150,7 +151,7 @@ def test_an_orphan_still_at_work_is_waited_for(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "out" / grid.members[0].name)
     folder.path.mkdir(parents=True)
     hold = f"lock = FileLock({str(folder.lock_file)!r}); lock.acquire(); print('held', flush=True)"
-    code = f"import time; from filelock import FileLock; {hold}; time.sleep(4)"
+    code = f"import time; from filelock import FileLock; {hold}; time.sleep(2)"
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as orphan:
         assert orphan.stdout is not None
         assert orphan.stdout.readline() == "held\n"

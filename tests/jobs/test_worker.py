@@ -96,7 +96,7 @@ def test_runs_without_structure_and_after_a_death_get_a_new_process(made: list[S
 def test_a_batch_has_the_results_of_its_runs(tmp_path: Path) -> None:
     """Bit by bit, although the second case uses bodies and modes of the first one."""
     mesh = "mesh: [{circumferential: 8, axial: 4, grading: 8}]"
-    off = "output: [{figures: false, fields: none}]"
+    off = "output: [{figures: false, fields: none}], harmonic: [{harmonics: 1, reduction_tolerance: 0.1}]"
     path = tmp_path / "grid.yaml"
     path.write_text(f"base: {CONFIGS / 'lab_harmonic.yaml'}\ngrid: {{preload.pressure: [1e5, 2e5], {mesh}, {off}}}\n")
     grid = load_grid(path)

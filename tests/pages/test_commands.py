@@ -13,21 +13,16 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
-from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 import yaml
+from support.here_pool import HerePool
 from support.paths import ROOT
 from typer.testing import CliRunner
 
-from wroll_fem.case import load_case
 from wroll_fem.cli import app
 from wroll_fem.jobs import batch
-from wroll_fem.jobs import executors as pools
-from wroll_fem.jobs.run import run_case
-from wroll_fem.progress import SilentProgress
 from wroll_fem.results.summary import SUMMARY
 
 PAGES = [
@@ -59,12 +54,13 @@ COUNTS = ("mesh.", "excitation.f_", "modal.count", "harmonic.", "integrator.step
 STUDY_MESHES = {"mesh.circumferential": [8, 12], "mesh.axial": [2, 4]}
 """Axes of studies over the mesh."""
 
+WRAPS = "mesh={circumferential: 8, axial: 4, radial: 1}"
 FLIGHT = [
-    "mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1", "preload.pressure=1.0e6", "excitation.amplitude_g=0.02",
+    WRAPS, "preload.pressure=1.0e6", "harmonic.harmonics=1",
+    "harmonic.reduction_tolerance=0.1", "excitation.amplitude_g=0.02",
 ]  # fmt: skip
 """At a level at which no coil opens."""
 
-WRAPS = "mesh={circumferential: 8, axial: 4, radial: 1}"
 SMALLER: dict[str, list[str]] = {
     "case_study": [*SOLID, "winding.cells=600"],
     "coiled_stiff": SOLID,
@@ -115,12 +111,15 @@ SMALLER: dict[str, list[str]] = {
 """Case file -> what is changed in the scratch copy so that a run takes seconds: coarse mesh, short motion, few values.
 
 The commands stay as they are printed. A grid keeps the middle and the end of its longest axis (the lowest preload
-of a study may have no reading in so short a sweep), the first value of the others, and none of mesh, band and counts;
-its cases run in this process, one after the other.
+of a study may have no reading in so short a sweep), the end alone where it has three case files or more, the first
+value of the others, and none of mesh, band and counts; its cases run in this process, one after the other.
 """
 
-SLOW = ("docs/chapter4.md",)
-"""A dozen studies, half a minute."""
+SLOW = tuple(
+    f"docs/{name}.md"
+    for name in ("batch", "chapter4", "chapter6", "excitations", "laboratory", "sizing", "slipping-coil")
+)
+"""Studies and runs of solid coils, 10 to 40 s a page. What they run has tests of its own in `make test`."""
 
 TOOLS: dict[str, list[tuple[str, str]]] = {
     "coil_table.py": [
@@ -291,7 +290,8 @@ def scratch(folder: Path) -> None:
         for key in axes:
             if key != "analysis":
                 middle = axes[key][(len(axes[key]) - 1) // 2]
-                axes[key] = [middle, axes[key][-1]] if key == longest and len(axes[key]) > 1 else axes[key][:1]
+                two = key == longest and len(axes[key]) > 1 and len(grid.get("cases", [])) < 3
+                axes[key] = [middle, axes[key][-1]] if two else axes[key][-1:] if key == longest else axes[key][:1]
         grid["grid"] = axes | meshes
         path.write_text(yaml.safe_dump(grid), encoding="utf-8")
     for name, replaced in TOOLS.items():
@@ -320,31 +320,6 @@ def cases_of(words: list[str]) -> list[str]:
         files = [*grid.get("cases", []), *(grid[key] for key in ("base", "reference") if key in grid)]
         return [Path(file).stem for file in files]
     return [Path(words[2]).stem] if words[1] in ("run", "export", "mesh") else []
-
-
-class HerePool:
-    """Runs the cases of a batch in this process: that they are processes of their own is tested in test_batch.py."""
-
-    def __init__(self, workers: int) -> None:
-        self.workers = workers
-
-    def submit(self, jobs: Sequence[pools.Job]) -> list[Future[pools.Ended]]:
-        futures: list[Future[pools.Ended]] = [Future() for _ in jobs]
-        for job, future in zip(jobs, futures, strict=True):
-            overrides = [job.words[at + 1] for at, word in enumerate(job.words) if word == "--set"]
-            case = load_case(job.words[0], overrides)
-            run_case(case, job.folder, progress=SilentProgress(), resume=True, command="")
-            future.set_result(pools.Ended(0, ""))
-        return futures
-
-    def at_work(self) -> dict[str, float]:
-        return {}
-
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 def run(command: str, folder: Path) -> None:

@@ -14,6 +14,8 @@ FOLDER = ROOT / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 QUICK = "WROLL_QUICK"
 """Environment variable with which a notebook takes fewer points."""
+ALWAYS = ("01_first_roll", "slip_contours")
+"""Notebooks that run in `make test`; the others take 15 to 35 s each."""
 SHORTENED = [name for name in NAMES if QUICK in (FOLDER / f"{name}.py").read_text(encoding="utf-8")]
 
 
@@ -69,7 +71,7 @@ def figures(outputs):
     return sum("image/png" in output.get("data", {}) for output in outputs)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n in ALWAYS else pytest.mark.slow) for n in NAMES])
 def test_notebook_runs_headless(root, name, monkeypatch):
     outputs = run(root, name, monkeypatch, quick=True)
     assert figures(outputs) >= 3

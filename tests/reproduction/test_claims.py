@@ -371,6 +371,7 @@ def test_wrong_input_is_one_line(words: list[str], said: str, tmp_path: Path) ->
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 def test_the_claims_on_winding_from_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reproduce, "GROUPS", {"ch2": ("winding",)})
     done = CliRunner().invoke(app, ["reproduce", "ch2", "--fast", "--workers", "1", "--out", str(tmp_path)])

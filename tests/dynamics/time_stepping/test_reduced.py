@@ -288,6 +288,7 @@ def five_layers(pressure: float, method: str) -> xr.Dataset:
     return found
 
 
+@pytest.mark.slow
 def test_five_layers_slip_where_the_exact_solver_says() -> None:
     right, history = (five_layers(500.0, method) for method in ("condensed", "reduced"))
     assert float(right["open_fraction"].max()) > 0.02

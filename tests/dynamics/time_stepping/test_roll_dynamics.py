@@ -70,6 +70,7 @@ def test_full_and_condensed_agree_over_a_few_cycles_with_slip() -> None:
     assert error < 1e-6
 
 
+@pytest.mark.slow
 def test_full_and_condensed_agree_with_a_wall_that_couples_stretch_and_shear() -> None:
     mesh = "mesh={circumferential: 8, axial: 2, grading: 1}"
     error, slipping = agreement(Dwell(900.0, 300.0, 3, 1), 32, mesh, TWISTED, symmetric=False)
@@ -193,6 +194,7 @@ def test_a_clamped_layer_base_leaves_friction_nothing_to_do() -> None:
     assert friction["clamped"] < 0.05 * friction["free"]
 
 
+@pytest.mark.slow
 def test_lower_preload_lowers_the_resonance_and_skews_it_to_the_right() -> None:
     read = {}
     for pressure in ("1e4", "1e5"):
