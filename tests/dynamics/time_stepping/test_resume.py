@@ -69,10 +69,11 @@ def test_small_systems_resume_bit_by_bit(build, method: str, tmp_path: Path, mon
 def test_a_roll_resumes_bit_by_bit_at_twenty_random_checkpoints(
     method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Seed 18; a chunk of 12 of 240 steps."""
-    monkeypatch.setattr(module, "CHUNK", 12)
-    system, preload = prepare(load_case(CONFIGS / "tiny.yaml"), SilentProgress())
-    chance, motion, whole = random.Random(18), Dwell(60.0, 150.0, 6.0, ramp_cycles=2.0), None
+    """Seed 18; a chunk of 6 of 120 steps."""
+    monkeypatch.setattr(module, "CHUNK", 6)
+    case = load_case(CONFIGS / "tiny.yaml", ["mesh={circumferential: 8, axial: 3, grading: 1}"])
+    system, preload = prepare(case, SilentProgress())
+    chance, motion, whole = random.Random(18), Dwell(60.0, 150.0, 3.0, ramp_cycles=1.0), None
     for _ in range(20):
         stops = [chance.randrange(1, 19)]
         whole = resumed_equals_whole(
