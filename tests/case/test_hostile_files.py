@@ -232,3 +232,14 @@ def test_a_nul_character_in_a_path_is_refused(tmp_path: Path) -> None:
     data["mesh"]["file"] = "a\0b"
     with pytest.raises(InputError, match="the path contains a NUL character"):
         Case.model_validate(data)
+
+
+def test_a_text_read_twice_is_read_anew_although_its_content_is_kept() -> None:
+    text = "a: &one {b: [1, 2]}\nc: *one\n"
+    first = parse_yaml(text, "here")
+    assert first["a"] is first["c"]
+    first["a"]["b"].append(3)
+    assert parse_yaml(text, "here") == {"a": {"b": [1, 2]}, "c": {"b": [1, 2]}}
+    for _ in range(2):
+        with pytest.raises(InputError, match="is not valid YAML"):
+            parse_yaml("a: [", "here")

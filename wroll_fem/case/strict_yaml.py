@@ -6,8 +6,10 @@ texts, which no number accepts.
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Hashable
+from functools import lru_cache
 from typing import Any
 
 import yaml
@@ -18,6 +20,8 @@ MOST_CHARACTERS = 500_000
 MOST_NODES = 20_000
 MOST_LEVELS = 40
 """Limits of a text: length, number of keys and values with every alias expanded, sections inside sections."""
+KEPT_CHARACTERS = 20_000
+"""Length up to which the content of a text is kept for the next time."""
 
 _TAG = "tag:yaml.org,2002:"
 _INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
@@ -149,6 +153,12 @@ for _letter, _resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items():
             _StrictLoader.yaml_implicit_resolvers.setdefault(_letter, []).append((_tag, _pattern))
 
 
+@lru_cache(maxsize=256)
+def _parsed(text: str) -> Any:
+    """Content of a YAML text; the cases of a grid read one text hundreds of times. To be copied, not changed."""
+    return yaml.load(text, Loader=_StrictLoader)
+
+
 def parse_yaml(text: str, where: str) -> Any:
     """Parse a YAML text; ``where`` names the origin of the text in error messages.
 
@@ -162,7 +172,7 @@ def parse_yaml(text: str, where: str) -> Any:
         raise InputError(problem, remedy="write long tables into a file of their own", file=where)
     remedy = _CHECK
     try:
-        return yaml.load(text, Loader=_StrictLoader)
+        return copy.deepcopy(_parsed(text)) if len(text) <= KEPT_CHARACTERS else yaml.load(text, Loader=_StrictLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         spot = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
