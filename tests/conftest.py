@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 from support.paths import ROOT
@@ -21,6 +22,9 @@ from typer.testing import CliRunner, Result
 
 from wroll_fem import cli
 
+gc.set_threshold(50_000, 20, 20)
+"""A tenth of the time of the suite went into looks for garbage among the objects of pytest and of libraries."""
+
 LONGEST = ("pages", "jobs", "results")
 """Folders with tests of more than ten seconds each."""
 
@@ -28,6 +32,12 @@ LONGEST = ("pages", "jobs", "results")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest tests, so that no process of pytest-xdist ends with one while the others wait."""
     items.sort(key=lambda item: item.path.parent.name not in LONGEST)
+
+
+def pytest_collection_finish() -> None:
+    """Leave what is there before the first test out of later looks for garbage."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
