@@ -232,7 +232,11 @@ class Evidence:
 
     def summary(self, study: str, member: StudyCase) -> dict[str, Any]:
         """Content of summary.json of a case of a study."""
-        return RunFolder(self._study_folder(study) / member.name).summary()
+        return RunFolder(self.run_folder(study, member)).summary()
+
+    def run_folder(self, study: str, member: StudyCase) -> Path:
+        """Run folder of a case of a study."""
+        return self._study_folder(study) / member.name
 
     def grid(self, name: str) -> Grid:
         """Cases of a study; with `fast`, fewer cases with coarse meshes."""

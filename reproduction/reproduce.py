@@ -20,7 +20,7 @@ from wroll_fem.progress import Progress, SilentProgress
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "ch2": ("winding", "coiled_stiff", "coil_slip", "design_map"),
-    "ch3": ("sweep_rate", "experiments"),
+    "ch3": ("sweep_rate", "experiments", "shaker_sweeps", "shaker_random", "shaker_shock", "camera_slip"),
     "ch4": ("lab_model", "preload_series", "layers"),
     "ch5": ("two_dof",),
     "ch6": ("realistic_scale", "flight_rolls", "flight_sensitivity"),

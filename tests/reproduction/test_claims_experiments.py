@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +9,14 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 from support.fake_evidence import FakeEvidence, bending_at, judges, member, reference
-from support.synthetic_roll import contact_points
 
-from reproduction import Evidence, experiments, realistic_scale, sweep_rate
-from reproduction.verdict import MET, NOT_MET, NOT_YET, THESIS_ERROR
+from reproduction import Evidence, experiments, realistic_scale, shaker_random, shaker_sweeps, sweep_rate
+from reproduction.verdict import MET, NOT_MET, THESIS_ERROR
 from wroll_fem.plotting.study import StudyCase
 from wroll_fem.signals.estimators import peak_transmissibility
 
 QUICK = {
-    "C33": MET, "C34": MET, "C37": MET, "C49": NOT_YET, "C51": NOT_YET, "C56": MET, "C94": MET, "C103": MET,
-    "C108": MET,
+    "C33": MET, "C34": MET, "C37": MET, "C56": MET, "C94": MET, "C103": MET, "C108": MET,
 }  # fmt: skip
 SIZED = {"C91": MET, "C92": NOT_MET, "C93": THESIS_ERROR}
 
@@ -70,15 +67,10 @@ def test_rates_that_grow_with_the_damping_itself_are_not_met(
 # ---- the lab roll --------------------------------------------------------------------------------
 
 
-def swept(pressure: float, f_n: float, zeta: float, skewness: float, slip: float = 1.0) -> StudyCase:
-    data = contact_points(interfaces=1)
-    for name in ("peak_slip_axial", "peak_slip_hoop"):
-        data[name] = slip * data[name]
-    data["transmissibility_real"] = "frequency", np.ones(3)
-    data = data.assign_coords(time=[0.0, 1.0], frequency=[1.0, 2.0, 3.0]).assign_attrs(
-        f_n_hz=f_n, zeta=zeta, peak_transmissibility=20.0, skewness=skewness - 1.0
-    )
-    return member(data, name=f"p{pressure:g}", preload__pressure=pressure)
+def swept(pressure: float, f_n: float) -> StudyCase:
+    """Slow sweep with a resonance."""
+    data = xr.Dataset({"transmissibility_real": ("frequency", np.ones(3))}, {"time": [0.0, 1.0]})
+    return member(data.assign_attrs(f_n_hz=f_n, zeta=0.02, peak_transmissibility=20.0), preload__pressure=pressure)
 
 
 def curve(low: float, high: float) -> xr.Dataset:
@@ -96,53 +88,37 @@ ENDS = {
 """Friction coefficient -> preload -> resonance at small and at large amplitude, Hz; meets C39 to C42."""
 
 
-def lab(
-    folder: Path,
-    f_n: Sequence[float] = (134.0, 150.0, 158.0),
-    zeta: Sequence[float] = (0.04, 0.03, 0.015),
-    skew: Sequence[float] = (3.0, 2.0, 1.1),
-    slip: Sequence[float] = (1.0, 0.7, 0.4),
-    ends: dict[float, dict[float, tuple[float, float]]] | None = None,
-) -> FakeEvidence:
-    """Evidence of the lab roll at 10, 100 and 300 kPa that meets C38 to C53 but for what is changed."""
-    rows = zip((1e4, 1e5, 3e5), f_n, zeta, skew, slip, strict=True)
+def lab(folder: Path, ends: dict[float, dict[float, tuple[float, float]]] | None = None) -> FakeEvidence:
+    """Evidence of the lab roll over preload and level that meets C38 to C44 but for what is changed."""
     backbones = [
         member(curve(*pair), contact__friction__mu=mu, preload__pressure=p)
         for mu, by in (ENDS if ends is None else ENDS | ends).items()
         for p, pair in by.items()
     ]
     bonded = member(bending_at(162.0), modal__interface="bonded", coil__base="free")
-    low = [swept(p, f, 0.02, 2.0) for p, f in ((1e3, 126.4), (3e3, 127.0))]
-    studies = {
-        "preload": [swept(*row) for row in rows], "levels": backbones, "preload_low": low,
-        "bounds": [bonded, reference(bending_at(150.5))],
-    }  # fmt: skip
+    low = [swept(p, f) for p, f in ((1e3, 126.4), (3e3, 127.0))]
+    studies = {"levels": backbones, "preload_low": low, "bounds": [bonded, reference(bending_at(150.5))]}
     return FakeEvidence(folder, studies)
 
 
-@pytest.mark.parametrize("name", ["C38", "C39", "C40", "C42", "C43", "C44", "C45", "C46", "C47", "C48"])
+@pytest.fixture(autouse=True)
+def highest(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Largest resonance of the fast sweeps, for C42; readings of random motion, for the text of C40."""
+    found = [158.0]
+    sweep = shaker_sweeps.Reading(300.0, 0.0, 0.015, 60.0, 1.1, 0.0, 0.015, 1.1)
+    monkeypatch.setattr(shaker_sweeps, "readings", lambda _: [sweep._replace(f_n=found[0])])
+    ones = np.ones(3)
+    series = [
+        shaker_random.Series(t, ones, ones, ones, f * ones, ones, ones, ones) for t, f in ((0.0, 150.0), (20.0, 151.0))
+    ]
+    monkeypatch.setattr(shaker_random, "readings", lambda _: series)
+    return found
+
+
+@pytest.mark.parametrize("name", ["C38", "C39", "C40", "C42", "C44"])
 def test_a_roll_as_in_the_experiments_is_met(name: str, tmp_path: Path) -> None:
     verdict = experiments.GROUP.judges[name](lab(tmp_path))
     assert verdict.word == MET, verdict.value
-
-
-@pytest.mark.parametrize(("turned", "word"), [("", MET), ("z_m", NOT_MET), ("theta_rad", NOT_MET)])
-def test_slip_as_the_cameras_saw_it(turned: str, word: str, tmp_path: Path) -> None:
-    """Largest at the base and on the axial face; not if the roll stands on its head or is turned by a quarter."""
-    evidence = lab(tmp_path)
-    data = evidence.given["preload"][0].data
-    for m in evidence.given["preload"]:
-        z = m.data["z_m"].values
-        fade = np.clip(1.0 - 2.0 * z / z.max(), 0.0, 1.0)
-        for name in ("peak_slip_axial", "peak_slip_hoop"):
-            m.data[name] = m.data[name] * fade * 3.0
-    if turned == "z_m":
-        data["z_m"] = data["z_m"].max() - data["z_m"]
-    if turned == "theta_rad":
-        data["theta_rad"] = data["theta_rad"] + 0.5 * np.pi
-    verdict = experiments.c53(evidence)
-    assert verdict.word == word, verdict.value
-    assert experiments.c52(evidence).word == MET
 
 
 @pytest.mark.parametrize(
@@ -152,20 +128,16 @@ def test_slip_as_the_cameras_saw_it(turned: str, word: str, tmp_path: Path) -> N
         ("C39", {"ends": {0.25: {1e4: (152.0, 150.0), 1e5: (157.0, 151.0), 1e6: (160.0, 152.0)}}}),
         ("C40", {"ends": {0.25: {1e4: (150.0, 130.0), 1e5: (157.0, 148.0), 1e6: (160.0, 159.0)}}}),
         ("C42", {"ends": {0.25: {1e4: (152.0, 130.0), 1e5: (157.0, 148.0), 1e6: (164.0, 163.0)}}}),
-        ("C42", {"f_n": (134.0, 150.0, 163.5)}),
-        ("C43", {"skew": (2.0, 3.0, 1.1)}),
-        ("C43", {"skew": (1.04, 1.02, 1.0)}),
         ("C44", {"ends": {0.25: {1e4: (152.0, 130.0), 1e5: (159.0, 157.5), 1e6: (160.0, 152.5)}}}),
-        ("C45", {"f_n": (126.0, 150.0, 158.0)}),
-        ("C46", {"f_n": (134.0, 150.0, 152.0)}),
-        ("C47", {"zeta": (0.06, 0.055, 0.015)}),
-        ("C47", {"zeta": (0.11, 0.03, 0.015)}),
-        ("C52", {"slip": (1e3, 0.7, 0.4)}),
-        ("C53", {"slip": (0.3, 0.7, 0.4)}),
     ],
 )
 def test_a_roll_otherwise_is_not_met(name: str, changed: dict, tmp_path: Path) -> None:
     assert experiments.GROUP.judges[name](lab(tmp_path, **changed)).word == NOT_MET
+
+
+def test_a_sweep_above_the_bonded_roll_is_not_met(highest: list[float], tmp_path: Path) -> None:
+    highest[0] = 163.5
+    assert experiments.c42(lab(tmp_path)).word == NOT_MET
 
 
 def test_more_friction_is_compared_preload_by_preload(tmp_path: Path) -> None:

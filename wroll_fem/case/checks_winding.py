@@ -31,6 +31,29 @@ def check_winding_given(winding: Winding | None, preload: Preload | None) -> Non
         )  # fmt: skip
 
 
+def check_wraps_of_layers(winding: Winding | None, coil: Coil) -> None:
+    """Require the number of wraps, not below that of the layers, for `coil.per_wrap`.
+
+    Raises
+    ------
+    PydanticCustomError
+        If the check fails.
+    """
+    if not coil.per_wrap:
+        return
+    if winding is None:
+        raise validation_error(
+            "required section is missing", key="winding", show_value=False,
+            remedy="add it (winding of the roll: tension, wraps, mandrel, web), because coil.per_wrap: true needs the "
+            "number of wraps",
+        )  # fmt: skip
+    if coil.layers > winding.wraps:
+        raise validation_error(
+            f"more layers than wraps: with coil.per_wrap a layer stands for winding.wraps = {winding.wraps} / layers",
+            key="coil.layers", value=coil.layers, remedy=f"use at most {winding.wraps} layers, or leave per_wrap out",
+        )  # fmt: skip
+
+
 def check_winding_friction(winding: Winding, *, positive: bool = False) -> None:
     """Require the coefficient of friction between wraps; if ``positive``, refuse zero as well.
 

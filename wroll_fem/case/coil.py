@@ -86,6 +86,12 @@ class Coil(Section):
         "none: the mandrel alone"
     )
     layers: Whole = Field(default=1, ge=1, le=200, description="number of concentric layers (count)")
+    per_wrap: Switch = Field(
+        default=False,
+        description="contact.friction is that of one interface between two wraps (model: layers, section winding): an "
+        "interface between two layers has the elastic slip of all wrap interfaces it stands for, wraps / layers of "
+        "them, and the interface at the mandrel that of (wraps / layers + 1) / 2; false: of one",
+    )
     thickness: Real | None = Field(
         default=None, gt=0, description="thickness of the coil, m: alias of total_thickness, used with solid"
     )
@@ -199,6 +205,12 @@ class Coil(Section):
                     remedy="leave it out (in a solid coil, mesh.radial sets the number of elements through the "
                     "thickness), or use model: layers",
                 )  # fmt: skip
+        if self.per_wrap and self.model != "layers":
+            other = "inside: slipping with wrap_interfaces" if self.model == "solid" else "model: layers"
+            raise validation_error(
+                f"is for layers that stand for several wraps, not for model: {self.model}", key="per_wrap", value=True,
+                remedy=f"leave it out, or use {other}",
+            )  # fmt: skip
         if self.base == "guided" and self.model not in SHELL_COILS:
             raise validation_error(
                 f"applies to shells, not to model: {self.model}", key="base", value=self.base,
@@ -293,6 +305,7 @@ class Coil(Section):
         unused |= set(_OF_SHELLS) if self.model == "solid" else set()
         unused |= set() if self.base == "guided" else {"base_stiffness"}
         unused |= set() if self.rubs else {"interface"}
+        unused |= set() if self.per_wrap else {"per_wrap"}
         unused |= set() if self.inside == "slipping" else {"inside"}
         unused |= set() if self.pressure == "varying" else {"pressure"}
         unused |= {key for key in ("base_width", "wrap_interfaces") if getattr(self, key) is None}
@@ -343,6 +356,16 @@ class Coil(Section):
     def is_layered(self) -> bool:
         """Whether the layers are shells with plies."""
         return self.model in SHELL_COILS and not isinstance(self.material, IsotropicMaterial)
+
+    def interfaces_in_series(self, wraps: int) -> list[float]:
+        """Number of wrap interfaces, of ``wraps`` wraps, that each interface of the layers stands for, inner first.
+
+        A layer of m = wraps / layers wraps contains m - 1 wrap interfaces, one half of them on either side of its
+        mid-surface. The interface of two layers stands for those between their mid-surfaces: (m - 1) / 2 in each, and
+        itself. The interface at the mandrel has a layer on one side only.
+        """
+        count = wraps / self.layers
+        return [0.5 * (count + 1.0)] + [count] * (self.layers - 1)
 
     @property
     def layer_thickness(self) -> float:

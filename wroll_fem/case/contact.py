@@ -11,7 +11,7 @@ from wroll_fem.case.base import Real, Section, Switch, TaggedSection, _number, v
 from wroll_fem.case.units import WrongQuantity
 from wroll_fem.contact.law import FrictionLaw, parameters
 from wroll_fem.contact.rate_table import table_problem
-from wroll_fem.contact.registry import LAWS
+from wroll_fem.contact.registry import BY_NAME, LAWS
 
 _ELASTIC_SLIP = "allowable elastic slip gamma*, m: relative displacement at which sliding starts"
 
@@ -116,6 +116,11 @@ if TYPE_CHECKING:
 else:
     _SECTIONS = tuple(WRITTEN.get(law.name) or derived_section(law) for law in LAWS if law.in_rolls)
     Friction = Annotated[Union[_SECTIONS], Field(discriminator="law"), BeforeValidator(_law_of)]  # noqa: UP007
+
+
+def friction_law(friction: Friction) -> FrictionLaw:
+    """Friction law of one interface, from the case section `contact.friction`."""
+    return BY_NAME[friction.law].from_section(friction)
 
 
 class Normal(Section):

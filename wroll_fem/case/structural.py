@@ -24,8 +24,13 @@ from wroll_fem.case.checks import (
 from wroll_fem.case.checks_coil import check_inside, check_shaken_wraps
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
-from wroll_fem.case.checks_winding import check_winding_given, check_winding_mandrel, check_winding_size
-from wroll_fem.case.contact import Contact, Friction
+from wroll_fem.case.checks_winding import (
+    check_winding_given,
+    check_winding_mandrel,
+    check_winding_size,
+    check_wraps_of_layers,
+)
+from wroll_fem.case.contact import Contact, Friction, friction_law
 from wroll_fem.case.damping import Damping
 from wroll_fem.case.excitation import Excitation
 from wroll_fem.case.harmonic import Backbone, Harmonic
@@ -39,6 +44,7 @@ from wroll_fem.case.roll import ROLL, RollSections
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.structure import Structure
 from wroll_fem.case.winding import Winding
+from wroll_fem.contact.law import FrictionLaw
 from wroll_fem.errors import InputError
 
 CONTACT, PRELOAD = INTERFACE_SECTIONS["contact"], INTERFACE_SECTIONS["preload"]
@@ -122,6 +128,7 @@ class OnRoll(StructuralCase, RollSections):
         yield lambda: check_probes(self.probes or {}, self.coil, self.coil_span, self.geometry.length)
         yield lambda: check_winding_given(self.winding, self.preload)
         yield lambda: check_winding_size(self.winding, self.geometry, self.coil)
+        yield lambda: check_wraps_of_layers(self.winding, self.coil)
         yield lambda: check_inside(self.coil, self.analysis)
         yield self._check_shaken_wraps
         yield lambda: check_fourier(self.coil, self.mesh, self.analysis)
@@ -146,6 +153,20 @@ class OnRoll(StructuralCase, RollSections):
             analysis = "" if asked else self.analysis
             check_winding_stress(self.preload)
             check_geometric_stiffness(self.coil, self.mesh, contact=self.contact is not None, analysis=analysis)
+
+    @property
+    def interface_laws(self) -> list[FrictionLaw]:
+        """Friction law of each interface, inner first: that of `contact.friction`, with `coil.per_wrap` of all wraps.
+
+        Raises
+        ------
+        InputError
+            When the case has no section `contact`, or the law has no elastic slip that `coil.per_wrap` could add up.
+        """
+        law, coil, winding = friction_law(self.friction), self.coil, self.winding
+        if not coil.per_wrap or winding is None:
+            return [law] * coil.layers
+        return [law.in_series(count) for count in coil.interfaces_in_series(winding.wraps)]
 
     @property
     def preload_steps(self) -> int:

@@ -8,8 +8,8 @@ constant pressure this is the law of `penalty_coulomb`, whose stiffness is propo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar, Self
 
 from wroll_fem.contact.law import FrictionLaw, Parameter
 from wroll_fem.contact.penalty_coulomb import check_stick, clip, clip_derivatives
@@ -49,6 +49,10 @@ class ElasticCoulomb(FrictionLaw):
     def constant_stick(self) -> float:
         """See `FrictionLaw`."""
         return self.stick_stiffness
+
+    def in_series(self, count: float) -> Self:
+        """See `FrictionLaw`."""
+        return replace(self, elastic_slip=count * self.elastic_slip, stick_stiffness=self.stick_stiffness / count)
 
 
 def slip_update(

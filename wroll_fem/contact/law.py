@@ -7,8 +7,10 @@ case file is read without them. `laws` compiles the functions of all laws in `re
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
+
+from wroll_fem.errors import InputError
 
 DIFFERENCE = 1e-5
 """Increment of central differences of a law, relative to gamma*."""
@@ -69,6 +71,27 @@ class FrictionLaw:
     def rest_length(self, dt: float) -> float:
         """Length L, m, in the tangent stiffness mu p / L at rest, for a step ``dt`` (s; infinite in statics)."""
         return self.elastic_slip
+
+    def in_series(self, count: float) -> Self:
+        """Law of an interface that stands for ``count`` interfaces in series, each with this law.
+
+        All of them carry the same traction, so their relative displacements add up: lengths and slip rates of the law
+        are multiplied by ``count``, the limit mu p stays. A law with a length other than ``elastic_slip``, or with a
+        slip rate or a stiffness, overrides this.
+
+        Raises
+        ------
+        InputError
+            If the law has no elastic slip of its own.
+        """
+        if count == 1.0:
+            return self
+        if "elastic_slip" not in parameters(type(self)):
+            raise InputError(
+                f"{self.name} has no elastic slip that interfaces in series could add up", key="contact.friction.law",
+                remedy="leave coil.per_wrap out, or give the law a method in_series",
+            )  # fmt: skip
+        return replace(self, elastic_slip=count * self.elastic_slip)  # type: ignore[type-var]
 
     @classmethod
     def from_section(cls, section: Any) -> Self:

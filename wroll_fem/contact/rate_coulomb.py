@@ -10,7 +10,7 @@ value at rest.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Self
 
 from wroll_fem.contact.law import FrictionLaw, Parameter
@@ -64,6 +64,11 @@ class RateCoulomb(FrictionLaw):
     def weakening_slope(self) -> float:
         """Velocity-weakening slope: largest -d mu / dV of the table, s/m; 0 if mu never decreases."""
         return weakening_slope(self.rates, self.coefficients)
+
+    def in_series(self, count: float) -> Self:
+        """See `FrictionLaw`."""
+        rates = tuple(count * rate for rate in self.rates)
+        return replace(self, elastic_slip=count * self.elastic_slip, rates=rates)
 
     @classmethod
     def from_section(cls, section: Any) -> Self:

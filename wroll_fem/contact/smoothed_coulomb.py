@@ -10,8 +10,8 @@ tangential traction.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar, Self
 
 from wroll_fem.contact.law import FrictionLaw, Parameter
 from wroll_fem.errors import InputError
@@ -68,6 +68,10 @@ class SmoothedCoulomb(FrictionLaw):
     def rest_length(self, dt: float) -> float:
         """Length L = 2 V_0 dt, m: in a step ``dt`` (s) the dashpot mu p / (2 V_0) has the stiffness mu p / L."""
         return 2.0 * self.reference_speed * dt
+
+    def in_series(self, count: float) -> Self:
+        """See `FrictionLaw`."""
+        return replace(self, reference_speed=count * self.reference_speed)
 
 
 def regularised_sign(x: float) -> float:

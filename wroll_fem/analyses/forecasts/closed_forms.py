@@ -7,9 +7,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from wroll_fem.case import Friction, RollSections
+    from wroll_fem.case import RollSections
     from wroll_fem.case.mandrel import Mandrel
     from wroll_fem.case.structural import OnRoll
+    from wroll_fem.contact.law import FrictionLaw
 
 DEPTH_ITERATIONS = 20
 """Iterations for the depth to which a solid coil takes part in the shear lag; each halves the error or better."""
@@ -181,7 +182,7 @@ def interface_pressures(case: OnRoll) -> list[float]:
     return [max(0.0, sum(pressures[k:]) - (coil.layers - k) * ring * shift) for k in range(coil.layers)]
 
 
-def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) -> float:
+def shear_lag_length(roll: RollSections, law: FrictionLaw, pressure: float) -> float:
     """Shear-lag length in m of the transfer of axial force between layer and mandrel.
 
     It is sqrt(s / k_t). s is the series connection of the axial stiffnesses E t of mandrel and layer; k_t is the stick
@@ -191,16 +192,16 @@ def shear_lag_length(roll: RollSections, friction: Friction, pressure: float) ->
     ----------
     roll
         Case sections of a roll with layers.
-    friction
-        Case section `contact.friction`.
+    law
+        Friction law of the interface.
     pressure
         Interface pressure, Pa.
     """
     mandrel = roll.mandrel.material.in_plane.E_z * roll.geometry.mandrel_thickness
     modulus, depth = roll.coil.material.in_plane.E_z, roll.coil.layer_thickness
-    if friction.law == "smoothed_coulomb":  # sticks nowhere
+    if law.name == "smoothed_coulomb":  # sticks nowhere
         return math.inf
-    stick = friction.mu * pressure / friction.elastic_slip
+    stick = law.mu * pressure / law.elastic_slip
     if roll.coil.rubs:  # a thick coil takes part to a depth of about the length itself
         for _ in range(DEPTH_ITERATIONS):
             depth = min(roll.coil.total_thickness, shear_lag(mandrel, modulus * depth, stick))

@@ -52,8 +52,8 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
     """
     if not isinstance(case, OnRoll) or case.coil.model != "layers" or case.preload is None or case.contact is None:
         return None
-    g, coil, friction = case.geometry, case.coil, case.friction
-    if layers_clamped(case) or friction.law == "smoothed_coulomb" or case.mandrel.base != "clamped":
+    g, coil = case.geometry, case.coil
+    if layers_clamped(case) or case.friction.law == "smoothed_coulomb" or case.mandrel.base != "clamped":
         return None
     if coil.base == "guided" and coil.base_stiffness:
         return None
@@ -62,12 +62,12 @@ def slip_forecast(case: StructuralCase) -> SlipForecast | None:
     layer = coil.layer_material.in_plane.E_z * coil.layer_thickness
     mandrel = case.mandrel.material.in_plane.E_z * g.mandrel_thickness
     found = []
-    for k, pressure in enumerate(interface_pressures(case)):
-        limit = friction.mu * pressure
+    for k, (law, pressure) in enumerate(zip(case.interface_laws, interface_pressures(case), strict=True)):
+        limit = law.mu * pressure
         if k < first or not limit > 0.0:
             continue
         outside, inside = (coil.layers - k) * layer, mandrel + k * layer
-        lag = shear_lag(inside, outside, limit / friction.elastic_slip)
+        lag = shear_lag(inside, outside, limit / law.elastic_slip)
         per_tip = (
             outside
             * (0.5 * g.mandrel_outer_diameter + k * coil.layer_thickness)

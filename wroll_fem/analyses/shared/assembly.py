@@ -12,13 +12,12 @@ from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.laminate import Laminate
 from wroll_fem.bodies.probe import Probe, probe_row, unit_vector
-from wroll_fem.case.contact import Friction, Normal
+from wroll_fem.case.contact import Normal
 from wroll_fem.case.kinds import ModalCase
 from wroll_fem.case.probes import ProbePoint
 from wroll_fem.case.structural import OnRoll
-from wroll_fem.contact.interface import FrictionLaw, NormalPenalty
+from wroll_fem.contact.interface import NormalPenalty
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
-from wroll_fem.contact.registry import BY_NAME
 from wroll_fem.dynamics.reduction.kept_structure import kept_bodies
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
@@ -88,11 +87,6 @@ def build_bodies(case: OnRoll, *, symmetric: bool | None = None) -> list[Body]:
     return kept_bodies(case, wanted, build)
 
 
-def friction_law(friction: Friction) -> FrictionLaw:
-    """Friction law of every interface, from the case section `contact.friction`."""
-    return BY_NAME[friction.law].from_section(friction)
-
-
 def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     """Assemble bodies and interfaces into a system, with the laws and loads of the case.
 
@@ -122,7 +116,7 @@ def build_system(case: OnRoll, bodies: Sequence[Body]) -> System:
     system = System.from_bodies(
         bodies,
         direction=direction,
-        friction=UNUSED_LAW if contact is None else friction_law(contact.friction),
+        friction=UNUSED_LAW if contact is None else case.interface_laws,
         normal=NormalPenalty(normal_penalty(case, normal), normal.separation),
         pressures=() if preload is None else external_pressures(case, preload, case.wound),
     )

@@ -187,12 +187,13 @@ def contact_warnings(case: StructuralCase) -> list[str]:
     if not any(pressures):
         return []
     warnings = []
-    lag, height = shear_lag_length(case, case.friction, max(pressures)), root_element_height(case)
+    lags = [shear_lag_length(case, law, p) for law, p in zip(case.interface_laws, pressures, strict=True)]
+    lag, height = min(lags), root_element_height(case)
     if case.mesh.file is None and height > lag:
         need = math.ceil(case.mesh.axial * height / lag)
         warnings.append(
             f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
-            f"length at {max(pressures) / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
+            f"length at {pressures[lags.index(lag)] / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
             f"a few per cent; raise mesh.axial (about {need}) or mesh.grading"
         )
     edge = math.sqrt(0.5 * case.geometry.mandrel_outer_diameter * case.geometry.mandrel_thickness)

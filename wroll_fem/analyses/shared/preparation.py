@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.analyses.shared.assembly import build_bodies, build_system, friction_law
+from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.material_damping import with_damping
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
 from wroll_fem.analyses.shared.resolution import system_remark
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.stress import ShellStress
+from wroll_fem.case.contact import friction_law
 from wroll_fem.case.kinds_history import HistoryCase
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState

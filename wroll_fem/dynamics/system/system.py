@@ -239,7 +239,7 @@ class System:
         bodies: Sequence[Body],
         *,
         direction: int = 0,
-        friction: FrictionLaw | PointwiseFriction | None = None,
+        friction: FrictionLaw | PointwiseFriction | Sequence[FrictionLaw] | None = None,
         normal: NormalPenalty | None = None,
         pressures: Sequence[float] = (),
     ) -> System:
@@ -253,7 +253,8 @@ class System:
         direction
             Direction of the excitation: 0 for x, 1 for y.
         friction, normal
-            Friction law and normal law of every interface; required for two or more bodies.
+            Friction law and normal law of every interface; required for two or more bodies. A sequence has the friction
+            law of each interface, inner first.
         pressures
             (n_bodies - 1,) external pressure on each layer in Pa, inner first.
         """
@@ -264,7 +265,11 @@ class System:
         if len(bodies) > 1:
             if friction is None or normal is None:
                 raise InputError("several bodies need a friction law and a normal law", key="contact")
-            for i in range(len(bodies) - 1):
+            count = len(bodies) - 1
+            laws = [*friction] if isinstance(friction, Sequence) else [friction] * count
+            if len(laws) != count:
+                raise InputError(f"{len(laws)} friction laws for {count} interfaces", key="contact.friction")
+            for i in range(count):
                 interfaces.append(
                     matched_interface(
                         f"{bodies[i].name}/{bodies[i + 1].name}",
@@ -272,7 +277,7 @@ class System:
                         bodies[i + 1].traces["inner"],
                         (columns[i], columns[i + 1]),
                         n,
-                        friction,
+                        laws[i],
                         normal,
                     )
                 )
