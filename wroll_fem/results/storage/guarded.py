@@ -6,19 +6,20 @@ import os
 import subprocess
 import sys
 
-LEAST_SECONDS, BYTES_PER_SECOND = 10, 10_000_000
-"""CPU time that the trial may take: start of Python, and reading with decompression at a tenth of the usual speed."""
+LEAST_SECONDS, BYTES_PER_SECOND = 3, 10_000_000
+"""CPU time that reading may take: a minimum, and a tenth of the usual speed with decompression."""
 
 MEMORY = 8 << 30
 """Address space that the trial may use, bytes; a damaged size of an array asks for more."""
 
 _TRIAL = """
-import resource, sys
+import math, resource, sys, time
 seconds, memory, path = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
-resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
 resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
 resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
 import xarray
+seconds += math.ceil(time.process_time())
+resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
 try:
     xarray.load_dataset(path, engine="h5netcdf")
 except Exception as error:
