@@ -311,7 +311,7 @@ def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
         "import sys, time; sys.path.insert(0, 'tests'); from support.fake_analyses import FakeAnalyses\n"
         "class Slow(FakeAnalyses):\n"
         "    def run_analysis(self, case, **keywords):\n"
-        "        print('started', flush=True); time.sleep(60)\n"
+        "        print('started', flush=True); time.sleep(3600)\n"
         "sys.modules['wroll_fem.analyses'] = Slow()\n"
         "import wroll_fem.cli; wroll_fem.cli.main()\n"
     )
@@ -321,7 +321,7 @@ def test_a_terminated_job_stops_like_an_interrupted_one(tmp_path: Path) -> None:
     while "started" not in job.stdout.readline():
         assert job.poll() is None
     job.send_signal(signal.SIGTERM)
-    _, errors = job.communicate(timeout=20)
+    _, errors = job.communicate(timeout=600)
     assert job.returncode == 130
     assert "interrupted" in errors
     assert "Traceback" not in errors

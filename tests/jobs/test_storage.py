@@ -187,6 +187,22 @@ def test_a_damaged_record_is_refused_with_a_remedy_that_works(
     assert wroll("run", TINY, "--out", "here").exit_code == 0
 
 
+@pytest.mark.parametrize("name", ["results.nc", "summary.json", "provenance.json", "case.yaml", "checkpoint.npz"])
+def test_a_folder_in_place_of_a_file_is_no_traceback(
+    name: str, wroll: Wroll, analyses: FakeAnalyses, tmp_path: Path
+) -> None:
+    if name == "checkpoint.npz":
+        analyses.fails, analyses.leaves_checkpoint = KeyboardInterrupt(), True
+    wroll("run", TINY, "--out", "here")
+    (tmp_path / "here" / name).unlink()
+    (tmp_path / "here" / name).mkdir()
+    for words in ((), ("--resume",)):
+        done = wroll("run", TINY, "--out", "here", *words)
+        assert done.exception is None or isinstance(done.exception, SystemExit)
+        assert done.exit_code == (0 if name == "case.yaml" else 2), done.output  # a new case.yaml needs no old one
+        assert name == "case.yaml" or done.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     "entry",
     [

@@ -172,6 +172,21 @@ def test_a_mesh_that_does_not_fit_is_refused_in_one_line(tmp_path, change, words
     assert caught.value.exit_code == 2
 
 
+@pytest.mark.parametrize("number", ["nan", "inf"])
+def test_a_mesh_with_a_node_nowhere_is_refused_in_one_line(tmp_path, number):
+    """Comparisons with NaN are false, so that such a node passed every check of the geometry."""
+    lines = (ROOT / "meshes" / "lab_small.msh").read_text().splitlines()
+    at = max(k for k, line in enumerate(lines[: lines.index("$EndNodes")]) if len(line.split()) == 3)
+    lines[at] = f"{number} " + " ".join(lines[at].split()[1:])
+    path = tmp_path / "own.msh"
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(
+        InputError, match=r"mesh.file: (node \d+ has a coordinate that is not finite|gmsh cannot)"
+    ) as told:
+        build_mesh(load_case(ROOT / "configs" / "tiny.yaml", [f"mesh.file={path}"]))
+    assert "\n" not in str(told.value)
+
+
 def test_a_file_that_is_no_mesh_is_refused_and_gmsh_keeps_working(tmp_path, mesh):
     bad = tmp_path / "bad.msh"
     bad.write_text("this is not a mesh\n")

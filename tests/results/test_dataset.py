@@ -12,8 +12,17 @@ import xarray as xr
 from support import synthetic_roll
 
 from wroll_fem.errors import InputError
-from wroll_fem.results.dataset import FIELDS, annotate, label, load_dataset, provenance, save_dataset
+from wroll_fem.results.dataset import (
+    FIELDS,
+    annotate,
+    label,
+    load_dataset,
+    netcdf_image,
+    provenance,
+    save_dataset,
+)
 from wroll_fem.results.provenance import git_revision
+from wroll_fem.results.storage import guarded
 
 ATTRS = {
     "analysis": "sweep",
@@ -152,3 +161,49 @@ def test_git_revision_is_that_of_the_checkout_that_tracks_the_package(tmp_path):
     assert git_revision(package) == {"revision": git("rev-parse", "HEAD"), "modified": False}
     (package / "__init__.py").write_text("changed = True")
     assert git_revision(package)["modified"] is True
+
+
+@pytest.fixture
+def unsealed(sweep, tmp_path):
+    """Results as version 0.1.0 wrote them, without a checksum."""
+    path = tmp_path / "old.nc"
+    path.write_bytes(netcdf_image(sweep[["tip_displacement"]].isel(time=slice(0, 100)).drop_attrs()))
+    return path
+
+
+def test_results_of_version_0_1_0_are_read(sweep, unsealed):
+    assert load_dataset(unsealed)["tip_displacement"].equals(sweep["tip_displacement"].isel(time=slice(0, 100)))
+
+
+@pytest.mark.parametrize(
+    ("trial", "told"),
+    [
+        ("while True: pass", "HDF5 does not return from it"),
+        ("import os; os.abort()", "HDF5 crashes on it"),
+        ("bytearray(1 << 60)", "MemoryError"),
+    ],
+)
+def test_damaged_results_without_checksum_neither_hang_nor_end_the_program(trial, told, unsealed, monkeypatch):
+    """HDF5 may loop for ever, crash, or ask for all memory; that happens in a child process, within limits."""
+    reading = 'xarray.load_dataset(path, engine="h5netcdf")'
+    assert guarded._TRIAL.count(reading) == 1
+    monkeypatch.setattr(guarded, "_TRIAL", guarded._TRIAL.replace("import xarray", "").replace(reading, trial))
+    monkeypatch.setattr(guarded, "LEAST_SECONDS", 1)
+    with pytest.raises(InputError) as caught:
+        load_dataset(unsealed)
+    assert str(caught.value) == (
+        f"{unsealed}: not a readable NetCDF file ({told}); delete this file and run the case again"
+    )
+
+
+def test_git_is_asked_without_its_locks(tmp_path, monkeypatch):
+    """`git status` refreshes the index under `.git/index.lock`; a commit of the user meanwhile would fail."""
+    asked = []
+    monkeypatch.setattr(
+        "wroll_fem.results.provenance.subprocess.run",
+        lambda words, **_: asked.append(words) or subprocess.CompletedProcess(words, 0, "", ""),
+    )
+    git_revision(tmp_path)
+    assert {words[3] for words in asked} == {str(tmp_path)}
+    assert len(asked) == 3
+    assert all(words[:2] == ["git", "--no-optional-locks"] for words in asked)

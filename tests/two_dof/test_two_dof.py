@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -281,3 +282,27 @@ def test_names_of_version_0_1_still_work() -> None:
     assert two_dof.fit_family is two_dof.fit_curves
     assert two_dof.smoothed_sign is two_dof.regularised_sign
     assert isinstance(TwoMasses().pressed(1.0), two_dof.Pressed)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e4])
+def test_the_steady_state_is_found_in_any_unit_of_length(size: float) -> None:
+    """Lengths, forces and 1/smoothing times ``size`` is the same motion, found after the same number of periods."""
+    large = dataclasses.replace(DAMPED, preload_dependent=False)
+    small = dataclasses.replace(large, base_amplitude=size * large.base_amplitude, smoothing=large.smoothing / size)
+    found = integrate_to_steady_state(small.preloaded(3.0 * size), 0.9)
+    expected = integrate_to_steady_state(large.preloaded(3.0), 0.9)
+    assert found.periods == expected.periods
+    assert found.transmissibility == pytest.approx(expected.transmissibility, rel=1e-6)
+
+
+def test_the_start_settles_as_fast_as_its_slowest_mode_decays() -> None:
+    """Nearly linear: exp(-sigma n T) reaches the accuracy after n periods, counted in blocks of 8 (two of them to
+    spare); the amplitude of the transient moves n by ln(2)/(sigma T), 4 periods."""
+    model, omega, accuracy = dataclasses.replace(DAMPED, preload_dependent=False).preloaded(1e-3), 0.9, 1e-6
+    motion = np.block([
+        [np.zeros((2, 2)), np.eye(2)],
+        [-np.linalg.solve(model.mass, model.stiffness), -np.linalg.solve(model.mass, model.damping)],
+    ])  # fmt: skip
+    decay = -np.linalg.eigvals(motion).real.max() * 2.0 * np.pi / omega
+    needed = -np.log(accuracy) / decay
+    assert needed - 8 <= integrate_to_steady_state(model, omega, accuracy=accuracy).periods <= needed + 16

@@ -149,6 +149,13 @@ def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:
     used = np.unique(all_cells)
     order = np.argsort(tags)
     nodes = coordinates.reshape(-1, 3)[order[np.searchsorted(tags, used, sorter=order)]]
+    if not np.isfinite(nodes).all():
+        raise InputError(
+            f"node {used[~np.isfinite(nodes).all(axis=1)][0]} has a coordinate that is not finite",
+            key="mesh.file",
+            file=source,
+            remedy="write the mesh again",
+        )
     for name, members in groups.items():
         if name.endswith(("_base", "_tip")):
             groups[name] = np.searchsorted(used, members)

@@ -23,6 +23,7 @@ from wroll_fem.results.fields import AXES, FIELDS, Field, field, label
 from wroll_fem.results.json_types import json_types
 from wroll_fem.results.provenance import provenance
 from wroll_fem.results.storage.atomic import make_folder
+from wroll_fem.results.storage.guarded import trial_reading
 from wroll_fem.results.storage.paths import check_path
 from wroll_fem.results.storage.seal import seal_of, write_sealed
 
@@ -164,6 +165,9 @@ def load_dataset(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.Data
     if not source.is_file():
         raise InputError("results file not found", file=str(source), remedy="run the case first: wroll run CASE.yaml")
     sealed = _is_sealed(source)
+    problem = "" if sealed else trial_reading(source)
+    if problem:
+        raise _unreadable(source, f"not a readable NetCDF file ({problem})")
     try:
         dataset = (xr.open_dataset if lazy else xr.load_dataset)(source, engine="h5netcdf")
         dataset.attrs = _decode_attrs(dataset.attrs)

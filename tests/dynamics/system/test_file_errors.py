@@ -116,6 +116,14 @@ def files(folder: Path) -> dict[str, tuple[Path, str]]:
     np.savez(parts, **oscillator(K=None), **sparse)
     np.savez(folder / "wild.npz", **oscillator(K=None), **sparse, K_indices=[7])
     damaged.write_bytes(b"PK\x03\x04 and then nothing")
+    np.savez_compressed(folder / "compression.npz", **oscillator())
+    packed = (folder / "compression.npz").read_bytes()  # method 8 (deflate) in both headers of every member
+    unknown = packed.replace(b"\x14\0\0\0\x08\0", b"\x14\0\0\0\x63\0")
+    assert unknown != packed
+    (folder / "compression.npz").write_bytes(unknown)
+    np.savez(folder / "header.npz", **oscillator())
+    whole_header = (folder / "header.npz").read_bytes()
+    (folder / "header.npz").write_bytes(whole_header.replace(b"{'descr': ", b"{'descr':((", 1))
     text.write_text("# Created by Octave 8\n# name: K\n")
     (folder / "hdf.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + b"\x89HDF\r\n")
     whole = folder / "whole.mat"
@@ -129,13 +137,15 @@ def files(folder: Path) -> dict[str, tuple[Path, str]]:
         "parts": (parts, "K: K_indices is missing; save all four parts of the sparse matrix"),
         "wild": (folder / "wild.npz", "K: its sparse parts do not fit together"),
         "damaged": (damaged, "is not a readable .npz file"),
+        "compression": (folder / "compression.npz", "is not a readable .npz file (That compression method is not"),
+        "header": (folder / "header.npz", "is not a readable .npz file"),
         "text": (text, "is not a readable .mat file"),
         "hdf": (folder / "hdf.mat", "is a MATLAB v7.3 (HDF5) file, which is not read here; save it again with -v7"),
         "cut": (folder / "cut.mat", "is not a readable .mat file"),
     }
 
 
-@pytest.mark.parametrize("kind", ["pickled", "parts", "wild", "damaged", "text", "hdf", "cut"])
+@pytest.mark.parametrize("kind", ["pickled", "parts", "wild", "damaged", "compression", "header", "text", "hdf", "cut"])
 def test_a_file_that_is_no_structure_is_refused_in_one_line(tmp_path: Path, kind: str) -> None:
     file, expected = files(tmp_path)[kind]
     path = write_case(tmp_path, {}, structure={"file": file.name})

@@ -12,7 +12,7 @@ from support.exact_systems import oscillator
 from support.paths import CONFIGS
 
 from wroll_fem.analyses import run_analysis, summarise
-from wroll_fem.analyses.shared.time_step import WANTED, detuned_harmonic, steps_per_cycle
+from wroll_fem.analyses.shared.time_step import WANTED, detuned_harmonic, steps_per_cycle, sweep_step_error
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.time_stepping.full import FullStepper
@@ -228,3 +228,21 @@ def test_a_mode_that_a_harmonic_of_friction_drives_and_the_step_detunes_is_told(
     assert steps > 80
     assert detuned_harmonic(case.changed(f"integrator.steps_per_cycle={steps}"), near) == ""  # type: ignore[arg-type]
     assert detuned_harmonic(case, far) == ""  # type: ignore[arg-type]
+
+
+def test_coarse_steps_whose_error_is_unknown_are_told() -> None:
+    """No oscillator fits what 3 steps per cycle leave of a dwell, and no peak is read from a flat curve."""
+    words = ["solver.allow_coarse=true", "output.figures=false", "mesh={circumferential: 8, axial: 3, grading: 1}"]
+    told = "the error by the time step is unknown, and {} steps per cycle are too few to rely on"
+    dwell = load_case(CONFIGS / "tiny.yaml", [*words, "integrator.steps_per_cycle=3"])
+    progress = SilentProgress()
+    found = run_analysis(dwell, progress=progress)
+    assert np.isnan(found.attrs["time_step_error"])
+    assert sum(told.format(3) in text for text in progress.warnings) == 1
+    unread = SimpleNamespace(resonant=False)
+    chirp = [*words, "excitation={kind: chirp, amplitude: 1, f_start: 100, f_end: 200, rate_oct_per_min: 60}"]
+    for steps, warned in ((10, True), (19, True), (20, False)):
+        sweep = load_case(CONFIGS / "tiny.yaml", [*chirp, "analysis=sweep", f"integrator.steps_per_cycle={steps}"])
+        error, text = sweep_step_error(sweep, (np.ones(3), np.ones(3)), unread)  # type: ignore[arg-type]
+        assert np.isnan(error)
+        assert (told.format(steps) in text) == warned

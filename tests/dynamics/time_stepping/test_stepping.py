@@ -200,3 +200,18 @@ def test_full_newton_does_not_alternate_at_an_impact():
     records = run.advance(40.0 * np.sin(2 * np.pi * 20.0 * dt * np.arange(1501)), dt, 0.0)
     assert records[:, OPEN].max() == 1.0
     assert np.all(np.isfinite(records))
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("gamma", "remedy"),
+    [(2e-6, "raise integrator.steps_per_cycle or solver.max_cuts"), (1e-13, "raise contact.friction.elastic_slip")],
+)
+def test_a_step_that_fails_on_nearly_rigid_friction_names_the_elastic_slip(method, gamma, remedy):
+    """Smaller steps do not help where a point changes between stick and slip within a part of any step."""
+    system, scheme, dt = slipping_pair(gamma=gamma), Scheme.hht(-0.05), 1.0 / 14.0 / 100
+    run = stepper(method, system, solve_preload(system), scheme, dt, NewtonOptions(max_iterations=1, max_cuts=2))
+    run.start_from(np.array([1e-4, 2e-4, 0.0]))
+    with pytest.raises(ConvergenceError) as told:
+        run.advance(20.0 * np.sin(2 * np.pi * 14.0 * dt * np.arange(200)), dt, 0.0)
+    assert remedy in str(told.value)

@@ -145,10 +145,10 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
     motion, tip = base_motion(case.excitation), history["tip_displacement"].values
     if len(tip) < 20 or not np.abs(tip).max() > 0.0:
-        return np.nan, ""
+        return _unknown(case)
     oscillator, misfit = fitted_oscillator(scheme, dt, motion, tip)  # type: ignore[arg-type]
     if misfit > USEFUL_FIT:
-        return np.nan, ""
+        return _unknown(case)
     error = history_error(scheme, dt, motion, oscillator)
     return error, _warning("the history", error, WANTED, case, oscillator, dt)
 
@@ -164,7 +164,7 @@ def sweep_step_error(
     with stuck interfaces, Hz, whose softening by slip the trigonometric scheme does not follow exactly.
     """
     if not read.resonant:
-        return np.nan, ""
+        return _unknown(case)
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), dt or time_step(case)
     oscillator = Oscillator(read.f_n, likely_damping(read, participation)[0])
     frequency, height = curve
@@ -182,7 +182,7 @@ def random_step_error(
     ``curve`` is frequency (n,), Hz, and |H1| (n,).
     """
     if not (np.isfinite(f_n) and np.isfinite(zeta) and zeta > 0.0):
-        return np.nan, ""
+        return _unknown(case)
     scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
     dt = time_step(case)
     error = curve_error(scheme, dt, *curve, zeta)
@@ -214,6 +214,17 @@ def detuned_harmonic(case: HistoryCase, condensation: Condensation) -> str:
                 f"set integrator.steps_per_cycle to {steps_for(longer, steps, PERIOD_ERROR)}"
             )
     return ""
+
+
+def _unknown(case: HistoryCase) -> tuple[float, str]:
+    """An error that cannot be estimated, with a warning where the steps are coarse (`solver.allow_coarse`)."""
+    steps = steps_per_cycle(case)
+    if steps >= FEWEST_STEPS_PER_CYCLE:
+        return np.nan, ""
+    return np.nan, (
+        f"the error by the time step is unknown, and {steps} steps per cycle are too few to rely on: nothing fits the "
+        f"response well enough to estimate it; set integrator.steps_per_cycle to {FEWEST_STEPS_PER_CYCLE} or more"
+    )
 
 
 def _warning(what: str, error: float, wanted: float, case: HistoryCase, oscillator: Oscillator, dt: float) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import os
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -107,11 +106,15 @@ class ArrayFile:
                 for name in archive.files:
                     try:
                         values[name] = archive[name]
-                    except ValueError:
+                    except ValueError as error:
+                        if "Object arrays" not in str(error):
+                            raise
                         remedy = f"save {name}_data, {name}_indices, {name}_indptr, {name}_shape, or {name}.toarray()"
                         raise self.error("is a pickled Python object", key=name, remedy=remedy) from None
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-            reason = " ".join(str(error).split())[:80]
+        except InputError:
+            raise
+        except Exception as error:  # a damaged archive can raise almost anything
+            reason = " ".join(str(error).split())[:80] or type(error).__name__
             raise self.error(f"is not a readable .npz file ({reason})", remedy="write it with numpy.savez") from None
         whole: dict[str, Any] = {}
         for name in values:
@@ -149,7 +152,7 @@ class ArrayFile:
             found = scipy.io.loadmat(self.path)
         except Exception as error:
             # any error that scipy raises for a damaged file (ValueError, TypeError, zlib.error, struct.error, ...)
-            reason = " ".join(str(error).split())[:80]
+            reason = " ".join(str(error).split())[:80] or type(error).__name__
             raise self.error(f"is not a readable .mat file ({reason})", remedy=_V7) from None
         return {name: value for name, value in found.items() if not name.startswith("__")}
 

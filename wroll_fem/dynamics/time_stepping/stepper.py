@@ -24,6 +24,10 @@ from wroll_fem.dynamics.time_stepping.state import (
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
 
+RIGID = 1e-5
+"""Elastic slip, relative to the largest displacement, below which a point changes between stick and slip in a small
+part of any step; Newton's method then goes back and forth between both."""
+
 
 @dataclass(frozen=True)
 class NewtonOptions:
@@ -202,9 +206,19 @@ class Stepper(ABC):
             time_s=time,
             iterations=self.options.max_iterations,
             residual_history=history,
-            advice=f"the step was cut {self.options.max_cuts} times; raise integrator.steps_per_cycle or "
-            "solver.max_cuts",
+            advice=f"the step was cut {self.options.max_cuts} times; {self._remedy()}",
         )
+
+    def _remedy(self) -> str:
+        """What helps a step that does not converge: contact that is nearly rigid is not cured by smaller steps."""
+        gamma = float(self.system.laws.gamma.min(initial=np.inf))
+        largest = float(np.abs(self.displacement()).max(initial=0.0))
+        if gamma < RIGID * largest:
+            return (
+                f"the elastic slip of {gamma:.2g} m is {gamma / largest:.1g} of the displacement: "
+                "raise contact.friction.elastic_slip"
+            )
+        return "raise integrator.steps_per_cycle or solver.max_cuts"
 
     def report(self) -> dict[str, float]:
         """Numbers that describe the stepper, for the attributes of the results."""
