@@ -2,6 +2,11 @@
 # jupyter:
 #   jupytext:
 #     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#       format_version: '1.3'
+#       jupytext_version: 1.19.6
 #   kernelspec:
 #     display_name: Python 3 (ipykernel)
 #     language: python
@@ -105,7 +110,7 @@ plt.show()
 # %% [markdown]
 # ## Transmissibility, frequency and damping
 #
-# The same as `wroll lab transmissibility *.csv --settings settings.yaml --out DIR`. No signal of the generator is
+# The same as `wroll lab transmissibility` with these files and settings. No signal of the generator is
 # needed: base and tip are demodulated with the phase of the base.
 
 # %%
