@@ -56,14 +56,11 @@ def outcome(original: Original, chance: random.Random, place: Path) -> str:
     """ "read", "refused", or the name of a defect, for one damaged copy of a measurement."""
     files, settings = original.damaged(place, chance)
     draw = chance.random() < DRAWN
-
     whole = chance.random() < WHOLE
 
     def use() -> None:
-        if not whole:
-            with contextlib.suppress(NotImplementedError):
-                original.read_alone(files, settings)
-                return
+        if not whole and original.read_alone(files, settings):
+            return
         model = find_kind(original.kind).settings
         result = evaluate_with(original.kind, files, read_settings(model, values=settings))
         save_dataset(result.data, place / "results.nc")

@@ -74,13 +74,14 @@ class Images(Original):
             settings[key] = chance.choice(values)
         return paths, settings
 
-    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> None:
+    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> bool:
         if self._form != "table":
-            raise NotImplementedError
+            return False
         if self._targets is None:
             search = Search(Filters((30.0, 1e5), (5.0, 300.0), 0.75))
             self._targets = survey(open_frames(files), search, 0, 16).targets
         read_table(Path(settings["table"]), self._targets)
+        return True
 
     @staticmethod
     def _other_table(columns: dict[str, np.ndarray], chance: random.Random) -> str:

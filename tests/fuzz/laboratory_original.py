@@ -31,6 +31,6 @@ class Original(ABC):
     def damaged(self, place: Path, chance: random.Random) -> Damaged:
         """Damaged copy in a folder: files and settings."""
 
-    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> None:
-        """Read the damaged file, where the evaluation takes much longer; used for most copies."""
-        raise NotImplementedError
+    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> bool:
+        """Read the damaged file alone, where the evaluation takes much longer; False if it has to be evaluated."""
+        return False

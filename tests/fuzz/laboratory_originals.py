@@ -288,8 +288,9 @@ class Family(Original):
             )
         return [file], {"model": model}
 
-    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> None:
+    def read_alone(self, files: list[Path], settings: dict[str, Any]) -> bool:
         read_families(files)
+        return True
 
     @staticmethod
     def _changed(data: xr.Dataset, chance: random.Random) -> xr.Dataset:

@@ -69,7 +69,7 @@ def sample(room: str, count: int, seed: int) -> list[Mutant]:
 
 
 @lru_cache
-def test_texts() -> dict[str, str]:
+def texts_of_tests() -> dict[str, str]:
     """Test files that may find a mutant, with their text; no pages, batches, tools or searches."""
     files = list((ROOT / "tests").rglob("test_*.py"))
     left_out = ("pages", "jobs", "tools", "fuzz", "case", "report", "plotting")
@@ -130,7 +130,7 @@ def chosen_tests(mutant: Mutant, reach: dict[str, Any]) -> list[str]:
     )
     around = functions_at(ROOT / mutant.file, mutant.line)
     scores = []
-    for name, text in test_texts().items():
+    for name, text in texts_of_tests().items():
         score = (
             4.0 * bool(direct.search(text)) + 2.0 * name.startswith(f"tests/{room}/") + 2.0 * (stem in Path(name).stem)
         )

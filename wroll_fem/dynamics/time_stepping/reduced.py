@@ -244,14 +244,21 @@ class ReducedStepper(Stepper):
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
         rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 3 * m + 3 * n + 1))
         checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
-        done = advance_reduced(
-            np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.reference,
-            self.system.laws, self.state, newton, self.accumulated, checks, records,
-        )  # fmt: skip
+        done = self._run_loop(acceleration, dt, modal, newton, checks, records)
         if done < len(acceleration) - 1:
             self.last_history = [float(h) for h in newton.history if h > 0.0]
         self._checked.append(rows[: checks.filled[0]])
         return int(done)
+
+    def _run_loop(
+        self, acceleration: FloatArray, dt: float, modal: Modal, newton: Newton, checks: ResidualChecks,
+        records: FloatArray,
+    ) -> int:  # fmt: skip
+        """Run the compiled loop of the scheme; returns the number of completed steps. For `try_steps`."""
+        return advance_reduced(
+            np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.reference,
+            self.system.laws, self.state, newton, self.accumulated, checks, records,
+        )  # fmt: skip
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         """Advance k time steps, in blocks of `BLOCK` steps.

@@ -35,7 +35,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
-from wroll_fem.dynamics.time_stepping.reduced import CHECK_EVERY, ReducedStepper, empty_matrix
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, empty_matrix
 from wroll_fem.dynamics.time_stepping.reduced_kernel import ResidualChecks, sum_up
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Dashpots, Modal, Motion, Newton
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
@@ -122,21 +122,14 @@ class TrigonometricStepper(ReducedStepper):
         times = start[:, None] + dt * NODES
         return np.asarray(self.motion.acceleration(times.ravel())).reshape(times.shape)
 
-    def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
-        """Advance in the compiled loop; see `Stepper.try_steps`."""
-        m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
-        modal = self._prepare(dt)
-        newton = Newton(self.residual_limit, most, np.zeros(most + 1))
-        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 3 * m + 3 * n + 1))
-        checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
-        done = advance_trigonometric(
+    def _run_loop(
+        self, acceleration: FloatArray, dt: float, modal: Modal, newton: Newton, checks: ResidualChecks,
+        records: FloatArray,
+    ) -> int:  # fmt: skip
+        return advance_trigonometric(
             self._nodes(acceleration, dt), self.step(dt), self._propagations[dt], modal, self._interface,
             self.reference, self.system.laws, self.state, newton, self.accumulated, checks, records,
         )  # fmt: skip
-        if done < len(acceleration) - 1:
-            self.last_history = [float(h) for h in newton.history if h > 0.0]
-        self._checked.append(rows[: checks.filled[0]])
-        return int(done)
 
 
 def check_laws(laws: PointLaws) -> None:
