@@ -3,7 +3,7 @@
     WROLL_REACH=/tmp/reach PYTHONPATH=.:tests python -m pytest -p tests.fuzz.reach -m "not slow" tests/signals
 
 Every process writes one JSON file into the folder ``WROLL_REACH``: test -> [seconds, passed, functions]. A function is
-"file:first line of the code". Compiled functions are not seen (mutants.py finds the callers of their names). Tests that
+"file:qualified name". Compiled functions are not seen (mutants.py finds the callers of their names). Tests that
 a file of the folder contains already are left out, so that a run can be interrupted and continued.
 """
 
@@ -34,7 +34,7 @@ def _trace(frame: FrameType, event: str, argument: object) -> None:
 
 def _names() -> set[str]:
     inside = (code for code in tuple(_seen) if code.co_filename.startswith(PACKAGE))
-    return {f"wroll_fem/{code.co_filename[len(PACKAGE) :]}:{code.co_firstlineno}" for code in inside}
+    return {f"wroll_fem/{code.co_filename[len(PACKAGE) :]}:{code.co_qualname}" for code in inside}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
