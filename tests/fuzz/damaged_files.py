@@ -3,8 +3,8 @@
     python -m tests.fuzz.damaged_files --count 10000 --seed 1
 
 Files: results.nc (also without its checksum, as version 0.1.0 wrote it), checkpoint.npz, summary.json, provenance.json,
-case.yaml, and records of a base motion (.csv, .npz, .mat). Every file without checksum is read in a child process,
-because HDF5 may end its process. The trial reading of such a file takes most of a second in a new process; here a fork
+case.yaml, a mesh, and records of a base motion (.csv, .npz, .mat). A file that HDF5 or gmsh parses is read in a child
+process, because they may end it. The trial reading of such a file takes most of a second in a new process; here a fork
 of this one does it, except for one file in twenty.
 """
 
@@ -28,6 +28,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import gmsh
 import numpy as np
 import scipy.io
 import xarray as xr
@@ -49,17 +50,24 @@ from wroll_fem.errors import WrollError
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.run import run_case
+from wroll_fem.mesh import files
+from wroll_fem.mesh.files import read_mesh, write_mesh
+from wroll_fem.mesh.generate import check_geometry, make_cylinders
 from wroll_fem.report import write_report
 from wroll_fem.results import dataset
 from wroll_fem.results.dataset import load_dataset, netcdf_image
 from wroll_fem.results.storage.checkpoint import read_checkpoint, write_checkpoint
-from wroll_fem.results.storage.guarded import LEAST_SECONDS, MEMORY, trial_reading
+from wroll_fem.results.storage.guarded import LEAST_SECONDS, MEMORY, trial_mesh, trial_reading
 from wroll_fem.signals.records.record import read_record
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = {"results.nc": 40, "checkpoint.npz": 40, "summary.json": 2, "provenance.json": 2, "case.yaml": 2}
 """How often a file is damaged; a report takes most of a second."""
 
+NATIVE = ("results.nc of 0.1.0", "mesh.msh")
+"""Files that a native library reads after its trial; it may end the process."""
+
+SHELLS = [("mandrel", 0.03925, 1.5e-3), ("layer_01", 0.040625, 1.25e-3)]
 OVERRIDES = [
     "analysis=dwell", "excitation={kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 8}", "output.fields=none",
     "contact.friction={law: penalty_coulomb, mu: 0.3, elastic_slip: 1.0e-5}", "solver.method=condensed",
@@ -99,6 +107,24 @@ def damaged_json(content: bytes, chance: random.Random) -> bytes:
     return text.encode()
 
 
+NUMERALS = ("0", "1", "-1", "2", "3", "10", "99999999", "4294967296", "1000000000000", "1e300", "nan", "inf", "x", "")
+
+
+def damaged_table(content: bytes, chance: random.Random) -> bytes:
+    """Changed or missing numbers and lines of a text file, or changed bytes."""
+    if chance.random() < 0.3:
+        return damaged(content, chance)
+    lines = content.decode().splitlines()
+    for _ in range(chance.choice((1, 1, 2, 4))):
+        at = chance.randrange(len(lines))
+        words = lines[at].split(" ")
+        what = chance.random()
+        if what < 0.6:
+            words[chance.randrange(len(words))] = chance.choice(NUMERALS)
+        lines[at] = " ".join(words[:-1] if what > 0.8 else words if what < 0.6 else [])
+    return "\n".join(lines).encode()
+
+
 def told(action: Callable[[], object]) -> str:
     """ "read", "refused", or the name of a defect."""
     try:
@@ -125,8 +151,10 @@ def in_child(action: Callable[[], str], seconds: int = 4 * SECONDS) -> str:
         most = int(time.process_time()) + seconds
         resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
         resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
-        os.write(sink, b":" + action().encode()[:2000])
-        os._exit(0)
+        try:
+            os.write(sink, b":" + action().encode()[:2000])
+        finally:
+            os._exit(0)
     os.close(sink)
     waits = not select.select([source], [], [], WAITING)[0]
     if waits:
@@ -156,6 +184,26 @@ def trial(path: str | os.PathLike[str]) -> str:
     return in_child(read, LEAST_SECONDS)
 
 
+def mesh_read(path: Path) -> None:
+    """What a case does with a mesh file."""
+    check_geometry(read_mesh(path, [name for name, _, _ in SHELLS]), SHELLS, 0.3, "mesh")
+
+
+def mesh_trial(path: str | os.PathLike[str]) -> str:
+    """As `trial_mesh`, in a fork of this process."""
+    if random.random() < 0.05:
+        return trial_mesh(path)
+
+    def read() -> str:
+        with files.gmsh_model("trial"), contextlib.suppress(WrollError):
+            with contextlib.suppress(Exception):
+                gmsh.merge(str(path))
+            files.extract_mesh("trial", [name for name, _, _ in SHELLS])
+        return ""
+
+    return in_child(read, LEAST_SECONDS)
+
+
 def finished(folder: Path) -> None:
     """What `wroll run` does with the folder of a finished case."""
     run = run_case(load_case(ROOT / "configs" / "oscillator.yaml", OVERRIDES), folder)
@@ -169,7 +217,7 @@ def used(run: Path) -> None:
         summary_lines(folder.summary())
 
 
-def files(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random], bytes], Callable[[Path], Any]]]:
+def originals(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random], bytes], Callable[[Path], Any]]]:
     """Name -> (file, damage, what is done with it)."""
     run, case = scratch / "run", load_case(ROOT / "configs" / "oscillator.yaml", OVERRIDES)
     finished(run)
@@ -194,6 +242,8 @@ def files(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random
     for name in ("summary.json", "provenance.json", "case.yaml"):
         damage = damaged if name == "case.yaml" else damaged_json
         found[name] = (run / name, damage, lambda path: (used(run), write_report(run)))
+    mesh = write_mesh(make_cylinders([(name, radius) for name, radius, _ in SHELLS], 0.3, 6, 2), scratch)[0]
+    found["mesh.msh"] = (mesh, damaged_table, mesh_read)
     for kind in ("csv", "npz", "mat"):
         found[f"record.{kind}"] = (
             scratch / f"record.{kind}",
@@ -215,10 +265,10 @@ def main() -> None:
     defects: dict[str, int] = {}
     asked = requests_to_stop()
     random.seed(chosen.seed)
-    dataset.trial_reading = trial
+    dataset.trial_reading, files.trial_mesh = trial, mesh_trial
     begun = time.process_time()
     with tempfile.TemporaryDirectory(dir=RAM_DISK if RAM_DISK.is_dir() else None) as place:
-        found = files(Path(place))
+        found = originals(Path(place))
         for number in range(chosen.first, chosen.first + chosen.count):
             chance = random.Random(f"{chosen.seed}:{number}")
             name = chance.choices(list(found), [WEIGHTS.get(name, 8) for name in found])[0]
@@ -229,7 +279,7 @@ def main() -> None:
                 continue
             file.write_bytes(changes)
             act = lambda use=use, file=file: told(lambda: use(file))  # noqa: E731
-            answer = in_child(act) if "0.1.0" in name else act()
+            answer = in_child(act) if name in NATIVE else act()
             file.write_bytes(content)
             outcomes[name, answer if answer in ("read", "refused") else "defect"] += 1
             if answer not in ("read", "refused") and answer not in defects:
