@@ -31,7 +31,7 @@ import pytest
 
 from tests.fuzz import mutant_list
 from tests.fuzz.mutations import Mutant, functions, functions_at
-from tests.fuzz.swapped import Server, is_swappable
+from tests.fuzz.swapped import NOT_SWAPPED, Server, is_swappable
 
 ROOT = Path(__file__).resolve().parents[2]
 BUDGET = 20.0
@@ -44,6 +44,9 @@ LONGEST = 8.0
 """CPU seconds, as reach.py measures them, of the longest test that is chosen; a longer one could count as hanging."""
 
 BUDGET_CODE = 98
+NO_TESTS = (4, 5)
+"""Exit codes of pytest: a file of tests is missing, no test was selected."""
+
 PRELOADED = (
     "wroll_fem", "numpy", "scipy.optimize", "scipy.signal", "scipy.sparse.linalg", "numba", "xarray", "pydantic",
     "hypothesis", "pint",
@@ -212,9 +215,13 @@ def restore_caches(copy: Path, caches: dict[Path, tuple[int, int]]) -> None:
 def copied(copy: Path) -> None:
     """Copy of the checkout, with a copy of the caches of numba beside it."""
     if not copy.exists():
-        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".git", ".venv", "runs", "build", "site"))
+        part, caches = copy.with_suffix(".part"), copy.parent / f"{copy.name}.caches"
+        shutil.rmtree(part, ignore_errors=True)
+        shutil.rmtree(caches, ignore_errors=True)
+        shutil.copytree(ROOT, part, ignore=shutil.ignore_patterns(".git", ".venv", "runs", "build", "site"))
         ignored = lambda folder, names: [n for n in names if not ((Path(folder) / n).is_dir() or ".nb" in n)]  # noqa: E731
-        shutil.copytree(copy / "wroll_fem", copy.parent / f"{copy.name}.caches" / "wroll_fem", ignore=ignored)
+        shutil.copytree(part / "wroll_fem", caches / "wroll_fem", ignore=ignored)
+        part.rename(copy)  # an interrupted copy is made again
 
 
 # ---- command ----
@@ -283,10 +290,13 @@ def _run_all(rows: list[mutant_list.Row], given: argparse.Namespace, copy: Path)
             if "::" not in names[0]:
                 names = [name for file in names for name in server.items if name.partition("::")[0] == file]
             code, by, count, cpu = swapped(mutant, names, given.budget, PER_TEST)
+            if code == NOT_SWAPPED:
+                slow.append((row, mutant, names))
+                continue
             keep(given, row, judged(code, by, str(count), cpu))
 
     if quick:
-        server = Server(ROOT, work)
+        server = Server(ROOT, [mutant.file for _, mutant, _ in quick], work)
         folders = sorted({name.partition("::")[0] for _, _, names in quick for name in names})
         pytest.main(["-q", "-s", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not slow", *folders], [server])
     if slow:
@@ -298,6 +308,8 @@ def _run_all(rows: list[mutant_list.Row], given: argparse.Namespace, copy: Path)
 def judged(code: int, by: str, tests: str, cpu: float) -> dict[str, Any]:
     """Result of a mutant from the exit code of its tests."""
     ends = {0: "survived", 1: "killed", BUDGET_CODE: "survived", -24: "hangs"}
+    if code in NO_TESTS:
+        raise SystemExit("pytest did not find the tests of a mutant; delete the copies and call again")
     outcome = ends.get(code, "crashes" if code < 0 else "import")
     return {"outcome": outcome, "by": "" if outcome == "survived" else by, "tests": tests, "cpu": cpu}
 
