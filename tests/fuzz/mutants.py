@@ -14,6 +14,7 @@ the list; `--again` repeats what survived.
 from __future__ import annotations
 
 import argparse
+import filecmp
 import json
 import os
 import re
@@ -21,6 +22,7 @@ import resource
 import shutil
 import sys
 import time
+import traceback
 from collections import defaultdict
 from collections.abc import Callable
 from functools import lru_cache
@@ -152,6 +154,15 @@ class _Watch:
 
 def _child(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     os.chdir(copy)
+    errors = os.dup(2)
+    try:
+        _session(copy, tests, note, budget)
+    except BaseException:
+        os.write(errors, traceback.format_exc().encode())
+    os._exit(NO_TESTS[0])
+
+
+def _session(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     null = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(null, stream)
@@ -212,9 +223,17 @@ def restore_caches(copy: Path, caches: dict[Path, tuple[int, int]]) -> None:
             shutil.copy2(kept / path.relative_to(copy), path)
 
 
+def is_current(copy: Path) -> bool:
+    """Whether a copy exists and has the Python files of the checkout."""
+    files = [path for room in ("wroll_fem", "tests") for path in (ROOT / room).rglob("*.py")]
+    pairs = [(path, copy / path.relative_to(ROOT)) for path in files]
+    return all(other.exists() and filecmp.cmp(path, other, shallow=True) for path, other in pairs)
+
+
 def copied(copy: Path) -> None:
     """Copy of the checkout, with a copy of the caches of numba beside it."""
-    if not copy.exists():
+    if not is_current(copy):
+        shutil.rmtree(copy, ignore_errors=True)
         part, caches = copy.with_suffix(".part"), copy.parent / f"{copy.name}.caches"
         shutil.rmtree(part, ignore_errors=True)
         shutil.rmtree(caches, ignore_errors=True)
