@@ -103,6 +103,17 @@ def test_channels_of_a_universal_file_are_named_by_node_and_direction(tmp_path):
 # --- refusals -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("text", ["", "\n \n", "# of the shaker\n", "time,base\n", "time,base\ns,g\n"])
+def test_a_text_file_without_numbers_is_refused_in_one_line(text, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_record(path, unit="g")
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.remedy
+
+
 def rows_with(change):
     rows = np.column_stack([TIME, BASE / G])
     change(rows)
