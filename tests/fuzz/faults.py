@@ -37,7 +37,8 @@ ROOT = Path(__file__).resolve().parents[2]
 WORDS = [
     "run", str(ROOT / "configs" / "oscillator.yaml"), "--set", "analysis=dwell", "--set", "output.figures=false",
     "--set",
-    "excitation={kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 4}", "--set", "solver.checkpoint_seconds=1e-9",
+    "excitation={kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 4, ramp_cycles: 1}",
+    "--set", "solver.checkpoint_seconds=1e-9",
     "--set", "contact.friction={law: penalty_coulomb, mu: 0.3, elastic_slip: 1.0e-5}",
 ]  # fmt: skip
 GRID = f"""base: {ROOT / "configs" / "two_dof.yaml"}
