@@ -58,7 +58,7 @@ def plot_slip_work_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) ->
     bending = whole.attrs.get("followed_mode", "bending") == "bending"
     headings = ("along the excitation", "across it") if bending else ("along x", "along y")
     zone, zone_top = cut_coil(whole, top, along)
-    zone[0][1]["lighting"] = False
+    zone[0][1].update(lighting=False, ambient=0.0)
     pictures = {
         f"slip zone, cut {headings[0]}": _picture(zone, zone_top, _VIEWS[along], outer),
         f"slip work, cut {headings[0]}": _picture(*cut_roll(whole, top, along, shown, options), _VIEWS[along], outer),
