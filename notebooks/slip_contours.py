@@ -205,10 +205,10 @@ wf.plot.slip_work(sliding)
 plt.show()
 
 # %% [markdown]
-# On sections near the root: at the base the slip zone is deepest across the excitation, where the wraps slide around the
-# roll; a few millimetres higher slip starts along the excitation, where they slide in axial direction. The stress at
-# the lower inner edge is singular, so the level of the first slip falls with the elements; its mean over the wall of
-# the mandrel, 1 mm, does not.
+# On sections near the root: at the base the slip zone is deepest across the excitation, where the wraps slide around
+# the roll; a few millimetres higher slip starts along the excitation, where they slide in axial direction. The stress
+# at the lower inner edge is singular, so the level of the first slip falls with the elements; its mean over the wall
+# of the mandrel, 1 mm, does not.
 
 # %%
 wf.plot.slip_work_sections(sliding)
