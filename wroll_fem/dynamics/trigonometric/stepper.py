@@ -67,8 +67,8 @@ class TrigonometricStepper(ReducedStepper):
         self.residual_limit *= LOOSER
 
     def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
-        matrix, none = empty_matrix(m, contact), np.zeros((5, m))
-        return TrigonometricState(Motion.zeros(m), contact, *none, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
+        matrix, none, slid = empty_matrix(m, contact), np.zeros((6, m)), np.zeros_like(contact.elastic_slip)
+        return TrigonometricState(Motion.zeros(m), contact, *none, slid, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
 
     def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
         state, m = self.state, len(turn)
@@ -76,10 +76,13 @@ class TrigonometricStepper(ReducedStepper):
         kept = new.kept._replace(tangents=state.kept.tangents, renewals=state.kept.renewals)
         if turn.shape[1]:
             new.motion.q[:], new.motion.v[:], new.motion.a[:] = (turn @ part for part in state.motion[:3])
-            new = new._replace(free=turn @ state.free, free_rate=turn @ state.free_rate, known=turn @ state.force)
+            new = new._replace(
+                free=turn @ state.free, free_rate=turn @ state.free_rate, known=turn @ state.force,
+                mismatch=turn @ state.mismatch,
+            )  # fmt: skip
         return state._replace(
             motion=new.motion, free=new.free, free_rate=new.free_rate, force=new.force, force_before=new.force_before,
-            known=new.known, kept=kept,
+            known=new.known, mismatch=new.mismatch, kept=kept,
         )  # fmt: skip
 
     def _use(self, model: ReducedModel) -> None:
@@ -109,6 +112,8 @@ class TrigonometricStepper(ReducedStepper):
             fast = steps.eigenvalues * dt**2 > np.pi**2
             state.free[fast] = -model.base[fast] / model.eigenvalues[fast] * self.base_acceleration
             state.free_rate[fast] = 0.0
+            # a turning point is found from steps of one size; a new basis sets the size to 0, and loses one such step
+            state.slid[:] = 0.0
             sum_up(state.kept, self.reference.springs, self._interface.jump, self.system.laws.area, 1.0, modal)
             state.kept.inverse[:] = la.inv(state.kept.matrix)
             state.time_step[0] = dt
