@@ -53,7 +53,7 @@ class TrigonometricState(NamedTuple):
     motion, contact : motion in reduced coordinates, and contact state of all points
     free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and without
         the shift of the others; its rate d'
-    force, force_before : (m,) reduced force of friction's correction now, and one step before
+    force, force_before, force_earlier : (m,) reduced force of friction's correction now, and one and two steps before
     known : (m,) this force as p knows it, which differs after a change of the basis
     mismatch : (m,) displacement of the contact minus the one of the structure, which the iteration leaves
     slid : (2 n,) tangential displacement in the last step of points that slid at its end, m; 0 at the others
@@ -67,6 +67,7 @@ class TrigonometricState(NamedTuple):
     free_rate: FloatArray
     force: FloatArray
     force_before: FloatArray
+    force_earlier: FloatArray
     known: FloatArray
     mismatch: FloatArray
     slid: FloatArray
@@ -198,6 +199,7 @@ def _commit_motion(nodes, steps, modal, force, out, state, flows):
             motion.a[i] += acceleration
     free[:] = out[0]
     state.free_rate[:] = out[1]
+    state.force_earlier[:] = state.force_before
     state.force_before[:] = state.force
     state.force[:] = force
     state.known[:] = force
@@ -216,6 +218,14 @@ def _record_motion(motion, modal, record):
         record[first] = np.dot(modal.probes[k], motion.q)
         record[first + 1] = np.dot(modal.probes[k], motion.v)
         record[first + 2] = np.dot(modal.probes[k], motion.a)
+
+
+@numba.njit(cache=True)
+def _continued(state):
+    """(m,) force at the end of a step that continues the last ones: a parabola, or linear where points have slid."""
+    if np.any(state.slid):
+        return 2.0 * state.force - state.force_before
+    return 3.0 * (state.force - state.force_before) + state.force_earlier
 
 
 @numba.njit(cache=True)
@@ -247,7 +257,7 @@ def advance_trigonometric(
         _propagate(steps, state.free, state.free_rate, state.force, nodes[number], out)
         q_hat[:] = out[0]
         _answer_start(steps, state, q_hat)
-        x[:] = q_hat + answer(modal, 2.0 * state.force - state.force_before, 1.0)
+        x[:] = q_hat + answer(modal, _continued(state), 1.0)
         committed[:] = contact.jump
         slide_to_turning_points(x, contact, state.slid, interface.jump, reference, beyond)
         iterations = solve(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 
 import numba
+import numpy as np
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.point import axial, hoop, normal, pressure
@@ -49,12 +50,7 @@ def slide_to_turning_points(x, contact, slid, jump, reference, beyond):
     jump : (3 n, m) relative displacement per unit coordinate
     reference : `Reference`
     beyond : (2 n,) output: slip to the turning points, m, 0 at the other points
-
-    Returns
-    -------
-    Whether there are such points
     """
-    found = False
     for k in range(slid.shape[0] // 2):
         h, z = hoop(k), axial(k)
         beyond[h], beyond[z] = 0.0, 0.0
@@ -65,18 +61,14 @@ def slide_to_turning_points(x, contact, slid, jump, reference, beyond):
         if size == 0.0:
             continue
         n_h, n_z = t_h / size, t_z / size
-        ahead_h, ahead_z = reference.jump[h] - contact.jump[h], reference.jump[z] - contact.jump[z]
-        for i in range(x.shape[0]):
-            ahead_h += jump[h, i] * x[i]
-            ahead_z += jump[z, i] * x[i]
+        ahead_h = reference.jump[h] - contact.jump[h] + np.dot(jump[h], x)
+        ahead_z = reference.jump[z] - contact.jump[z] + np.dot(jump[z], x)
         before, after = slid[h] * n_h + slid[z] * n_z, ahead_h * n_h + ahead_z * n_z
         if before > 0.0 and after < 0.0:
             distance = overshoot(before, after)
             beyond[h], beyond[z] = distance * n_h, distance * n_z
             contact.jump[h] += beyond[h]
             contact.jump[z] += beyond[z]
-            found = True
-    return found
 
 
 @numba.njit(cache=True)

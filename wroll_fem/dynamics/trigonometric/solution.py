@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from wroll_fem.contact.kernels import consistent_tangent, trial_traction
-from wroll_fem.contact.point import point_of
+from wroll_fem.contact.point import axial, hoop, normal
 from wroll_fem.dynamics.time_stepping import modal_kernel, reduced_kernel
 from wroll_fem.dynamics.time_stepping.modal_kernel import answer, by_block, correction
 from wroll_fem.dynamics.time_stepping.reduced_kernel import REBUILD, TANGENT_CHANGE, renew, sum_up
@@ -19,7 +19,7 @@ from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__, modal_kernel.__file__, reduced_kernel.__file__)
 
-RENEWAL = 0.12
+RENEWAL = 0.25
 """Ratio of successive residuals above which a step renews Newton's matrix (small and dense)."""
 
 
@@ -37,8 +37,10 @@ def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial,
     trial_traction(g, contact.jump, contact.elastic_slip, laws, step.dt, t, e, status)
     correction(g, t, reference, s)
     weighted = np.empty(3 * n)
-    for i in range(3 * n):
-        weighted[i] = laws.area[point_of(i, n)] * s[i]
+    for k in range(n):
+        area = laws.area[k]
+        weighted[hoop(k)], weighted[axial(k)] = area * s[hoop(k)], area * s[axial(k)]
+        weighted[normal(k, n)] = area * s[normal(k, n)]
     force[:] = np.dot(interface.jump.T, weighted)
     weight, change = interface.weight, answer(modal, force, 1.0)
     size = 0.0
