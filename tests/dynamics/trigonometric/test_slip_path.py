@@ -38,8 +38,8 @@ class Path:
         rest = np.array([0.0, 0.0, -1.0e4 / KN])
         self.contact = ContactMemory(rest.copy(), np.zeros(2), np.array([0.0, 0.0, -1.0e4]))
         self.reference = Reference(np.zeros(3), np.zeros(2), np.zeros(3), np.zeros(3))
-        self.slid, self.beyond, self.work = np.zeros(2), np.zeros(2), np.zeros(5)
-        self.path, self.corrected = np.zeros(1), 0.0
+        self.moved, self.beyond, self.work = np.zeros(2), np.zeros(2), np.zeros(5)
+        self.path, self.sliding, self.limits, self.corrected = np.zeros(1), np.zeros(1), np.zeros(1), 0.0
         self.trial = working_arrays(1, self.laws, self.reference).trial
 
     def follow(self, places: FloatArray) -> None:
@@ -48,12 +48,14 @@ class Path:
             committed = contact.jump.copy()
             if self.turns:
                 jump = place[:, None].copy()
-                slide_to_turning_points(np.ones(1), contact, self.slid, jump, self.reference, self.beyond)
+                slide_to_turning_points(
+                    np.ones(1), contact, self.moved, jump, self.reference, self.laws, 1.0, self.beyond, self.limits
+                )
             trial.g[:] = place
             trial_traction(trial.g, contact.jump, contact.elastic_slip, self.laws, 1.0, trial.t, trial.e, trial.status)
             contact.jump[:] = committed
             self.corrected += add_work_of_path(
-                contact, trial, self.beyond, self.slid, self.laws, self.work, self.path
+                contact, trial, self.beyond, self.limits, self.moved, self.sliding, self.laws, self.work, self.path
             )
             interface_work(
                 contact.jump, contact.elastic_slip, contact.traction, trial.g, trial.e, trial.t, self.laws, self.work
@@ -75,7 +77,7 @@ def sine(amplitude: float, steps: float, cycles: float, angle: float = 0.0) -> F
     return np.column_stack([u * np.cos(angle), u * np.sin(angle), np.full(len(u), -1.0e4 / KN)])
 
 
-@pytest.mark.parametrize("ratio", [1.5, 4.0])
+@pytest.mark.parametrize("ratio", [1.002, 1.5, 4.0])
 def test_a_loop_has_its_exact_area_without_the_error_of_the_polygon(ratio: float) -> None:
     """4 mu p (X - gamma) per cycle; the steps of 100 cycles meet every phase, and the direction is oblique."""
     steps, amplitude = 40.0 + 1.0 / np.e, ratio * GAMMA
@@ -87,8 +89,12 @@ def test_a_loop_has_its_exact_area_without_the_error_of_the_polygon(ratio: float
         path.follow(start)
         path.work[:], path.path[:], path.corrected = 0.0, 0.0, 0.0
         path.follow(sine(amplitude, steps, 101.25, 0.7)[len(start) :])
-    assert whole.friction == pytest.approx(100.0 * area, rel=3e-4)
-    assert whole.path[0] == pytest.approx(100.0 * slip, rel=3e-4)
+    error = 3e-2 if ratio < 1.1 else 3e-4  # at 1.002 points slide and turn back between two ends of steps
+    assert whole.friction == pytest.approx(100.0 * area, rel=error)
+    assert whole.path[0] == pytest.approx(100.0 * slip, rel=error)
+    if ratio < 1.1:
+        assert plain.friction < 0.8 * 100.0 * area
+        return
     turning = angle2 / 24.0 * ratio / (ratio - 1.0)
     assert 1.0 - plain.friction / (100.0 * area) == pytest.approx(turning, rel=0.1)
     assert plain.corrected / (100.0 * area) == pytest.approx(angle2 / 6.0, rel=0.1)

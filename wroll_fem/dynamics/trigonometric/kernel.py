@@ -56,7 +56,8 @@ class TrigonometricState(NamedTuple):
     force, force_before, force_earlier : (m,) reduced force of friction's correction now, and one and two steps before
     known : (m,) this force as p knows it, which differs after a change of the basis
     mismatch : (m,) displacement of the contact minus the one of the structure, which the iteration leaves
-    slid : (2 n,) tangential displacement in the last step of points that slid at its end, m; 0 at the others
+    moved : (2 n,) tangential displacement in the last step of points near the friction limit, m; 0 at the others
+    sliding : (n,) 1 at points that slid at the end of the last step, else 0
     clock : (1,) time, s
     kept, time_step, projection_error, motion_norm, largest, training, opened : see `ReducedState`
     """
@@ -70,7 +71,8 @@ class TrigonometricState(NamedTuple):
     force_earlier: FloatArray
     known: FloatArray
     mismatch: FloatArray
-    slid: FloatArray
+    moved: FloatArray
+    sliding: FloatArray
     clock: FloatArray
     kept: KeptMatrix
     time_step: FloatArray
@@ -223,7 +225,7 @@ def _record_motion(motion, modal, record):
 @numba.njit(cache=True)
 def _continued(state):
     """(m,) force at the end of a step that continues the last ones: a parabola, or linear where points have slid."""
-    if np.any(state.slid):
+    if np.any(state.sliding):
         return 2.0 * state.force - state.force_before
     return 3.0 * (state.force - state.force_before) + state.force_earlier
 
@@ -250,7 +252,7 @@ def advance_trigonometric(
     m = motion.q.shape[0]
     work = working_arrays(m, laws, reference)
     trial, x, q_hat, force = work.trial, np.zeros(m), np.zeros(m), np.zeros(m)
-    out, beyond = np.zeros((OUTPUTS, m)), np.zeros_like(state.slid)
+    out, beyond, limits = np.zeros((OUTPUTS, m)), np.zeros_like(state.moved), np.zeros_like(state.sliding)
     committed = np.zeros_like(contact.jump)
     checks.filled[0] = 0
     for number in range(nodes.shape[0]):
@@ -259,7 +261,9 @@ def advance_trigonometric(
         _answer_start(steps, state, q_hat)
         x[:] = q_hat + answer(modal, _continued(state), 1.0)
         committed[:] = contact.jump
-        slide_to_turning_points(x, contact, state.slid, interface.jump, reference, beyond)
+        slide_to_turning_points(
+            x, contact, state.moved, interface.jump, reference, laws, step.dt, beyond, limits
+        )
         iterations = solve(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
         contact.jump[:] = committed
         if iterations < 0:
@@ -274,7 +278,7 @@ def advance_trigonometric(
             flows[NUMERICAL_FLOW] += mean[i] * (left - state.mismatch[i])
             state.mismatch[i] = left
         flows[NUMERICAL_FLOW] -= add_work_of_path(
-            contact, trial, beyond, state.slid, laws, accumulated.work, accumulated.slip.path
+            contact, trial, beyond, limits, state.moved, state.sliding, laws, accumulated.work, accumulated.slip.path
         )
         commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         record = records[number]

@@ -7,7 +7,7 @@ import numpy as np
 
 from wroll_fem.dynamics.trigonometric import slip_path
 from wroll_fem.dynamics.trigonometric.propagation import OUTPUTS, propagation
-from wroll_fem.dynamics.trigonometric.slip_path import overshoot
+from wroll_fem.dynamics.trigonometric.slip_path import NEAR, overshoot
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
 
@@ -47,7 +47,7 @@ def _integrate(base, finer, whole, part, shift, stiffness, limits, out):
     The displacement is d + ``shift`` times the force (docs/trigonometric.md).
     """
     count = limits.shape[0]
-    elastic, start, trial, sliding = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
+    elastic, start, trial = np.zeros(count), np.zeros(count), np.zeros(count)
     d, v, u, before, force = 0.0, 0.0, 0.0, 0.0, 0.0
     answer = whole[0, 3] + shift
     for n in range(1, out.shape[0]):
@@ -60,9 +60,11 @@ def _integrate(base, finer, whole, part, shift, stiffness, limits, out):
         rate += whole[1, 2] * force
         x, new = free + answer * force, force
         for j in range(count):  # elements that turn back
-            past, ahead = (u - before) * sliding[j], (x - u) * sliding[j]
-            beyond = overshoot(past, ahead) if past > 0.0 and ahead < 0.0 else 0.0
-            start[j] = elastic[j] - beyond * sliding[j]
+            sign = 1.0 if elastic[j] > 0.0 else -1.0
+            past, ahead = (u - before) * sign, (x - u) * sign
+            start[j] = elastic[j]
+            if past > 0.0 and ahead < 0.0 and sign * elastic[j] > NEAR * limits[j]:
+                start[j] -= sign * max(sign * elastic[j] + overshoot(past, ahead) - limits[j], 0.0)
         for _ in range(30):
             new, slope = 0.0, 0.0  # correction of the sliding elements, and its derivative
             for j in range(count):
@@ -75,9 +77,6 @@ def _integrate(base, finer, whole, part, shift, stiffness, limits, out):
             if abs(change) <= 1e-13 * abs(x):
                 break
             x -= change
-        for j in range(count):
-            moved = start[j] + x - u
-            sliding[j] = 0.0 if trial[j] == moved else (1.0 if moved > 0.0 else -1.0)
         elastic[:] = trial
         before, u, force = u, x, new
         d, v = free + whole[0, 3] * new, rate + whole[1, 3] * new

@@ -20,10 +20,15 @@ import numba
 import numpy as np
 
 from wroll_fem.contact import kernels
-from wroll_fem.contact.point import axial, hoop, normal, pressure
+from wroll_fem.contact.laws import slip_update
+from wroll_fem.contact.point import axial, hoop, normal, pressure, stick_stiffness
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 
 drop_stale_cache(__file__, kernels.__file__)
+
+NEAR = 0.9
+"""Traction of a sticking point, relative to mu p, from which a turning point within a step may make it slide. With 10
+steps per cycle the turning point is at most 5 % of the amplitude away from the ends of the step."""
 
 
 @numba.njit(cache=True)
@@ -39,40 +44,52 @@ def overshoot(before, after):
 
 
 @numba.njit(cache=True)
-def slide_to_turning_points(x, contact, slid, jump, reference, beyond):
-    """Move points that slide and turn back in this step to their turning points.
+def slide_to_turning_points(x, contact, moved, jump, reference, laws, dt, beyond, limits):
+    """Let points that turn back in this step slide as far as their turning points require.
 
     Parameters
     ----------
     x : (m,) displacement expected at the end of the step
-    contact : `ContactMemory`; the committed jump of these points becomes the one at the turning point
-    slid : (2 n,) tangential displacement in the last step of points that slid at its end, m; 0 at the others
+    contact : `ContactMemory`; the committed jump of these points receives the slip
+    moved : (2 n,) tangential displacement in the last step of points near the friction limit, m; 0 at the others
     jump : (3 n, m) relative displacement per unit coordinate
-    reference : `Reference`
-    beyond : (2 n,) output: slip to the turning points, m, 0 at the other points
+    reference, laws : `Reference`, `PointLaws`
+    dt : size of the step, s
+    beyond : (2 n,) output: slip up to the turning points, m, 0 at the other points
+    limits : (n,) output: traction of these points during this slip, Pa
     """
-    for k in range(slid.shape[0] // 2):
+    n = limits.shape[0]
+    for k in range(n):
         h, z = hoop(k), axial(k)
         beyond[h], beyond[z] = 0.0, 0.0
-        if slid[h] == 0.0 and slid[z] == 0.0:
+        if moved[h] == 0.0 and moved[z] == 0.0:
             continue
         t_h, t_z = contact.traction[h], contact.traction[z]
         size = math.sqrt(t_h * t_h + t_z * t_z)
         if size == 0.0:
             continue
         n_h, n_z = t_h / size, t_z / size
+        before = moved[h] * n_h + moved[z] * n_z
+        if before <= 0.0:
+            continue
         ahead_h = reference.jump[h] - contact.jump[h] + np.dot(jump[h], x)
         ahead_z = reference.jump[z] - contact.jump[z] + np.dot(jump[z], x)
-        before, after = slid[h] * n_h + slid[z] * n_z, ahead_h * n_h + ahead_z * n_z
-        if before > 0.0 and after < 0.0:
+        after = ahead_h * n_h + ahead_z * n_z
+        if after < 0.0:
             distance = overshoot(before, after)
-            beyond[h], beyond[z] = distance * n_h, distance * n_z
-            contact.jump[h] += beyond[h]
-            contact.jump[z] += beyond[z]
+            d_h, d_z = distance * n_h, distance * n_z
+            e_h, e_z = contact.elastic_slip[h], contact.elastic_slip[z]
+            p = pressure(contact.traction[normal(k, n)])
+            new_h, new_z, slides = slip_update(k, e_h + d_h, e_z + d_z, d_h, d_z, p, laws, dt)
+            if slides:
+                beyond[h], beyond[z] = e_h + d_h - new_h, e_z + d_z - new_z
+                contact.jump[h] += beyond[h]
+                contact.jump[z] += beyond[z]
+                limits[k] = stick_stiffness(k, p, laws) * math.sqrt(new_h * new_h + new_z * new_z)
 
 
 @numba.njit(cache=True)
-def add_work_of_path(contact, trial, beyond, slid, laws, work, path):
+def add_work_of_path(contact, trial, beyond, limits, moved, sliding, laws, work, path):
     """Replace the friction work of a step, mean traction times slip, by the work of sliding at the friction limit.
 
     A point that slides with pressure p at the end of the step has slid along the traction there. If it slid at the
@@ -82,8 +99,9 @@ def add_work_of_path(contact, trial, beyond, slid, laws, work, path):
     Parameters
     ----------
     contact, trial : `ContactMemory` before, and `Trial` after the step
-    beyond : (2 n,) slip to turning points, m, included in the step
-    slid : (2 n,) tangential displacement in the step before; updated
+    beyond, limits : slip to turning points (2 n,), m, included in the step, and traction during it (n,), Pa
+    moved : (2 n,) tangential displacement in the last step of points near the friction limit, m; updated
+    sliding : (n,) 1 at points that slid at the end of the last step, else 0; updated
     laws : `PointLaws`
     work, path : work (5,), J, and slip path (n,), m, of `interface_work` and `record_slip`; updated
 
@@ -98,32 +116,33 @@ def add_work_of_path(contact, trial, beyond, slid, laws, work, path):
         h, z = hoop(k), axial(k)
         slides = status[k] == kernels.SLIP
         turned = beyond[h] != 0.0 or beyond[z] != 0.0
-        if not laws.sticks[k] or not (slides or turned):
-            slid[h], slid[z] = 0.0, 0.0
-            continue
+        p_c, p = pressure(contact.traction[normal(k, n)]), pressure(t[normal(k, n)])
+        near = NEAR * laws.mu[k] * p
+        followed = laws.sticks[k] and p > 0.0 and (slides or t[h] * t[h] + t[z] * t[z] > near * near)
         dg_h, dg_z = g[h] - contact.jump[h], g[z] - contact.jump[z]
+        slid = sliding[k] > 0.0
+        moved[h], moved[z] = (dg_h, dg_z) if followed else (0.0, 0.0)
+        sliding[k] = 1.0 if slides and followed else 0.0
+        if not laws.sticks[k] or not (slides or turned):
+            continue
         plain_h = dg_h - (e[h] - contact.elastic_slip[h])
         plain_z = dg_z - (e[z] - contact.elastic_slip[z])
         polygon = 0.5 * ((t[h] + contact.traction[h]) * plain_h + (t[z] + contact.traction[z]) * plain_z)
-        limit = math.sqrt(contact.traction[h] ** 2 + contact.traction[z] ** 2)
         before = math.sqrt(beyond[h] ** 2 + beyond[z] ** 2)
-        s_h, s_z = plain_h - beyond[h], plain_z - beyond[z]
-        slip = math.sqrt(s_h * s_h + s_z * s_z)
-        exact = limit * before
+        slip = math.sqrt((plain_h - beyond[h]) ** 2 + (plain_z - beyond[z]) ** 2)
+        exact = limits[k] * before if turned else 0.0
         if slides:
             end = math.sqrt(t[h] * t[h] + t[z] * t[z])
-            if not turned and (slid[h] != 0.0 or slid[z] != 0.0):
-                exact += 0.5 * (limit + end) * slip
+            if slid and not turned:
+                exact += 0.5 * (math.sqrt(contact.traction[h] ** 2 + contact.traction[z] ** 2) + end) * slip
             else:
-                p_c, p = pressure(contact.traction[normal(k, n)]), pressure(t[normal(k, n)])
-                moved = math.sqrt((dg_h - beyond[h]) ** 2 + (dg_z - beyond[z]) ** 2)
-                share = min(1.0, slip / moved) if moved > 0.0 else 1.0
+                size = math.sqrt((dg_h - beyond[h]) ** 2 + (dg_z - beyond[z]) ** 2)
+                share = min(1.0, slip / size) if size > 0.0 else 1.0
                 grown = 0.5 * share * (p_c / p - 1.0) if p > 0.0 else 0.0
                 exact += end * (1.0 + grown) * slip
         total += laws.area[k] * (exact - polygon)
         if turned:
             path[k] += before + ((slip - math.sqrt(plain_h * plain_h + plain_z * plain_z)) if slides else 0.0)
-        slid[h], slid[z] = (dg_h, dg_z) if slides else (0.0, 0.0)
     work[kernels.FRICTION] += total
     work[kernels.TOTAL] += total
     return total

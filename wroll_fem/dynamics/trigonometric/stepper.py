@@ -69,8 +69,9 @@ class TrigonometricStepper(ReducedStepper):
         self.residual_limit *= LOOSER
 
     def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
-        matrix, none, slid = empty_matrix(m, contact), np.zeros((7, m)), np.zeros_like(contact.elastic_slip)
-        return TrigonometricState(Motion.zeros(m), contact, *none, slid, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
+        matrix, none, moved = empty_matrix(m, contact), np.zeros((7, m)), np.zeros_like(contact.elastic_slip)
+        sliding = np.zeros(len(moved) // 2)
+        return TrigonometricState(Motion.zeros(m), contact, *none, moved, sliding, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
 
     def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
         state, m = self.state, len(turn)
@@ -116,7 +117,7 @@ class TrigonometricStepper(ReducedStepper):
             state.free[fast] = -model.base[fast] / model.eigenvalues[fast] * self.base_acceleration
             state.free_rate[fast] = 0.0
             # a turning point is found from steps of one size; a new basis sets the size to 0, and loses one such step
-            state.slid[:] = 0.0
+            state.moved[:] = 0.0
             sum_up(state.kept, self.reference.springs, self._interface.jump, self.system.laws.area, 1.0, modal)
             state.kept.inverse[:] = la.inv(state.kept.matrix)
             state.time_step[0] = dt
