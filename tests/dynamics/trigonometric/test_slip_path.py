@@ -47,10 +47,7 @@ class Path:
         for place in places:
             committed = contact.jump.copy()
             if self.turns:
-                jump = place[:, None].copy()
-                slide_to_turning_points(
-                    np.ones(1), contact, self.moved, jump, self.reference, self.laws, 1.0, self.beyond, self.limits
-                )
+                slide_to_turning_points(place, contact, self.moved, self.laws, 1.0, self.beyond, self.limits)
             trial.g[:] = place
             trial_traction(trial.g, contact.jump, contact.elastic_slip, self.laws, 1.0, trial.t, trial.e, trial.status)
             contact.jump[:] = committed

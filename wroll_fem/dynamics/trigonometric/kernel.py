@@ -32,7 +32,7 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
 from wroll_fem.dynamics.trigonometric import propagation, slip_path, solution
 from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
-from wroll_fem.dynamics.trigonometric.slip_path import add_work_of_path, slide_to_turning_points
+from wroll_fem.dynamics.trigonometric.slip_path import add_work_of_path
 from wroll_fem.dynamics.trigonometric.solution import solve
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
@@ -261,10 +261,8 @@ def advance_trigonometric(
         _answer_start(steps, state, q_hat)
         x[:] = q_hat + answer(modal, _continued(state), 1.0)
         committed[:] = contact.jump
-        slide_to_turning_points(
-            x, contact, state.moved, interface.jump, reference, laws, step.dt, beyond, limits
-        )
-        iterations = solve(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
+        turning = beyond, limits
+        iterations = solve(x, q_hat, step, modal, interface, reference, laws, state, turning, newton, work)
         contact.jump[:] = committed
         if iterations < 0:
             return number

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 
 import numba
-import numpy as np
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.laws import slip_update
@@ -44,27 +43,27 @@ def overshoot(before, after):
 
 
 @numba.njit(cache=True)
-def slide_to_turning_points(x, contact, moved, jump, reference, laws, dt, beyond, limits):
+def slide_to_turning_points(g, contact, moved, laws, dt, beyond, limits):
     """Let points that turn back in this step slide as far as their turning points require.
 
     Parameters
     ----------
-    x : (m,) displacement expected at the end of the step
+    g : (3 n,) relative displacement expected at the end of the step, m
     contact : `ContactMemory`; the committed jump of these points receives the slip
     moved : (2 n,) tangential displacement in the last step of points near the friction limit, m; 0 at the others
-    jump : (3 n, m) relative displacement per unit coordinate
-    reference, laws : `Reference`, `PointLaws`
+    laws : `PointLaws`
     dt : size of the step, s
     beyond : (2 n,) output: slip up to the turning points, m, 0 at the other points
     limits : (n,) output: traction of these points during this slip, Pa
     """
     n = limits.shape[0]
+    traction, jump = contact.traction, contact.jump
     for k in range(n):
         h, z = hoop(k), axial(k)
         beyond[h], beyond[z] = 0.0, 0.0
         if moved[h] == 0.0 and moved[z] == 0.0:
             continue
-        t_h, t_z = contact.traction[h], contact.traction[z]
+        t_h, t_z = traction[h], traction[z]
         size = math.sqrt(t_h * t_h + t_z * t_z)
         if size == 0.0:
             continue
@@ -72,19 +71,17 @@ def slide_to_turning_points(x, contact, moved, jump, reference, laws, dt, beyond
         before = moved[h] * n_h + moved[z] * n_z
         if before <= 0.0:
             continue
-        ahead_h = reference.jump[h] - contact.jump[h] + np.dot(jump[h], x)
-        ahead_z = reference.jump[z] - contact.jump[z] + np.dot(jump[z], x)
-        after = ahead_h * n_h + ahead_z * n_z
+        after = (g[h] - jump[h]) * n_h + (g[z] - jump[z]) * n_z
         if after < 0.0:
             distance = overshoot(before, after)
             d_h, d_z = distance * n_h, distance * n_z
             e_h, e_z = contact.elastic_slip[h], contact.elastic_slip[z]
-            p = pressure(contact.traction[normal(k, n)])
+            p = pressure(traction[normal(k, n)])
             new_h, new_z, slides = slip_update(k, e_h + d_h, e_z + d_z, d_h, d_z, p, laws, dt)
             if slides:
                 beyond[h], beyond[z] = e_h + d_h - new_h, e_z + d_z - new_z
-                contact.jump[h] += beyond[h]
-                contact.jump[z] += beyond[z]
+                jump[h] += beyond[h]
+                jump[z] += beyond[z]
                 limits[k] = stick_stiffness(k, p, laws) * math.sqrt(new_h * new_h + new_z * new_z)
 
 
@@ -110,37 +107,38 @@ def add_work_of_path(contact, trial, beyond, limits, moved, sliding, laws, work,
     Change of the friction work, J
     """
     g, t, e, status, _ = trial
-    total = 0.0
-    n = laws.area.shape[0]
+    g_c, e_c, t_c = contact.jump, contact.elastic_slip, contact.traction  # outside the loop: numba counts references
+    area, mu, sticks, total = laws.area, laws.mu, laws.sticks, 0.0
+    n = area.shape[0]
     for k in range(n):
         h, z = hoop(k), axial(k)
         slides = status[k] == kernels.SLIP
         turned = beyond[h] != 0.0 or beyond[z] != 0.0
-        p_c, p = pressure(contact.traction[normal(k, n)]), pressure(t[normal(k, n)])
-        near = NEAR * laws.mu[k] * p
-        followed = laws.sticks[k] and p > 0.0 and (slides or t[h] * t[h] + t[z] * t[z] > near * near)
-        dg_h, dg_z = g[h] - contact.jump[h], g[z] - contact.jump[z]
+        p_c, p = pressure(t_c[normal(k, n)]), pressure(t[normal(k, n)])
+        near = NEAR * mu[k] * p
+        followed = sticks[k] and p > 0.0 and (slides or t[h] * t[h] + t[z] * t[z] > near * near)
+        dg_h, dg_z = g[h] - g_c[h], g[z] - g_c[z]
         slid = sliding[k] > 0.0
         moved[h], moved[z] = (dg_h, dg_z) if followed else (0.0, 0.0)
         sliding[k] = 1.0 if slides and followed else 0.0
-        if not laws.sticks[k] or not (slides or turned):
+        if not sticks[k] or not (slides or turned):
             continue
-        plain_h = dg_h - (e[h] - contact.elastic_slip[h])
-        plain_z = dg_z - (e[z] - contact.elastic_slip[z])
-        polygon = 0.5 * ((t[h] + contact.traction[h]) * plain_h + (t[z] + contact.traction[z]) * plain_z)
+        plain_h = dg_h - (e[h] - e_c[h])
+        plain_z = dg_z - (e[z] - e_c[z])
+        polygon = 0.5 * ((t[h] + t_c[h]) * plain_h + (t[z] + t_c[z]) * plain_z)
         before = math.sqrt(beyond[h] ** 2 + beyond[z] ** 2)
         slip = math.sqrt((plain_h - beyond[h]) ** 2 + (plain_z - beyond[z]) ** 2)
         exact = limits[k] * before if turned else 0.0
         if slides:
             end = math.sqrt(t[h] * t[h] + t[z] * t[z])
             if slid and not turned:
-                exact += 0.5 * (math.sqrt(contact.traction[h] ** 2 + contact.traction[z] ** 2) + end) * slip
+                exact += 0.5 * (math.sqrt(t_c[h] ** 2 + t_c[z] ** 2) + end) * slip
             else:
                 size = math.sqrt((dg_h - beyond[h]) ** 2 + (dg_z - beyond[z]) ** 2)
                 share = min(1.0, slip / size) if size > 0.0 else 1.0
                 grown = 0.5 * share * (p_c / p - 1.0) if p > 0.0 else 0.0
                 exact += end * (1.0 + grown) * slip
-        total += laws.area[k] * (exact - polygon)
+        total += area[k] * (exact - polygon)
         if turned:
             path[k] += before + ((slip - math.sqrt(plain_h * plain_h + plain_z * plain_z)) if slides else 0.0)
     work[kernels.FRICTION] += total

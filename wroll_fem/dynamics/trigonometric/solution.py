@@ -15,9 +15,11 @@ from wroll_fem.contact.point import axial, hoop, normal
 from wroll_fem.dynamics.time_stepping import modal_kernel, reduced_kernel
 from wroll_fem.dynamics.time_stepping.modal_kernel import answer, by_block, correction
 from wroll_fem.dynamics.time_stepping.reduced_kernel import REBUILD, TANGENT_CHANGE, renew, sum_up
+from wroll_fem.dynamics.trigonometric import slip_path
+from wroll_fem.dynamics.trigonometric.slip_path import slide_to_turning_points
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 
-drop_stale_cache(__file__, modal_kernel.__file__, reduced_kernel.__file__)
+drop_stale_cache(__file__, modal_kernel.__file__, reduced_kernel.__file__, slip_path.__file__)
 
 RENEWAL = 0.25
 """Ratio of successive residuals above which a step renews Newton's matrix (small and dense)."""
@@ -30,10 +32,16 @@ def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial,
     The residual is x - q_hat + A (G Phi)^T W s, with the displacement A per force (`answer`) and the traction
     correction s at x. ``force`` (m,) becomes (G Phi)^T W s.
     """
+    trial.g[:] = np.dot(interface.jump, x)
+    trial.g[:] += reference.jump
+    return _residual_of_laws(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
+
+
+@numba.njit(cache=True)
+def _residual_of_laws(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho):
+    """`_residual` for the relative displacement in ``trial``, which belongs to ``x``."""
     g, t, e, status, s = trial
     n = status.shape[0]
-    g[:] = np.dot(interface.jump, x)
-    g += reference.jump
     trial_traction(g, contact.jump, contact.elastic_slip, laws, step.dt, t, e, status)
     correction(g, t, reference, s)
     weighted = np.empty(3 * n)
@@ -51,14 +59,19 @@ def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial,
 
 
 @numba.njit(cache=True)
-def solve(x, q_hat, step, modal, interface, reference, laws, contact, kept, newton, work):
+def solve(x, q_hat, step, modal, interface, reference, laws, state, turning, newton, work):
     """Solve the equations of a step (`_residual`), starting at ``x`` (m,); returns the number of iterations, or -1.
 
-    ``x`` becomes the solution; ``work`` is `Work`, the other arguments are those of `advance_trigonometric`.
+    ``x`` becomes the solution. ``turning`` has the arrays ``beyond`` and ``limits`` of `slide_to_turning_points`;
+    ``work`` is `Work`, the other arguments are those of `advance_trigonometric`.
     """
+    contact, kept = state.contact, state.kept
     trial, rho, rho_new, force, force_new, x_new, tangent, scale = work
     history = newton.history
-    size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
+    trial.g[:] = np.dot(interface.jump, x)
+    trial.g[:] += reference.jump
+    slide_to_turning_points(trial.g, contact, state.moved, laws, step.dt, turning[0], turning[1])
+    size = _residual_of_laws(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
     history[:] = 0.0
     history[0] = size
     iterations = 0

@@ -70,8 +70,8 @@ class TrigonometricStepper(ReducedStepper):
 
     def _empty_state(self, m: int, contact: ContactMemory) -> TrigonometricState:  # type: ignore[override]
         matrix, none, moved = empty_matrix(m, contact), np.zeros((7, m)), np.zeros_like(contact.elastic_slip)
-        sliding = np.zeros(len(moved) // 2)
-        return TrigonometricState(Motion.zeros(m), contact, *none, moved, sliding, np.zeros(1), matrix, *np.zeros((6, 1)))  # type: ignore[call-arg]
+        one, sliding = np.zeros((7, 1)), np.zeros(len(moved) // 2)
+        return TrigonometricState(Motion.zeros(m), contact, *none, moved, sliding, one[0], matrix, *one[1:])  # type: ignore[call-arg]
 
     def _turned(self, turn: FloatArray) -> TrigonometricState:  # type: ignore[override]
         state, m = self.state, len(turn)
