@@ -157,30 +157,39 @@ def working_arrays(m, laws, reference):
 
 
 @numba.njit(cache=True)
+def place(x, interface, reference, g):
+    """Fill ``g`` (3 n,), m, with the relative displacement at the reduced displacement ``x`` (m,)."""
+    g[:] = np.dot(interface.jump, x)
+    g += reference.jump
+
+
+@numba.njit(cache=True)
 def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho):
     """Fill ``rho`` (m,) with the residual of displacement ``x`` (m,); returns an upper bound of the jump due to rho, m.
 
     The residual is x - q_hat + (1 + alpha) A (G Phi)^T W s, with q_hat from `predict`, the displacement A per force
-    (`answer`) and the traction correction s at x.
+    (`answer`) and the traction correction s at x. The relative displacement in ``trial`` belongs to ``x`` (`place`).
     """
     g, t, e, status, s = trial
-    g[:] = reference.jump
-    g += np.dot(interface.jump, x)
+    n = status.shape[0]
     trial_traction(g, contact.jump, contact.elastic_slip, laws, step.dt, t, e, status)
     correction(g, t, reference, s)
-    force[:] = np.dot(interface.force, s)
+    weighted = np.empty(3 * n)
+    for k in range(n):
+        weighted[hoop(k)] = laws.area[k] * s[hoop(k)]
+        weighted[axial(k)] = laws.area[k] * s[axial(k)]
+        weighted[normal(k, n)] = laws.area[k] * s[normal(k, n)]
+    force[:] = np.dot(interface.jump.T, weighted)  # one matrix for both products stays in the cache of the processor
     weight, change = interface.weight, answer(modal, force, 1.0 + step.alpha)
     size = 0.0
     for i in range(x.shape[0]):
         rho[i] = x[i] - q_hat[i] + change[i]
-        if not np.isfinite(rho[i]):
-            return np.inf
         size += abs(rho[i]) * weight[i]
-    return size
+    return size if np.isfinite(size) else np.inf
 
 
 @numba.njit(cache=True)
-def renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
+def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
     """Update Newton's matrix for the points whose ``tangent`` has changed; returns the number of these points."""
     held, matrix = kept.tangents, kept.matrix
     n, m = area.shape[0], matrix.shape[0]
@@ -261,6 +270,16 @@ def solve_step(x, q_hat, step, modal, interface, reference, laws, contact, kept,
 
     ``x`` becomes the solution; for ``work`` see `Work`. The other arguments are those of `advance_reduced`.
     """
+    place(x, interface, reference, work.trial.g)
+    return iterate(x, q_hat, step, modal, interface, reference, laws, contact, kept, newton, REDUCED_RENEWAL, work)
+
+
+@numba.njit(cache=True)
+def iterate(x, q_hat, step, modal, interface, reference, laws, contact, kept, newton, renewal, work):
+    """`solve_step` where the relative displacement in ``work.trial`` belongs to ``x`` already.
+
+    ``renewal`` is the ratio of successive residuals above which Newton's matrix is renewed.
+    """
     trial, rho, rho_new, force, force_new, x_new, tangent, scale = work
     history = newton.history
     factor = 1.0 + step.alpha
@@ -280,22 +299,23 @@ def solve_step(x, q_hat, step, modal, interface, reference, laws, contact, kept,
         damping, new = 1.0, np.inf
         while True:
             x_new[:] = x - damping * delta
+            place(x_new, interface, reference, trial.g)
             new = _residual(x_new, q_hat, modal, interface, reference, contact, laws, step, trial, force_new, rho_new)
             if new < size or not fresh or damping < 0.02:
                 break
             damping *= 0.5
         rate = new / size
-        accepted = rate < 1.0 or fresh
-        if accepted:
+        if rate < 1.0 or fresh:
             x[:], rho[:], force[:], size = x_new, rho_new, force_new, new
             history[iterations] = size
         else:  # the kept matrix failed: back to x, with the tangent there
+            place(x, interface, reference, trial.g)
             size = _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial, force, rho)
         fresh = False
-        if rate > REDUCED_RENEWAL and size > newton.limit:
+        if rate > renewal and size > newton.limit:
             consistent_tangent(trial.g, contact.jump, contact.elastic_slip, laws, step.dt, tangent)
             tolerance = TANGENT_CHANGE if iterations < 4 else 0.0
-            if renew(kept, tangent, scale, tolerance, interface.jump, laws.area, factor) > 0:
+            if _renew(kept, tangent, scale, tolerance, interface.jump, laws.area, factor) > 0:
                 kept.renewals[0] += 1
                 if kept.renewals[0] % REBUILD == 0:
                     sum_up(kept, reference.springs, interface.jump, laws.area, factor, modal)

@@ -26,23 +26,28 @@ from wroll_fem.dynamics.time_stepping.records import (
 from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     KeptMatrix,
     commit_contact,
+    iterate,
     keep_row,
+    place,
     working_arrays,
 )
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
-from wroll_fem.dynamics.trigonometric import propagation, slip_path, solution
+from wroll_fem.dynamics.trigonometric import propagation, slip_path
 from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
-from wroll_fem.dynamics.trigonometric.slip_path import add_work_of_path
-from wroll_fem.dynamics.trigonometric.solution import solve
+from wroll_fem.dynamics.trigonometric.slip_path import add_work_of_path, slide_to_turning_points
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
 
 drop_stale_cache(
     __file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__, propagation.__file__,
-    slip_path.__file__, solution.__file__,
+    slip_path.__file__,
 )  # fmt: skip
 
 LAST = len(NODES) - 1
+
+RENEWAL = 0.25
+"""Ratio of successive residuals above which a step renews Newton's matrix (small and dense): a resolved mode depends on
+friction's correction by a twelfth of the square of its angle in a step only."""
 
 
 class TrigonometricState(NamedTuple):
@@ -241,7 +246,7 @@ def advance_trigonometric(
     Parameters
     ----------
     nodes : (k, len(NODES)) base acceleration in each step, m/s^2
-    step, steps : `Step`, of which only the size is used, and `Propagation`
+    step, steps : `Step` with alpha = 0, and `Propagation`
     modal, interface, reference, laws : `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
     state, accumulated : `TrigonometricState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
@@ -261,8 +266,11 @@ def advance_trigonometric(
         _answer_start(steps, state, q_hat)
         x[:] = q_hat + answer(modal, _continued(state), 1.0)
         committed[:] = contact.jump
-        turning = beyond, limits
-        iterations = solve(x, q_hat, step, modal, interface, reference, laws, state, turning, newton, work)
+        place(x, interface, reference, trial.g)
+        slide_to_turning_points(trial.g, contact, state.moved, laws, step.dt, beyond, limits)
+        iterations = iterate(
+            x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, RENEWAL, work
+        )
         contact.jump[:] = committed
         if iterations < 0:
             return number
