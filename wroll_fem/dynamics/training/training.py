@@ -17,10 +17,11 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, PointSample
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.point_sample import SampleError
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -119,6 +120,7 @@ class Trained(Generic[Curve]):
     tip_error : largest relative change of the fundamental of the tip displacement by these corrections
     rounds : number of curves computed
     span_error : relative energy norm of what the motions lack in modes of a path (`PathSpan`); 0 with other modes
+    sample : errors of the subset of contact points on which the curve was followed; None if on all points
     """
 
     curve: Curve
@@ -126,6 +128,7 @@ class Trained(Generic[Curve]):
     tip_error: float
     rounds: int
     span_error: float = 0.0
+    sample: SampleError | None = None
 
 
 @dataclass(frozen=True)
@@ -155,11 +158,14 @@ class Structure:
         symmetry = None if sampling.odd else HalfPeriod.of(condensation, preload, laws)
         return cls(condensation, preload, laws, sampling, max_periods, symmetry)
 
-    def contact(self, model: ReducedModel) -> HarmonicContact:
-        """Periodic contact of a reduced model of this structure."""
+    def contact(
+        self, model: ReducedModel, *, sample: PointSample | None = None, tangent: PointSample | None = None
+    ) -> HarmonicContact:
+        """Periodic contact of a reduced model of this structure; for ``sample``, ``tangent`` see `HarmonicContact`."""
         return HarmonicContact(
-            model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry
-        )
+            model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry,
+            sample=sample, tangent=tangent,
+        )  # fmt: skip
 
     def with_harmonics(self, most: int) -> Structure:
         """The same structure, with motions of at most ``most`` harmonics."""
