@@ -127,6 +127,15 @@ class SampleError(NamedTuple):
     work: float
     motion: float
 
+    def as_attrs(self) -> dict[str, float]:
+        """Attributes of a result."""
+        return {
+            "sampled_points": self.points,
+            "sampling_force_error": self.force,
+            "sampling_work_error": self.work,
+            "sampling_motion_error": self.motion,
+        }
+
 
 def sample_error(
     contact: HarmonicContact, sample: PointSample, coefficients: FloatArray, frequencies: FloatArray,

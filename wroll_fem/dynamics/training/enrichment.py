@@ -20,7 +20,8 @@ from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, correction
 from wroll_fem.dynamics.training.point_sampling import PointSampling
-from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Structure, Trained, Training, trained
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Trained, Training, trained
 from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
@@ -132,7 +133,7 @@ def trained_response(
         assert isinstance(found, HarmonicCurve)
         return found
 
-    training = Training(tolerance, max_rounds, on_round, file, snapshots)
+    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots))
     found = trained(structure, training, solve, checked_points, check, again, shortened, restored)
     return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
 
@@ -204,6 +205,6 @@ def trained_backbone(
         assert isinstance(found, BackboneCurve)
         return found
 
-    training = Training(tolerance, max_rounds, on_round, file)
+    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file))
     found = trained(structure, training, solve, checked_motions, check, again, shortened, restored)
     return replace(found, sample=subsets.error)

@@ -9,6 +9,7 @@ does not converge is repeated with all points.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -19,7 +20,8 @@ from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError, sampl
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import imposed_motions
-from wroll_fem.dynamics.training.training import COARSE, Structure
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import COARSE, Training
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.typing import FloatArray
@@ -28,6 +30,14 @@ Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 
 FEWEST = 60
 """Number of evaluated contact points below which no subset is sought."""
+
+COMPLETED = 1e-3
+"""Largest Newton correction, in scaled unknowns, after which a motion counts as completed. The correction is made; its
+error is that of Newton's matrix, some tenths of it."""
+
+SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 16
+"""Relative residual of the corrections that enrich the basis, and number of points whose corrections do so, together
+with subsets: half the time of corrections. The remaining corrections are those of `training`."""
 
 MOST_MOTIONS = 12
 """Largest number of motions for which a subset is chosen; evenly spaced ones of more."""
@@ -53,6 +63,10 @@ class PointSampling:
         self.motions: Motions | None = None
         self._renew = True
         self._latest: PointSample | None = None
+
+    def quicker(self, training: Training) -> Training:
+        """Settings of a training with fewer and less accurate corrections for its basis, if subsets are used."""
+        return replace(training, rough=SUBSET_ROUGH, most=SUBSET_TRAINED) if self.wanted else training
 
     def seen(self, points: HarmonicCurve | BackboneCurve) -> None:
         """Take note of motions whose corrections are computed; the largest set since the last curve counts."""
@@ -104,7 +118,10 @@ class PointSampling:
             return follow(whole, factor)
         if factor > 1.0:
             return part.extended(whole)
-        done = part.moved_to(level.contact(model, tangent=sample), control)
+        exact, loose = level.contact(model, tangent=sample), replace(control, tolerance=COMPLETED)
+        done = part.moved_to(exact, loose, part.coefficients @ model.vectors.T)
+        if len(done.frequencies) < len(part.frequencies):
+            done = part.moved_to(exact, control)
         if len(done.frequencies) < len(part.frequencies):
             return follow(whole, factor)
         at = chosen(done)
