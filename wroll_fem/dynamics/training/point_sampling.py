@@ -28,12 +28,12 @@ from wroll_fem.typing import FloatArray
 
 Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 
-FEWEST = 60
+FEWEST = 40
 """Number of evaluated contact points below which no subset is sought."""
 
-COMPLETED = 1e-3
-"""Largest Newton correction, in scaled unknowns, after which a motion counts as completed. The correction is made; its
-error is that of Newton's matrix, some tenths of it."""
+COMPLETED = 1e-5
+"""Largest Newton correction, in scaled unknowns, after which a motion counts as completed. Its error
+is that of Newton's matrix, some tenths. The work of a cycle is then balanced to 1e-6."""
 
 SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 16
 """Relative residual of the corrections that enrich the basis, and number of points whose corrections do so, together
