@@ -24,7 +24,7 @@ SHAKEN = {"amplitude": 5.0, "frequencies": (140.0, 165.0)}
 
 
 class Roll(NamedTuple):
-    """Roll of 14 x 7 cells with its curve, computed with all points."""
+    """Roll of 18 x 10 cells with its curve, computed with all points."""
 
     structure: Structure
     trained: Trained[HarmonicCurve]
@@ -34,7 +34,7 @@ class Roll(NamedTuple):
 
 @cache
 def roll(*overrides: str, amplitude: float = 5.0) -> Roll:
-    system, preload, condensation = small_roll(14, 7, *overrides)
+    system, preload, condensation = small_roll(18, 10, "mesh.grading=40", *overrides)
     found = trained_response(condensation, preload, system.laws, **SHAKEN | {"amplitude": amplitude})
     structure = Structure.of(condensation, preload, system.laws, Sampling(3, 64), 8)
     curve = found.curve
@@ -45,7 +45,7 @@ def roll(*overrides: str, amplitude: float = 5.0) -> Roll:
 
 
 def test_the_factors_are_positive_and_give_forces_and_work_of_the_motions() -> None:
-    """Tolerance 5e-3 of the sketched equations, which keep norms to some ten percent."""
+    """Tolerance 5e-3 of the sketched equations with weighted works: 1e-2 for the forces alone."""
     structure, _, whole, motions = roll()
     sample = sampled(whole, motions)
     assert sample is not None
@@ -58,7 +58,7 @@ def test_the_factors_are_positive_and_give_forces_and_work_of_the_motions() -> N
         forces = [c.force(c.evaluate(c.motion(q), w)) / root / np.linalg.norm(q * root) for c in (part, whole)]
         wrong, size = wrong + np.sum((forces[0] - forces[1]) ** 2), size + np.sum(forces[1] ** 2)
         works.append([HarmonicBalance(c, 5.0).cycle_work(q, w) for c in (part, whole)])
-    assert np.sqrt(wrong / size) < 7e-3
+    assert np.sqrt(wrong / size) < 1e-2
     largest = max(whole_work.interface for _, whole_work in works)
     for of_part, of_whole in works:
         assert of_part.friction >= -1e-12 * largest
@@ -102,7 +102,7 @@ def random_roll(seed: int) -> tuple[tuple[str, ...], float]:
     return (friction, f"preload.pressure={pressure:.4e}"), amplitude
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3, 4))])
 def test_a_curve_on_a_subset_has_peak_and_friction_work_of_the_whole(seed: int) -> None:
     """Peak 0.2 %, friction work 1 %; seed 0 is the lab roll."""
     overrides, amplitude = ((), 5.0) if seed == 0 else random_roll(seed)

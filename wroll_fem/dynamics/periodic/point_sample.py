@@ -31,6 +31,9 @@ from wroll_fem.typing import FloatArray
 SAMPLE_TOLERANCE = 5e-3
 """Largest error of the sampled forces and works of the training motions, relative to those of all points."""
 
+WORK = 5.0
+"""Weight of the work of a motion among its forces, since the height of a resonance is inverse to it."""
+
 SKETCH = 1024
 """Number of random combinations (each equation with a random sign in one of them) that replace the equations of the
 factors where there are more. They keep the norm of a residual to some ten percent."""
@@ -88,6 +91,7 @@ def sampled(contact: HarmonicContact, motions: Motions, tolerance: float = SAMPL
         own = np.zeros((size, contact.model.size))
         own[: len(motion)] = motion[:size] @ shift
         found = contributions(contact, own, float(frequency))
+        found[:, -1] *= WORK
         equations.append(found)
         total += found.shape[1]
     if total > SKETCH:
