@@ -31,9 +31,12 @@ Curve = TypeVar("Curve", HarmonicCurve, BackboneCurve)
 FEWEST = 40
 """Number of evaluated contact points below which no subset is sought."""
 
-COMPLETED = 1e-5
+COMPLETED = 1e-6
 """Largest Newton correction, in scaled unknowns, after which a motion counts as completed. Its error
 is that of Newton's matrix, some tenths. The work of a cycle is then balanced to 1e-6."""
+
+PATIENCE = 3
+"""Factor on the largest number of iterations of such a correction, as Newton's matrix is approximate."""
 
 SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 16
 """Relative residual of the corrections that enrich the basis, and number of points whose corrections do so, together
@@ -118,10 +121,11 @@ class PointSampling:
             return follow(whole, factor)
         if factor > 1.0:
             return part.extended(whole)
-        exact, loose = level.contact(model, tangent=sample), replace(control, tolerance=COMPLETED)
-        done = part.moved_to(exact, loose, part.coefficients @ model.vectors.T)
+        loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations)
+        starts = part.coefficients @ model.vectors.T
+        done = part.moved_to(level.contact(model, tangent=sample), loose, starts)
         if len(done.frequencies) < len(part.frequencies):
-            done = part.moved_to(exact, control)
+            done = part.moved_to(whole, control, starts)
         if len(done.frequencies) < len(part.frequencies):
             return follow(whole, factor)
         at = chosen(done)
