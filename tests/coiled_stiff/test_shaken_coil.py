@@ -23,7 +23,7 @@ from wroll_fem.dynamics.periodic.response import response_curve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.training import correction as corrections
-from wroll_fem.dynamics.training.training import Structure
+from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.errors import InputError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error

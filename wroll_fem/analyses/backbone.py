@@ -187,7 +187,7 @@ def _trained_curve(
                 tip_amplitudes=(case.backbone.tip_smallest, case.backbone.tip_largest),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point,
-                file=file,
+                file=file, hyper_reduction=settings.hyper_reduction,
             )  # fmt: skip
             stage.update(1)
             return trained
@@ -207,6 +207,7 @@ def trained_dataset(system: System, trained: Trained[BackboneCurve]) -> xr.Datas
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
             **({"span_error_estimate": trained.span_error} if trained.span_error else {}),
+            **({} if trained.sample is None else trained.sample.as_attrs()),
             "energy_balance_error": cycle_balance_error(dataset),
             "work_quadrature_error": quadrature_error(dataset),
         }

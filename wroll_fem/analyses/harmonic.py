@@ -155,6 +155,7 @@ def _results(
             "reduction_error_estimate": trained.energy_error,
             "reduction_tip_error_estimate": trained.tip_error,
             **({"span_error_estimate": trained.span_error} if trained.span_error else {}),
+            **({} if trained.sample is None else trained.sample.as_attrs()),
             "energy_balance_error": cycle_balance_error(dataset),
             "work_quadrature_error": quadrature_error(dataset),
         }
@@ -196,6 +197,7 @@ def _trained_curve(
                 frequencies=(excitation.f_start, excitation.f_end),
                 harmonics=settings.harmonics, samples=settings.samples, max_periods=settings.max_periods,
                 tolerance=settings.reduction_tolerance, on_round=passes.report, on_point=at_point, file=file,
+                hyper_reduction=settings.hyper_reduction,
                 snapshots=watch if _rubs(case) else None,
             )  # fmt: skip
             stage.update(1)

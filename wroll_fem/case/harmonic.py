@@ -27,6 +27,11 @@ class Harmonic(Section):
         description="tolerance of the reduced model: energy norm of the residual error divided by the energy norm "
         "of the motion, dimensionless",
     )
+    hyper_reduction: bool = Field(
+        default=False,
+        description="whether curves are followed on a weighted subset of the contact points and completed with all "
+        "points; for fine meshes",
+    )
 
     @model_validator(mode="after")
     def _sampled(self) -> Self:

@@ -20,7 +20,8 @@ from wroll_fem.dynamics.training import enrichment
 from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.enrichment import trained_response
-from wroll_fem.dynamics.training.training import Structure, Training, _enriched
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import Training, _enriched
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -87,6 +88,19 @@ class PeriodicContact:
         return float(self.hysteresis.change.max(initial=0.0))
 
 
+class PointSample(NamedTuple):
+    """Weighted subset of the evaluated contact points (`point_sample`).
+
+    Attributes
+    ----------
+    points : (a,) indices of the points of the subset among the evaluated points
+    factors : (a,) factors on their areas, positive
+    """
+
+    points: IntArray
+    factors: FloatArray
+
+
 class HarmonicContact:
     """Contact forces of a reduced model under periodic motion.
 
@@ -99,6 +113,7 @@ class HarmonicContact:
     n, laws, weights, reference, dofs : data of the evaluated points: all points, or one of each pair (`half_period`)
     own : (3 n,) indices of the evaluated points among the contact degrees of freedom of all points
     all_weights : area per contact degree of freedom of all points, m^2
+    complete : whether the forces are those of all points, not of a subset
 
     Parameters
     ----------
@@ -111,6 +126,10 @@ class HarmonicContact:
     symmetry
         Half-period symmetry of the motions; None without symmetry. Each vector of the model has to be of one kind:
         reversed by half a period, or unchanged.
+    sample
+        Subset of the evaluated points whose forces replace those of all; None: all points.
+    tangent
+        Subset whose derivatives replace those of all points in the Jacobian, while forces are those of all points.
     """
 
     def __init__(
@@ -122,13 +141,19 @@ class HarmonicContact:
         *,
         max_periods: int = MAX_PERIODS,
         symmetry: HalfPeriod | None = None,
+        sample: PointSample | None = None,
+        tangent: PointSample | None = None,
     ):
         self.model, self.preload, self.sampling = model, preload, sampling
         self.max_periods, self.symmetry, self._all_laws = max_periods, symmetry, laws
         points = np.arange(laws.n) if symmetry is None else symmetry.first
+        share = np.ones(laws.n) if symmetry is None else symmetry.weight
+        self.complete, self.tangent = sample is None, tangent
+        if sample is not None:
+            points, share = points[sample.points], share[sample.points] * sample.factors
         dofs = np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * laws.n + points])
         self.own, self.all_weights = dofs, per_dof(laws.area, laws.area)
-        self.laws = laws if symmetry is None else laws.take(points)._replace(area=laws.area[points] * symmetry.weight)
+        self.laws = laws.take(points)._replace(area=laws.area[points] * share)
         self.n = len(points)
         self.jump = np.ascontiguousarray(model.jump[dofs])
         self.weights = per_dof(self.laws.area, self.laws.area)
@@ -277,11 +302,12 @@ class HarmonicContact:
         return out
 
     def point_blocks(
-        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE
+        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE, among: IntArray | None = None
     ) -> tuple[np.ndarray, FloatArray, FloatArray]:
         """Derivatives of s (see `PeriodicContact`) at the points that slide or open, or whose pressure varies.
 
         A pressure counts as varying if its largest change, relative to the preload pressure, exceeds ``threshold``.
+        Only the points ``among`` those with given indices are taken; None: all.
 
         Returns
         -------
@@ -291,12 +317,25 @@ class HarmonicContact:
         """
         moved = contact.hysteresis.moved
         wanted = moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
+        if among is not None:
+            wanted = np.isin(np.arange(self.n), among) & wanted
         points, size = np.flatnonzero(wanted), self.sampling.size
         blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
         derivatives(
             points, contact.sampled, contact.hysteresis, self.reference, self.laws, contact.series,
             self.sampling.products(contact.shift), blocks, by_frequency,
         )  # fmt: skip
+        return points, blocks, by_frequency
+
+    def _sampled_blocks(self, contact: PeriodicContact, threshold: float) -> tuple[np.ndarray, FloatArray, FloatArray]:
+        """`point_blocks` at the points of the subset `tangent`, multiplied by its factors; of all points without it."""
+        if self.tangent is None:
+            return self.point_blocks(contact, threshold=threshold)
+        points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold, among=self.tangent.points)
+        factors = np.zeros(self.n)
+        factors[self.tangent.points] = self.tangent.factors
+        blocks *= factors[points, None, None, None, None]
+        by_frequency *= factors[points, None, None]
         return points, blocks, by_frequency
 
     def jacobian(
@@ -307,7 +346,7 @@ class HarmonicContact:
         Unknowns and equations are in the order of `active`. From `SINGLE` unknowns on the matrix has single precision.
         """
         size, count = self.sampling.size, len(self.active)
-        points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold)
+        points, blocks, by_frequency = self._sampled_blocks(contact, threshold)
         operator, jumps = self._newton_operators
         precision = operator.dtype
         matrix, by_log = np.zeros((count, count), precision), np.zeros((size, self.model.size))

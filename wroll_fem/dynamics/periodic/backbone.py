@@ -277,7 +277,7 @@ class BackboneCurve:
     def extended(self, contact: HarmonicContact) -> BackboneCurve:
         """Curve of the same motions with the number of harmonics of ``contact``; the added harmonics are zero."""
         more = contact.sampling.size - self.coefficients.shape[1]
-        if more <= 0:
+        if more <= 0 and self.balance.contact.complete:
             return self
         balance = HarmonicBalance(contact, 0.0)
         problem = ModalMotion(balance, self.problem.mode, self.problem.amplitudes)

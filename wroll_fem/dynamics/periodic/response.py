@@ -137,7 +137,7 @@ class HarmonicCurve:
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:
         """Curve of the same motions with at least as many harmonics as ``contact``; those added have zero amplitude."""
         more = contact.sampling.size - self.coefficients.shape[1]
-        if more <= 0:
+        if more <= 0 and self.balance.contact.complete:
             return self
         balance = HarmonicBalance(contact, self.balance.acceleration)
         problem = FrequencyCurve(balance, self.problem.band, self.problem.size)

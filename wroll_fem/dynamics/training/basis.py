@@ -16,6 +16,7 @@ from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import main_mode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -62,16 +63,22 @@ def first_model(
     if not len(laws.area):
         return model
     rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling, symmetry=symmetry), 0.0)
-    main = main_mode(model)
-    frequency = 0.95 * float(np.sqrt(model.eigenvalues[main]))
-    reach = float(np.max(np.abs(model.jump[: 2 * len(laws.area), main]) / np.repeat(laws.gamma, 2)))
-    shapes = []
-    for level in SLIP_LEVELS:
-        q = np.zeros((sampling.size, model.size))
-        q[1, main] = level / max(reach, 1e-300)
-        scale = float(np.sqrt(model.eigenvalues[main]) * q[1, main])
-        shapes.append(correction(rest, q, frequency, tolerance=0.1 * IMPOSED).modal / scale)
+    shapes, imposed = [], imposed_motions(rest.contact)
+    for q, frequency in zip(imposed.coefficients, imposed.frequencies, strict=True):
+        scale = float(np.linalg.norm(np.sqrt(np.maximum(model.eigenvalues, 0.0)) * q[1]))
+        shapes.append(correction(rest, q, float(frequency), tolerance=0.1 * IMPOSED).modal / scale)
     return with_shapes(model, np.column_stack(shapes), IMPOSED, symmetry)
+
+
+def imposed_motions(contact: HarmonicContact) -> Motions:
+    """Motions in the main mode, from the onset of slip to gross slip (`SLIP_LEVELS`)."""
+    model, gamma = contact.model, contact.laws.gamma
+    main = main_mode(model)
+    reach = float(np.max(np.abs(contact.jump[: 2 * contact.n, main]) / np.repeat(gamma, 2)))
+    q = np.zeros((len(SLIP_LEVELS), contact.sampling.size, model.size))
+    q[:, 1, main] = np.array(SLIP_LEVELS) / max(reach, 1e-300)
+    frequency = 0.95 * float(np.sqrt(model.eigenvalues[main]))
+    return Motions(q, np.full(len(q), frequency), model.vectors)
 
 
 def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod | None) -> ReducedModel:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
@@ -19,7 +19,9 @@ from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, correction
-from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Structure, Trained, Training, trained
+from wroll_fem.dynamics.training.point_sampling import PointSampling
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Trained, Training, trained
 from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
@@ -66,6 +68,7 @@ def trained_response(
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
     file: TrainingFile | None = None,
+    hyper_reduction: bool = False,
     snapshots: Callable[[], FloatArray | None] | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
@@ -81,6 +84,8 @@ def trained_response(
         Called at every point of a curve, with its frequency in Hz and the number of points so far.
     file
         Checkpoint of the training.
+    hyper_reduction
+        Whether curves are followed on a weighted subset of the contact points (`PointSampling`).
     snapshots
         Function that returns motions (r, k) in time, in modal coordinates, or None; used if interfaces open widely.
 
@@ -91,15 +96,19 @@ def trained_response(
         last curve.
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
-    steps = control or StepControl()
+    steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)
+
+    def follow(contact: HarmonicContact, factor: float) -> HarmonicCurve:
+        return response_curve(
+            contact, amplitude=amplitude, frequencies=frequencies, control=steps.longer(factor), on_point=on_point
+        )
 
     def solve(model: ReducedModel, factor: float) -> HarmonicCurve:
-        return response_curve(
-            structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics).contact(model),
-            amplitude=amplitude, frequencies=frequencies, control=steps.longer(factor), on_point=on_point,
-        )  # fmt: skip
+        level = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics)
+        return subsets.curve(level, model, follow, factor, steps, checked_points)
 
     def check(points: HarmonicCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
+        subsets.seen(points)
         return [
             correction(points.balance, q, w, points.direction(k)[None], tolerance=residual)
             for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
@@ -107,7 +116,7 @@ def trained_response(
 
     def again(points: HarmonicCurve, model: ReducedModel, starts: FloatArray | None = None) -> HarmonicCurve:
         level = structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return points.moved_to(level.contact(model), steps, starts)
+        return subsets.moved(points, level, model, steps, starts)
 
     def shortened(curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
         if curve.gap is None:
@@ -124,9 +133,9 @@ def trained_response(
         assert isinstance(found, HarmonicCurve)
         return found
 
-    training = Training(tolerance, max_rounds, on_round, file, snapshots)
+    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots))
     found = trained(structure, training, solve, checked_points, check, again, shortened, restored)
-    return replace(found, curve=with_reading_points(found.curve, steps))
+    return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
 
 
 def trained_backbone(
@@ -144,20 +153,22 @@ def trained_backbone(
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
     file: TrainingFile | None = None,
+    hyper_reduction: bool = False,
 ) -> Trained[BackboneCurve]:
     """Backbone of the full model; see `solve_backbone`. Other arguments and errors as for `trained_response`.
 
     ``on_point`` is called with the share of the range of amplitudes and the number of points so far.
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
-    steps = control or BACKBONE_STEPS
+    steps, subsets = control or BACKBONE_STEPS, PointSampling(wanted=hyper_reduction)
+
+    def follow(contact: HarmonicContact, factor: float) -> BackboneCurve:
+        return backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), on_point=on_point)
 
     def solve(model: ReducedModel, factor: float) -> BackboneCurve:
-        contact = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics).contact(model)
+        level = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics)
         try:
-            return backbone_curve(
-                contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), on_point=on_point
-            )
+            return subsets.curve(level, model, follow, factor, steps, checked_motions)
         except ConvergenceError as stop:
             part = stop.partial
             if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
@@ -179,6 +190,7 @@ def trained_backbone(
         return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
 
     def check(points: BackboneCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
+        subsets.seen(points)
         return [
             correction(points.balance, q, w, free_of(points, k), points.damping[k], tolerance=residual)
             for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
@@ -186,12 +198,13 @@ def trained_backbone(
 
     def again(points: BackboneCurve, model: ReducedModel, starts: FloatArray | None = None) -> BackboneCurve:
         level = structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return points.moved_to(level.contact(model), steps, starts)
+        return subsets.moved(points, level, model, steps, starts)
 
     def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> BackboneCurve:
         found = curve_of(HarmonicBalance(structure.contact(model), 0.0), arrays)
         assert isinstance(found, BackboneCurve)
         return found
 
-    training = Training(tolerance, max_rounds, on_round, file)
-    return trained(structure, training, solve, checked_motions, check, again, shortened, restored)
+    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file))
+    found = trained(structure, training, solve, checked_motions, check, again, shortened, restored)
+    return replace(found, sample=subsets.error)

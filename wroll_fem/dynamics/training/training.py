@@ -16,25 +16,20 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.point_sample import SampleError
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.sampling import Sampling
-from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.basis import (
     COMPRESSION,
     SMALL,
-    first_model,
     principal_span,
     with_shapes,
     with_snapshots,
 )
 from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, ROUGH_TOLERANCE, Correction
+from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training_state import TrainingFile, TrainingState, arrays_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.typing import FloatArray
@@ -119,6 +114,7 @@ class Trained(Generic[Curve]):
     tip_error : largest relative change of the fundamental of the tip displacement by these corrections
     rounds : number of curves computed
     span_error : relative energy norm of what the motions lack in modes of a path (`PathSpan`); 0 with other modes
+    sample : errors of the subset of contact points on which the curve was followed; None if on all points
     """
 
     curve: Curve
@@ -126,49 +122,7 @@ class Trained(Generic[Curve]):
     tip_error: float
     rounds: int
     span_error: float = 0.0
-
-
-@dataclass(frozen=True)
-class Structure:
-    """Whole structure with its contact, from which reduced models and their contacts are made.
-
-    Attributes
-    ----------
-    condensation, preload, laws : modes, state to which motions are relative, friction laws of the contact points
-    sampling : harmonics and samples
-    max_periods : largest number of periods until the hysteresis is periodic
-    symmetry : half-period symmetry; None without symmetry
-    """
-
-    condensation: Condensation
-    preload: ContactState
-    laws: PointLaws
-    sampling: Sampling
-    max_periods: int
-    symmetry: HalfPeriod | None
-
-    @classmethod
-    def of(
-        cls, condensation: Condensation, preload: ContactState, laws: PointLaws, sampling: Sampling, max_periods: int
-    ) -> Structure:
-        """Structure with its half-period symmetry, if it has one."""
-        symmetry = None if sampling.odd else HalfPeriod.of(condensation, preload, laws)
-        return cls(condensation, preload, laws, sampling, max_periods, symmetry)
-
-    def contact(self, model: ReducedModel) -> HarmonicContact:
-        """Periodic contact of a reduced model of this structure."""
-        return HarmonicContact(
-            model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry
-        )
-
-    def with_harmonics(self, most: int) -> Structure:
-        """The same structure, with motions of at most ``most`` harmonics."""
-        s = self.sampling
-        return self if s.harmonics <= most else replace(self, sampling=Sampling(most, s.samples, odd=s.odd))
-
-    def first_model(self) -> ReducedModel:
-        """Reduced model to start from."""
-        return first_model(self.condensation, self.preload, self.laws, self.sampling, self.symmetry)
+    sample: SampleError | None = None
 
 
 @dataclass(frozen=True)
@@ -183,6 +137,8 @@ class Training:
     file : checkpoint from which to continue, and to which the state before every curve goes; None without checkpoints
     snapshots : function that returns motions (r, k) in time, in modal coordinates, for the basis of a roll whose
         interfaces open widely; None if there is none
+    rough : relative residual of corrections that only enrich the basis
+    most : largest number of evenly spaced points whose corrections do so, see `MOST_TRAINED`
     """
 
     tolerance: float = 1e-3
@@ -190,6 +146,8 @@ class Training:
     on_round: Callable[[int, ReducedModel, float], None] | None = None
     file: TrainingFile | None = None
     snapshots: Callable[[], FloatArray | None] | None = None
+    rough: float = ROUGH_TOLERANCE
+    most: int = MOST_TRAINED
 
     def start(self, structure: Structure) -> TrainingState:
         """State before the first curve, or that of the checkpoint."""
@@ -246,7 +204,7 @@ def trained(
             richer = curve.extended(structure.with_harmonics(TRAINING_HARMONICS).contact(model))
         picked = _others(chosen(curve), used, count)
         points = richer.take(picked)
-        found = dict(zip(picked, check(points, ROUGH_TOLERANCE if coarse else KRYLOV_TOLERANCE), strict=True))
+        found = dict(zip(picked, check(points, training.rough if coarse else KRYLOV_TOLERANCE), strict=True))
         held = [found[k] for k in picked if k < count - curve.beyond]
         previous, error = error, max(f.energy for f in held)
         past = max((found[k].energy for k in picked if k >= count - curve.beyond), default=0.0)
@@ -282,10 +240,10 @@ def trained(
         movable = not coarse and stopped is None and curve.beyond == 0 and error <= MOVABLE * tolerance
         used = set(picked)
         if movable or (coarse and error < LINEAR):
-            used |= _spread(count, MOST_TRAINED)
+            used |= _spread(count, training.most)
         rest = sorted(used - set(picked))
         if rest:
-            found |= dict(zip(rest, check(richer.take(rest), ROUGH_TOLERANCE), strict=True))
+            found |= dict(zip(rest, check(richer.take(rest), training.rough), strict=True))
         size, moved = model.size, None
         if movable:
             model = _joined(structure, training, model, list(found.values()))
@@ -353,7 +311,7 @@ def _enriched(
         corrected = principal_span(condensation, motions, POINT_SHARE * training.tolerance, symmetry)
         moved = again(points, corrected, motions)
         if len(moved.frequencies) == wanted:
-            model, points, found = corrected, moved, check(moved, ROUGH_TOLERANCE)
+            model, points, found = corrected, moved, check(moved, training.rough)
     for number in range(POINT_ROUNDS + 1):
         large = [
             k for k, f in enumerate(found) if f.energy > POINT_SHARE * training.tolerance and number < POINT_ROUNDS
@@ -367,7 +325,7 @@ def _enriched(
         points = again(points.take(large), model, starts[large])
         if not len(points.frequencies):
             break
-        found = check(points, ROUGH_TOLERANCE)
+        found = check(points, training.rough)
     if not anew or sum(len(part.frequencies) for part in settled) < wanted:
         return model
     motions = np.concatenate([_modal(part) for part in settled if len(part.frequencies)])

@@ -1,0 +1,163 @@
+r"""Hyper-reduction: a weighted subset of the contact points gives the contact forces of a reduced model.
+
+Where all points stick, the reduced model is linear and exact. Only the traction corrections s (`aft`), which vanish at
+sticking points, have to be sampled. Point k with area w_k contributes :math:`w_k (G_k \Phi)^T s_k` to the generalised
+forces. Of given motions, the nonnegative factors :math:`\xi_k`, most of them zero, are such that
+
+.. math:: \sum_k \xi_k w_k (G_k \Phi)^T s_k \approx \sum_k w_k (G_k \Phi)^T s_k
+
+for every harmonic, and likewise for the work of the interfaces per cycle (energy-conserving sampling and weighting).
+As the factors are nonnegative, a sampled interface is an interface with other areas: its friction dissipates, and its
+tangent keeps its sign. Forces are divided by the energy norm of their motion and by the root of the energy of unit
+coordinates, so that errors count as they change the motion.
+
+References
+----------
+Farhat, Avery, Chapman, Cortial (2014), Int. J. Numer. Methods Eng. 98, 625, doi:10.1002/nme.4668.
+Morsy, Kast, Tiso (2022), arXiv:2204.12160 (contact and friction in harmonic balance).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact, PointSample
+from wroll_fem.numerics.nonnegative import sparse_nonnegative
+from wroll_fem.typing import FloatArray
+
+SAMPLE_TOLERANCE = 5e-3
+"""Largest error of the sampled forces and works of the training motions, relative to those of all points."""
+
+WORK = 5.0
+"""Weight of the work of a motion among its forces, since the height of a resonance is inverse to it."""
+
+SKETCH = 1024
+"""Number of random combinations (each equation with a random sign in one of them) that replace the equations of the
+factors where there are more. They keep the norm of a residual to some ten percent."""
+
+SEED = 1
+"""Seed of these combinations: equal runs give equal results."""
+
+NEGLIGIBLE = 1e-9
+"""Contribution of a point, relative to the largest one, up to which the point is no candidate."""
+
+
+class Motions(NamedTuple):
+    """Periodic motions of a structure.
+
+    Attributes
+    ----------
+    coefficients : (p, R, k) Fourier coefficients
+    frequencies : (p,) rad/s
+    vectors : (r, k) displacement per unit coefficient, in modal coordinates of the condensation
+    """
+
+    coefficients: FloatArray
+    frequencies: FloatArray
+    vectors: FloatArray
+
+
+def contributions(contact: HarmonicContact, coefficients: FloatArray, frequency: float) -> FloatArray:
+    """(n, k + 1) contributions of the n evaluated points to the k generalised forces and to the work of a motion.
+
+    They are without unit; see the module. ``coefficients`` (R, m) are the motion at ``frequency``, rad/s.
+    """
+    root = np.sqrt(np.maximum(contact.model.eigenvalues, 0.0) + frequency**2)
+    size = max(float(np.linalg.norm(coefficients * root)), 1e-300)
+    state = contact.evaluate(contact.motion(coefficients), frequency)
+    force = (contact.weights[:, None] * state.coefficients)[contact.dofs]  # (n, 3, R)
+    force = np.einsum("nim,nir->nrm", contact.jump[contact.dofs] / root, force, optimize=True)
+    parts = force.reshape(contact.n, -1)[:, contact.active]
+    return np.column_stack([parts, works(contact, state) / size]) / size
+
+
+def works(contact: HarmonicContact, state: PeriodicContact) -> FloatArray:
+    """(n,) work of the tractions at each evaluated point during a period, J."""
+    power = contact.weights * np.einsum("ij,ij->i", state.correction, state.sampled.rate)
+    return np.asarray(power[contact.dofs].sum(axis=1))
+
+
+def sampled(contact: HarmonicContact, motions: Motions, tolerance: float = SAMPLE_TOLERANCE) -> PointSample | None:
+    """Subset of the points of ``contact`` that gives its forces and works in ``motions``; None if nothing slips.
+
+    Harmonics of the motions beyond those of the contact are left out.
+    """
+    shift, size = motions.vectors.T @ contact.model.vectors, contact.sampling.size
+    random, equations, total = np.random.default_rng(SEED), [], 0
+    for motion, frequency in zip(motions.coefficients, motions.frequencies, strict=True):
+        own = np.zeros((size, contact.model.size))
+        own[: len(motion)] = motion[:size] @ shift
+        found = contributions(contact, own, float(frequency))
+        found[:, -1] *= WORK
+        equations.append(found)
+        total += found.shape[1]
+    if total > SKETCH:
+        parts = []
+        for found in equations:
+            count = found.shape[1]
+            places = random.integers(SKETCH, size=count)
+            signs = random.choice([-1.0, 1.0], size=count)
+            parts.append(sp.csr_matrix((signs, (np.arange(count), places)), (count, SKETCH)).T @ found.T)
+        matrix = np.sum(parts, axis=0)
+    else:
+        matrix = np.column_stack(equations).T
+    largest = np.linalg.norm(matrix, axis=0)
+    candidates = np.flatnonzero(largest > NEGLIGIBLE * largest.max(initial=0.0))
+    if not len(candidates):
+        return None
+    chosen = np.ascontiguousarray(matrix[:, candidates])
+    factors = sparse_nonnegative(chosen, chosen.sum(axis=1), tolerance)
+    kept = np.flatnonzero(factors)
+    return PointSample(candidates[kept], factors[kept])
+
+
+class SampleError(NamedTuple):
+    """Errors of a subset of the contact points in motions; see `sample_error`.
+
+    Attributes
+    ----------
+    points, of : number of points of the subset, and of all evaluated points
+    force : error of the forces, relative to those of all points, as a norm over all motions
+    work : largest error of the work of the interfaces per cycle, relative to the largest work
+    motion : largest change of a motion when all points replace the subset, relative to it; both in the energy norm
+    """
+
+    points: int
+    of: int
+    force: float
+    work: float
+    motion: float
+
+    def as_attrs(self) -> dict[str, float]:
+        """Attributes of a result."""
+        return {
+            "sampled_points": self.points,
+            "sampling_force_error": self.force,
+            "sampling_work_error": self.work,
+            "sampling_motion_error": self.motion,
+        }
+
+
+def sample_error(
+    contact: HarmonicContact, sample: PointSample, coefficients: FloatArray, frequencies: FloatArray,
+    completed: FloatArray, places: FloatArray,
+) -> SampleError:  # fmt: skip
+    """Errors of a subset in the motions ``coefficients`` (p, R, m) at ``frequencies`` (p,), rad/s.
+
+    ``contact`` evaluates all points, and ``completed`` (p, R, m) at ``places`` (p,), rad/s, are the motions with all
+    points.
+    """
+    wrong = whole = worst = largest = moved = 0.0
+    for q, w, after in zip(coefficients, frequencies, completed, strict=True):
+        parts = contributions(contact, q, float(w))
+        every, some = parts.sum(axis=0), sample.factors @ parts[sample.points]
+        wrong, whole = wrong + float(np.sum((some - every)[:-1] ** 2)), whole + float(np.sum(every[:-1] ** 2))
+        worst, largest = max(worst, abs(float(some[-1] - every[-1]))), max(largest, abs(float(every[-1])))
+        root = np.sqrt(np.maximum(contact.model.eigenvalues, 0.0) + w**2)
+        moved = max(moved, float(np.linalg.norm((after - q) * root) / np.linalg.norm(q * root)))
+    return SampleError(
+        len(sample.points), contact.n, float(np.sqrt(wrong / max(whole, 1e-300))), worst / max(largest, 1e-300), moved
+    )
