@@ -124,6 +124,7 @@ class StopAt(SilentProgress):
                 raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_where_it_was(tmp_path: Path, dwell: wf.Case) -> None:
     with pytest.raises(KeyboardInterrupt):
         wf.run(dwell, out=tmp_path / "run", progress=StopAt(200))
@@ -204,6 +205,7 @@ def test_a_series_runs_every_combination_and_the_reference() -> None:
     np.testing.assert_allclose(stuck, exact, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_grid_is_run_and_read_from_python(tmp_path: Path) -> None:
     base = tmp_path / "base.yaml"
     base.write_text(two_masses().resolved_yaml(), encoding="utf-8")
@@ -272,6 +274,7 @@ PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+@pytest.mark.slow
 def test_the_page_runs_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "configs").symlink_to(ROOT / "configs")
     monkeypatch.chdir(tmp_path)

@@ -57,6 +57,7 @@ def rigid(nodes: np.ndarray) -> np.ndarray:
     return np.column_stack([shift.ravel(), turn.ravel()])
 
 
+@pytest.mark.slow
 def test_loads_of_a_sliding_roll_are_its_clamped_reaction() -> None:
     """Newmark's rule balances all forces at each step; the reaction is that of the same roll without its clamp."""
     words = ["excitation={kind: half_sine, amplitude_g: 100, duration: 0.0015, decay: 0.0001}", "analysis=shock"]

@@ -47,7 +47,7 @@ def test_periodic_motion_is_the_sum_of_the_bonded_modes() -> None:
         assert not result[name].values.any()
 
 
-@pytest.mark.parametrize("method", ["reduced", "condensed", "full"])
+@pytest.mark.parametrize("method", ["reduced", "condensed", pytest.param("full", marks=pytest.mark.slow)])
 def test_a_time_history_is_that_of_the_bonded_modes_and_has_no_friction(method: str) -> None:
     f_n = first()
     f = 0.8 * f_n

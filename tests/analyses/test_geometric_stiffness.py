@@ -98,6 +98,7 @@ def test_half_of_the_roll_has_the_modes_of_the_whole(load):
     np.testing.assert_allclose(residual, system.loads["preload"], atol=1e-9 * np.abs(residual).max())
 
 
+@pytest.mark.slow
 def test_external_pressure_softens_and_web_tension_does_not():
     """Ovalling of the stuck roll: pressure from outside compresses the rings, web tension leaves them balanced."""
     plain, pressed = (run(lab("modal.interface=stuck", "preload.pressure=2e5", *more)) for more in ([], [ON]))

@@ -119,7 +119,7 @@ def test_material_and_friction_add_up(analysis: str) -> None:
         np.testing.assert_allclose(parts, result["modal_damping"], rtol=1e-12)
 
 
-@pytest.mark.parametrize("coil", ["solid", "bonded"])
+@pytest.mark.parametrize("coil", [pytest.param("solid", marks=pytest.mark.slow), "bonded"])
 def test_equal_loss_factors_give_half_of_them_as_damping_ratio(coil: str) -> None:
     """All modes of a solid coil; with layers the bond has no loss."""
     web = "material: {E: 2.8e9, nu: 0.35, rho: 2000}"

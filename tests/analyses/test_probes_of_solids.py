@@ -39,7 +39,7 @@ def test_preload_presses_the_wall_inwards_by_pressure_over_stiffness() -> None:
     assert list(result["probe"].values) == ["tip", *points]
 
 
-@pytest.mark.parametrize("direction", ["x", "y"])
+@pytest.mark.parametrize("direction", ["x", pytest.param("y", marks=pytest.mark.slow)])
 def test_response_of_a_solid_coil_at_probes_agrees_between_discretisations(direction: str) -> None:
     words = ["mesh={circumferential: 12, axial: 10, grading: 12, radial: 2, radial_grading: 4}", "modal.count=8"]
     three = wf.load_case(CONFIGS / "case_study.yaml", [*words, f"excitation.direction={direction}"])

@@ -60,6 +60,7 @@ def test_levels_and_capacity_doubled_double_every_response() -> None:
         np.testing.assert_allclose(double[name].values, single[name].values, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_records_are_averaged_and_their_scatter_is_that_of_the_error_bars() -> None:
     """A linear oscillator: the mean of five records has the given zeta within its error, at both levels."""
     case = linear_case(20.0, 0.04, duration=15.0)

@@ -157,6 +157,7 @@ def test_a_margin_out_of_reach_is_refused_with_both_ends_of_the_search(tmp_path)
     assert "sizing.wall" in shown[0]
 
 
+@pytest.mark.slow
 def test_a_reading_without_wall_is_null_beside_the_others():
     """At a margin of 50 % the clamped edge of iROSA has no wall, the tube away from it has."""
     _, summary, warnings = run(load_case(CONFIGS / "sizing_irosa.yaml", ["sizing.margin=0.5", "mesh.axial=60"]))

@@ -155,6 +155,7 @@ def test_modes_without_strain_are_called_rigid():
     assert kinds == ["rigid"] * 6 + ["ovalling-2"] * 2
 
 
+@pytest.mark.slow
 def test_factors_of_one_eigenproblem_are_gone_before_the_next():
     """9 MB each here, 200 MB in a coarse solid roll: a process that runs many cases must not gather them."""
 

@@ -26,6 +26,7 @@ def worst(found: Any, limit: Any) -> dict[str, float]:
     return {name: float(np.abs(np.asarray(getattr(found, name)) / getattr(limit, name) - 1.0).max()) for name in names}
 
 
+@pytest.mark.slow
 def test_five_layers_are_near_the_slipping_continuum(rolls: Any) -> None:
     """First order in 1/n: four times the differences asked of twenty layers (f 0.2 %); damping and work 5 %.
 

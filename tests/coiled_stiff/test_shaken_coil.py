@@ -61,6 +61,7 @@ def test_the_curve_has_the_response_of_the_quasi_static_path() -> None:
     assert 0.0 < found.attrs["span_error_estimate"] < 5e-3
 
 
+@pytest.mark.slow
 def test_the_backbone_is_that_of_the_quasi_static_path() -> None:
     found, path = shaken("backbone", BACKBONE), quasi_static()
     for tip in (1e-3, 2e-3, 3e-3):

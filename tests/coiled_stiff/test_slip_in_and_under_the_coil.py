@@ -56,6 +56,7 @@ def test_a_coil_that_holds_on_the_mandrel_slips_as_a_bonded_one() -> None:
     assert_close(run(*ON_MANDREL, stiff), run(), tip=5e-3, frequency=3e-3, work=1e-2)
 
 
+@pytest.mark.slow
 def test_both_dissipate_and_lower_the_frequency() -> None:
     both, bonded = run(*ON_MANDREL, contact(0.3)), run()
     work = (both["friction_work_density"] * both["area"]).sum("point").values

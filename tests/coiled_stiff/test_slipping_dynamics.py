@@ -76,7 +76,7 @@ def test_modes_of_the_path_contain_the_stuck_mode() -> None:
     )
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", [pytest.param(g, marks=pytest.mark.slow) if g > 5.0 else g for g in LEVELS])
 def test_the_path_has_the_peak_of_harmonic_balance(level: float) -> None:
     """Seven harmonics; tip 1.5 %, frequency 0.2 %, damping 1.5 %, energy 1e-6."""
     found, expected = curve(level), shaken().quasi_static.sel(amplitude_g=level)

@@ -180,6 +180,7 @@ def differences(n: int, *mesh: int) -> np.ndarray:
     return np.concatenate([stacked[0] / limit[0] - 1.0, stacked[1][1:] / limit[1][1:] - 1.0])
 
 
+@pytest.mark.slow
 def test_twice_as_many_plates_halve_the_difference_from_the_slipping_continuum() -> None:
     four, eight = (np.abs(differences(n)) for n in (4, 8))
     assert np.all(eight < 0.5 * four + 1e-3)

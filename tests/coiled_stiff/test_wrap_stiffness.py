@@ -215,6 +215,7 @@ def test_modulus_pressure_and_limit_of_a_case_belong_together() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*radial stress of the motion")
+@pytest.mark.slow
 def test_random_coils_are_softer_the_larger_the_elastic_slip() -> None:
     """Two coils, seed 23: tension, friction, wraps, modulus of the web; the points work as much as the curve tells."""
     rng = np.random.default_rng(23)

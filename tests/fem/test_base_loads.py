@@ -105,6 +105,7 @@ def test_inertia_forces_of_the_modes_equal_the_clamped_reaction(roll):
     assert loads == pytest.approx(list(-whole.T @ forces[held]), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_time_histories_and_harmonic_balance_agree():
     """A stuck roll without damping below its resonance: dwell by three methods against the amplitude of harmonic."""
     words = ["contact.friction.mu=50", "excitation.amplitude=0.01", "output.figures=false"]

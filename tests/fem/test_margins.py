@@ -75,6 +75,7 @@ def test_the_layers_cover_the_coil_and_match_the_mandrel() -> None:
     assert total == pytest.approx(thin, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_bonded_coil_with_margins_is_a_stepped_beam() -> None:
     data = run_analysis(build_case(roll(margins={"base": LOW, "tip": LENGTH - HIGH})), progress=SilentProgress())
     kinds, found = data["mode_kind"].values, data["mode_frequency"].values

@@ -127,6 +127,7 @@ def test_one_material_all_through_is_a_thick_beam():
     assert deflection == pytest.approx(expected, rel=4e-3)
 
 
+@pytest.mark.slow
 def test_coarse_mesh_is_converged_and_holds_no_false_modes_when_wraps_slide_easily():
     loose = ("coil.material.G_r_theta=1e4", "modal.count=8")
     named = []

@@ -25,6 +25,7 @@ def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
+@pytest.mark.slow
 def test_shapes_of_a_chirp_in_time_lead_to_the_same_curve(monkeypatch: pytest.MonkeyPatch) -> None:
     """A third of the interface opens; the usual training gets through, and so does the one for wide opening."""
     coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}

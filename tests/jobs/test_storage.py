@@ -86,6 +86,7 @@ def test_the_end_is_recorded_on_a_full_disk(wroll: Wroll, analyses: FakeAnalyses
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="mounting needs root")
+@pytest.mark.slow
 def test_a_disk_that_is_full_ends_a_run_with_one_line(tmp_path: Path) -> None:
     """HDF5 ended the process with a segmentation fault here (exit code 139)."""
     disk = tmp_path / "disk"

@@ -93,6 +93,7 @@ def test_runs_without_structure_and_after_a_death_get_a_new_process(made: list[S
     assert len(made) == 4
 
 
+@pytest.mark.slow
 def test_a_batch_has_the_results_of_its_runs(tmp_path: Path) -> None:
     """Bit by bit, although the second case uses bodies and modes of the first one."""
     mesh = "mesh: [{circumferential: 8, axial: 4, grading: 8}]"

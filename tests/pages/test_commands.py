@@ -117,9 +117,12 @@ value of the others, and none of mesh, band and counts; its cases run in this pr
 
 SLOW = tuple(
     f"docs/{name}.md"
-    for name in ("batch", "chapter4", "chapter6", "excitations", "laboratory", "sizing", "slipping-coil")
-)
-"""Studies and runs of solid coils, 10 to 40 s a page. What they run has tests of its own in `make test`."""
+    for name in (
+        "architecture", "batch", "chapter4", "chapter6", "coiled-stiff", "design-map", "excitations", "flight-scale",
+        "install", "laboratory", "own-roll", "report", "sizing", "slipping-coil", "two-dof", "winding",
+    )
+)  # fmt: skip
+"""Pages whose commands take 3 to 40 s. What they run has tests of its own in `make test`."""
 
 TOOLS: dict[str, list[tuple[str, str]]] = {
     "coil_table.py": [

@@ -186,6 +186,7 @@ sys.exit(main(sys.argv[1:]))
 """Sphinx without the index of the search, which no page needs."""
 
 
+@pytest.mark.slow
 def test_the_site_builds_without_warnings(tmp_path: Path) -> None:
     """In a theme without the tree of all pages beside every page, a third of the time; `make docs` builds that."""
     pytest.importorskip("myst_parser")

@@ -159,6 +159,7 @@ def copy(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_friction_law_of_the_recipe_runs(copy: Path) -> None:
     law, check = blocks(FRICTION, "python")
     (copy / "wroll_fem" / "contact" / "dahl.py").write_text(law, encoding="utf-8")

@@ -14,7 +14,7 @@ FOLDER = ROOT / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 QUICK = "WROLL_QUICK"
 """Environment variable with which a notebook takes fewer points."""
-ALWAYS = ("01_first_roll", "slip_contours")
+ALWAYS = ("01_first_roll",)
 """Notebooks that run in `make test`; the others take 15 to 35 s each."""
 SHORTENED = [name for name in NAMES if QUICK in (FOLDER / f"{name}.py").read_text(encoding="utf-8")]
 

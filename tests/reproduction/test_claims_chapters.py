@@ -38,6 +38,7 @@ class NoRuns(Evidence):
         raise InputError("no run")
 
 
+@pytest.mark.slow
 def test_figures_that_need_no_run_are_drawn(tmp_path: Path) -> None:
     evidence, drawn = NoRuns(tmp_path, workers=1), []
     for chapter in GROUPS:

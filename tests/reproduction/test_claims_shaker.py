@@ -197,6 +197,7 @@ def test_shocks_otherwise_are_not_met(rolls: dict[float, tuple[float, float]], t
 # ---- images --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_targets_are_seen_as_they_move() -> None:
     """Rendered, recorded with noise, and read: slip within twice the noise floor, of some 2 um."""
     f, time = 143.8, np.linspace(0.0, 0.5, 12001)

@@ -294,7 +294,8 @@ def test_the_basis_made_by_the_curve_gives_the_tip_of_all_modes() -> None:
         assert np.hypot(*(curve.coefficients[k, 1:3] @ curve.balance.model.tip)) == pytest.approx(exact, rel=1e-4)
 
 
-@pytest.mark.parametrize("pressure", [pytest.param("1e4", marks=pytest.mark.slow), "1e5"])
+@pytest.mark.slow
+@pytest.mark.parametrize("pressure", ["1e4", "1e5"])
 def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     low = "120" if pressure == "1e4" else "140"
     case = load_case(
@@ -319,6 +320,7 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     assert steady["min_pressure_over_preload"] == pytest.approx(swept["min_pressure_over_preload"], rel=0.02)
 
 
+@pytest.mark.slow
 def test_sixty_four_samples_give_the_curve_of_five_hundred() -> None:
     """Samples at constant phases left ripples of 3e-4 in f_n and 1.5e-3 in zeta."""
     read = []

@@ -156,6 +156,7 @@ def test_one_point_stands_for_its_row_under_pressure(symmetric, layers):
     assert equilibrium_error(system, force, ring) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_hard_first_step_descends_on_the_potential():
     """A soft coil pressed at once; the norm of the residual stalls, and hoop motion has no compliance."""
     case = load_case(

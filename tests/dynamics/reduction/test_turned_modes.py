@@ -89,6 +89,7 @@ def test_damping_ratios_are_those_of_the_turned_modes() -> None:
         np.testing.assert_allclose(own, expected, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(monkeypatch: pytest.MonkeyPatch) -> None:
     case = wf.load_case(CONFIGS / "lab_harmonic.yaml", ["mesh={circumferential: 8, axial: 4, grading: 8}"])
     keys = {"preload.pressure": [6e4, 1e5], "excitation.amplitude": [5.0, 10.0]}

@@ -95,6 +95,7 @@ def test_a_state_of_the_path_is_the_equilibrium_of_the_whole_structure() -> None
     assert len(path.vectors) < 0.5 * system.n_dofs
 
 
+@pytest.mark.slow
 def test_frequency_and_damping_of_a_roll_are_those_of_its_nonlinear_mode() -> None:
     """Quasi-static path against harmonic balance, up to the amplitude of the largest damping."""
     mesh = "mesh={circumferential: 12, axial: 8, grading: 20}"

@@ -205,7 +205,7 @@ def jenkins_history(time: np.ndarray, acceleration: Any) -> np.ndarray:
     return result
 
 
-@pytest.mark.parametrize("method", ["condensed", "full"])
+@pytest.mark.parametrize("method", ["condensed", pytest.param("full", marks=pytest.mark.slow)])
 def test_a_hand_written_oscillator_follows_the_exact_jenkins_element(tmp_path: Path, method: str) -> None:
     """`wroll run` on ten lines of matrices against stick and slip phases integrated on their own.
 

@@ -328,6 +328,7 @@ def test_scale_hardly_matters_away_from_the_resonance(capacity):
     assert spread[3] > 0.02
 
 
+@pytest.mark.slow
 def test_converged_orbits_are_smooth_in_frequency():
     """C115: no point off its neighbours' line by more than 1 %, the grid being fine enough for the peak."""
     grid, values = adapted_curve(TwoMasses(smoothing=10.0).preloaded(50.0), np.linspace(1.0, 1.15, 16), bound=0.009)

@@ -269,7 +269,7 @@ def test_what_it_cannot_follow_is_refused() -> None:
             make_stepper(system, state, method=method, scheme=EXACT, options=NewtonOptions(), dt=DT)
 
 
-@pytest.mark.parametrize("stops", [[2], [1, 2]])
+@pytest.mark.parametrize("stops", [pytest.param([2], marks=pytest.mark.slow), [1, 2]])
 def test_a_resumed_run_is_the_same_bit_by_bit(
     stops: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

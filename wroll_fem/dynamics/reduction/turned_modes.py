@@ -76,8 +76,8 @@ def missed(system: System, modes: Condensation) -> float:
     block = int(np.argmax(share))
     basis, ritz = modes.vectors[block]
     stiffness = (basis.T @ system.with_interface_springs(modes.springs)) @ basis
-    contact = np.random.default_rng(0).standard_normal(system.n_points * COMPONENTS) * system.weights
-    loads = basis.T @ np.column_stack([system.mass @ system.influence, system.probes["tip"], system.jump.T @ contact])
+    contact = system.contact_force(np.random.default_rng(0).standard_normal(system.n_points * COMPONENTS))
+    loads = basis.T @ np.column_stack([system.mass @ system.influence, system.probes["tip"], contact])
     exact = np.einsum("ij,ij->j", loads, factorise(stiffness.tocsc()).solve(np.ascontiguousarray(loads)))
     start, end = modes.blocks[block : block + 2]
     found = ((ritz.T @ loads) ** 2 / modes.eigenvalues[start:end, None]).sum(axis=0)

@@ -135,7 +135,7 @@ class CondensedStatic:
         reached, s = problem.trial.committed(start.displacement, g), problem.correction
         if even is not None:
             reached, s = self._all_around(reached), self._repeat(s)
-        load = force - system.jump.T @ (system.weights * s)
+        load = force - system.contact_force(s)
         return replace(reached, displacement=self._displacement(load))
 
     # ---- linear structure ----------------------------------------------------------------------------------------

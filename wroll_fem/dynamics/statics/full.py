@@ -27,7 +27,7 @@ class _WholeStructure:
         """Unbalanced force (n_dofs,), N, and its norm relative to the sum of the norms of all forces."""
         system = self.system
         internal = system.stiffness @ u
-        contact = system.jump.T @ (system.weights * self.trial(system.jump @ u, self.state))
+        contact = system.contact_force(self.trial(system.jump @ u, self.state))
         scale = np.linalg.norm(self.force) + np.linalg.norm(contact) + np.linalg.norm(internal)
         r = internal + contact - self.force
         return r, float(np.linalg.norm(r) / scale) if scale > 0 else 0.0

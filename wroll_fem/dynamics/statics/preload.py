@@ -70,7 +70,7 @@ def _step(
 
 def equilibrium_force(system: System, state: ContactState) -> FloatArray:
     """External force (n_dofs,) in N that holds ``state`` in equilibrium."""
-    return system.stiffness @ state.displacement + system.jump.T @ (system.weights * state.traction)
+    return system.stiffness @ state.displacement + system.contact_force(state.traction)
 
 
 def solve_preload(

@@ -364,7 +364,7 @@ def _check_state(file: ArrayFile, system: System, state: ContactState, *, balanc
     if not state.pressure.any():
         remedy = "normal traction is negative in compression; a normal row is outer minus inner body, positive outwards"
         raise file.error("no contact point is under pressure in the preload state", remedy=remedy)
-    contact = system.jump.T @ (system.weights * state.traction)
+    contact = system.contact_force(state.traction)
     internal = system.stiffness @ state.displacement
     scale = float(np.linalg.norm(force) + np.linalg.norm(contact) + np.linalg.norm(internal))
     off = float(np.linalg.norm(internal + contact - force))

@@ -198,6 +198,15 @@ class System:
         return sp.vstack(tangential + normal, format="csr")
 
     @cached_property
+    def _spread(self) -> sp.csr_matrix:
+        """(n, 3 n_points) transpose of `jump`; a product with ``jump.T`` would build it every time."""
+        return self.jump.T.tocsr()
+
+    def contact_force(self, traction: FloatArray) -> FloatArray:
+        """(n,) forces on the degrees of freedom, N, of tractions (3 n_points,) on the contact points, Pa."""
+        return np.asarray(self._spread @ (self.weights * traction))
+
+    @cached_property
     def weights(self) -> FloatArray:
         """(3 n_points,) area of each contact degree of freedom, m^2."""
         return per_dof(self.laws.area, self.laws.area)
@@ -225,8 +234,8 @@ class System:
             (n_interfaces,) Pa, inner interface first.
         """
         at_points = np.repeat(pressures, [interface.n_points for interface in self.interfaces])
-        force = self.jump.T @ (self.weights * per_dof(np.zeros_like(at_points), -at_points))
-        return replace(self, loads={**self.loads, "preload": np.asarray(force)}, initial_pressure=at_points)
+        force = self.contact_force(per_dof(np.zeros_like(at_points), -at_points))
+        return replace(self, loads={**self.loads, "preload": force}, initial_pressure=at_points)
 
     def bonded(self) -> System:
         """Linear structure with bonded interfaces: its stiffness includes `tie_springs`, and it has no interfaces."""

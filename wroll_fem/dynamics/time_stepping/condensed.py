@@ -82,7 +82,7 @@ class CondensedStepper(Stepper):
         contact.elastic_slip[:] = trial.elastic_slip
         s = np.zeros_like(jump)
         correction(jump, contact.traction, self.reference, s)
-        force = system.jump.T @ (system.weights * s)
+        force = system.contact_force(s)
         motion.residual[:] = c.eigenvalues * motion.q + np.concatenate([r.T @ (b.T @ force) for b, r in c.vectors])
         motion.a[:] = -motion.residual
 

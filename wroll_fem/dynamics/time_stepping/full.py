@@ -115,8 +115,8 @@ class FullStepper(Stepper):
         jump = self.preload.jump + system.jump @ displacement
         traction = self.trial(jump, self.preload)
         contact.jump[:], contact.elastic_slip[:], contact.traction[:] = jump, self.trial.elastic_slip, traction
-        change = system.weights * (traction - self.preload.traction)
-        motion.residual[:] = system.stiffness @ motion.q + system.jump.T @ change
+        force = system.contact_force(traction - self.preload.traction)
+        motion.residual[:] = system.stiffness @ motion.q + force
         motion.a[:] = -factorise(system.mass).solve(motion.residual)
 
     def _committed(self) -> ContactState:
@@ -135,7 +135,7 @@ class FullStepper(Stepper):
         def imbalance(w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             jump = self.preload.jump + system.jump @ w
             traction = self.trial(jump, state, dt)
-            r = system.stiffness @ w + system.jump.T @ (system.weights * (traction - t_0)) + self.inertia * ag
+            r = system.stiffness @ w + system.contact_force(traction - t_0) + self.inertia * ag
             if damped:
                 r += self._viscous_force(coasting + velocity_factor * w)
             out = system.mass @ (inertia_factor * w) - history_term + (1.0 + s.alpha) * r
