@@ -94,7 +94,8 @@ def basis_remark(case: HistoryCase, stepper: Stepper) -> str:
 
 def step_words(case: HistoryCase, frequency: float) -> str:
     """What the time step does to a frequency, Hz."""
-    scheme, turn = Scheme.named(case.integrator.scheme, case.integrator.alpha), 2.0 * np.pi * frequency * time_step(case)
+    scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    turn = 2.0 * np.pi * frequency * time_step(case)
     if scheme.exact_modes:
         return "the time step is exact for linear modes there"
     if turn > LARGEST_TURN:

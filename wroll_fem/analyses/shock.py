@@ -92,7 +92,8 @@ def _spectra(history: xr.Dataset) -> xr.Dataset:
     last = int(np.ceil(float(history.attrs["shock_end_s"]) / dt - 1e-6))
     jumps = abs(base[min(last, len(base) - 1)]) > 1e-9 * np.abs(base).max()  # to zero, along the next step
     shaken = base[: last + 1 + int(jumps)]
-    dims, data = ("interval", "natural_frequency"), {}
+    dims = "interval", "natural_frequency"
+    data: dict[str, tuple[Any, FloatArray]] = {}
     for name, record in {"base": shaken, "tip": _faded(absolute_tip(history))}.items():
         found = shock_spectra(record, dt, lines, q)
         data[f"srs_{name}"] = ("natural_frequency", found["absolute_acceleration"][INTERVALS.index("maximax")])
