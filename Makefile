@@ -4,8 +4,9 @@ unexport PYTHONDONTWRITEBYTECODE # the processes that tests start read the bytec
 SHELL := /bin/bash
 PYTHON := .venv/bin/python
 WORKERS ?= 2
+SEED ?= 1
 
-.PHONY: help setup run test test-all test-debian13 lint format schema docs bench clean distclean
+.PHONY: help setup run test test-all test-random test-debian13 lint format schema docs bench clean distclean
 
 help: ## what can be made
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -21,6 +22,9 @@ test: setup ## the test suite
 
 test-all: setup ## the test suite with the slow tests
 	$(PYTHON) -m pytest -q -n $(WORKERS) --dist worksteal
+
+test-random: setup ## the test suite in a random order; the same one for the same SEED
+	$(PYTHON) -m pytest -q -n $(WORKERS) --dist worksteal -m "not slow" -p randomly --randomly-seed=$(SEED)
 
 test-debian13: ## the test suite on Debian 13 (dolfinx 0.9) in a chroot; says so where none can be made
 	@tools/debian13.sh

@@ -145,6 +145,19 @@ def table(limit: Response, found: dict[int, Response]) -> list[str]:
     return rows
 
 
+def stuck_frequencies(
+    mesh: dict[str, Any], radial: int, grading: float, layers: Sequence[int], *, per_wrap: bool
+) -> None:
+    """Print the frequency without slip of the continuum, and of the layers relative to it."""
+    with threadpool_limits(1):
+        limit = first_mode(*continuum(mesh, radial, grading))[2]
+        print(f"continuum: {limit:.3f} Hz", flush=True)
+        for n in layers:
+            hertz = first_mode(*layered(n, mesh, per_wrap=per_wrap))[2]
+            seconds = time.process_time()
+            print(f"{n} layers: {hertz:.3f} Hz, {100.0 * (hertz / limit - 1.0):+.3f} %, {seconds:.0f} s", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--layers", type=int, nargs="*", default=[5, 10, 20])
@@ -154,8 +167,12 @@ def main() -> None:
     parser.add_argument("--radial-grading", type=float, default=300.0, help="ratio of their thicknesses")
     parser.add_argument("--levels", type=float, nargs="+", default=LEVELS, help="levels, g")
     parser.add_argument("--of-one", action="store_true", help="interfaces with the elastic slip of one wrap interface")
+    parser.add_argument("--stuck", action="store_true", help="frequency without slip alone")
     given = parser.parse_args()
     mesh = {"circumferential": given.around, "axial": given.along, "grading": 10.0}
+    if given.stuck:
+        stuck_frequencies(mesh, given.radial, given.radial_grading, given.layers, per_wrap=not given.of_one)
+        return
     with threadpool_limits(1):
         limit = response(*continuum(mesh, given.radial, given.radial_grading), given.levels)
         print(f"continuum: {limit.stuck:.2f} Hz without slip, {limit.points} points, {time.process_time():.0f} s")

@@ -207,6 +207,8 @@ def main() -> None:
         ("sizing/figures/margin.png", "sizing.png"),
         ("case_study/figures/slip_in_coil.png", "case_study_slip_in_coil.png"),
         ("slipping_coil/figures/slip_work.png", "slipping_coil_work.png"),
+        ("slipping_coil/figures/slip_work_sections.png", "slipping_coil_sections.png"),
+        ("slipping_coil/figures/slip_work_in_coil.png", "slipping_coil_space.png"),
         ("slipping_harmonic/figures/wrap_slip.png", "slipping_coil_wraps.png"),
         ("random/figures/spectra.png", "random_spectra.png"),
         ("shock/figures/shock.png", "shock.png"),

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import xarray as xr
 from support.friction_point import CLOSED, GAMMA, MU, PRESSURE, V0, Point
 from support.paths import CONFIGS
 
+import wroll_fem as wf
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.analyses.forecasts.slip import slip_forecast
+from wroll_fem.analyses.shared import summary
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
+from wroll_fem.analyses.shared.preflight import missed_resonance
+from wroll_fem.analyses.shared.self_contained import described
 from wroll_fem.case import build_case, load_case
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.contact.bouc_wen import BoucWen
@@ -20,6 +29,9 @@ from wroll_fem.dynamics.statics.contact_springs import stick_springs
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import InputError
 from wroll_fem.numerics.linear import factorise
+from wroll_fem.plotting import style
+from wroll_fem.results.dataset import annotate, load_dataset, save_dataset
+from wroll_fem.results.interface_slip import wrap_interfaces
 
 LAWS = [
     PenaltyCoulomb(MU, GAMMA), RateCoulomb(MU, GAMMA, (0.0, 0.01, 0.1), (MU, 0.3, 0.42)), SmoothedCoulomb(MU, V0),
@@ -96,6 +108,61 @@ def test_few_layers_are_as_soft_as_the_roll_with_all_its_wraps() -> None:
     assert stiff > 0.01
     assert abs(errors[4]) < 0.15 * stiff
     assert abs(errors[4]) < 0.7 * abs(errors[2]) < 0.3 * stiff
+
+
+@pytest.mark.parametrize(
+    ("layers", "more"),
+    [
+        (1, []), (3, ["contact.friction.elastic_slip=20 um"]), (3, ["coil.base=clamped"]),
+        pytest.param(4, [], marks=pytest.mark.slow),
+        pytest.param(3, ["coil.base=inner_edge"], marks=pytest.mark.slow),
+        pytest.param(3, ["coil.margins={base: 0.03, tip: 0.02}"], marks=pytest.mark.slow),
+        pytest.param(3, ["coil.total_thickness=6e-3", "winding.wrap_thickness=5e-4"], marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
+def test_the_estimate_of_the_frequency_knows_the_wrap_interfaces(layers: int, more: list[str]) -> None:
+    """Found: 0.5 to 2.6 %; bonded beams are 13 to 56 % stiff where the base is not clamped."""
+    case = roll(layers, "coil.per_wrap=true", *more)
+    exact, bonded = stuck_hz(case), beam_frequency(roll(layers, *more), bonded=True)
+    assert beam_frequency(case, bonded=True) == pytest.approx(exact, rel=0.03)
+    assert bonded > (1.02 if case.coil.base == "clamped" else 1.1) * exact
+    assert beam_frequency(case, bonded=False) == beam_frequency(roll(layers, *more), bonded=False)
+
+
+def test_preflight_names_the_sticking_resonance() -> None:
+    chirp = "excitation={kind: chirp, f_start: 160, f_end: 200, rate_oct_per_min: 2, amplitude: 5}"
+    case = roll(3, "coil.per_wrap=true", "analysis=sweep", "backbone=null", chirp)
+    assert f"{beam_frequency(case, bonded=True):.0f} Hz (sticking)" in " ".join(missed_resonance(case))  # type: ignore[arg-type]
+    plain = roll(3, "analysis=sweep", "backbone=null", chirp)
+    assert not missed_resonance(plain)  # type: ignore[arg-type]
+
+
+def test_results_say_that_slip_is_the_sum_over_wrap_interfaces(tmp_path: Path) -> None:
+    """Three layers of four wraps: 2.5, 4 and 4 wrap interfaces."""
+    theta, z = (grid.ravel() for grid in np.meshgrid(np.linspace(0.0, np.pi, 5), np.linspace(0.01, 0.29, 4)))
+    slip = 1e-6 * np.array([[5.0], [4.0], [2.0]]) * (1.0 - 0.5 * z / 0.3)
+    fields = {"cumulative_slip": slip, "max_slip": 1.2 * slip, "peak_slip_hoop": 0.0 * slip, "peak_slip_axial": slip}
+    points = {name: (("interface", "point"), values) for name, values in fields.items()}
+    whole = {name: (("interface", "point"), np.ones_like(slip)) for name in ("slipped", "area")}
+    computed = xr.Dataset({"theta_rad": ("point", theta), "z_m": ("point", z), **points, **whole})
+    found = described(annotate(computed), roll(3, "coil.per_wrap=true"))
+    told = summary.attributes(found) | summary.slip(found)
+    assert told["wrap_interfaces"] == [2.5, 4.0, 4.0]
+    for name, entry in (("max_slip", "max_relative_displacement"), ("cumulative_slip", "max_accumulated_slip")):
+        largest = found[name].max("point").values
+        assert told[f"{entry}_m"] == largest.max() > 0.0
+        assert told[f"{entry}_per_wrap_m"] == pytest.approx((largest / [2.5, 4.0, 4.0]).max(), rel=1e-12)
+        assert "wrap interfaces" in found[name].attrs["comment"]
+    for number, text in ((0, "sum of 2.5 wrap interfaces"), (1, "sum of 4 wrap interfaces")):
+        assert text in wf.plot.slip_map(found, number).get_title(loc="left").replace("\n", " ")
+        assert text in style.figure_of(wf.plot.peak_slip_vectors(found, number)).axes[-1].get_ylabel()
+    saved = load_dataset(save_dataset(found, tmp_path / "results.nc"))
+    assert saved["max_slip"].attrs["comment"] == found["max_slip"].attrs["comment"]
+    assert [wrap_interfaces(saved, k) for k in (0, 1)] == [2.5, 4.0]
+    plain = described(computed, roll(3))
+    assert wrap_interfaces(plain, 0) == 1.0
+    assert "wrap_interfaces" not in summary.attributes(plain) | summary.slip(plain)
+    plt.close("all")
 
 
 def test_forecast_and_matrices_take_the_law_of_each_interface() -> None:

@@ -3,8 +3,9 @@
     python -m tests.fuzz.damaged_files --count 10000 --seed 1
 
 Files: results.nc (also without its checksum, as version 0.1.0 wrote it), checkpoint.npz, summary.json, provenance.json,
-case.yaml, and records of a base motion (.csv, .npz, .mat). Every file without checksum is read in a child process,
-because HDF5 may end its process.
+case.yaml, a mesh, and records of a base motion (.csv, .npz, .mat). A file that HDF5 or gmsh parses is read in a child
+process, because they may end it. The trial reading of such a file takes most of a second in a new process; here a fork
+of this one does it, except for one file in twenty.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ import io
 import json
 import os
 import random
+import resource
+import select
+import signal
 import sys
 import tempfile
 import time
@@ -24,25 +28,46 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import gmsh
 import numpy as np
 import scipy.io
 import xarray as xr
 
-from tests.fuzz.case_files import NUMBERS, ODD, TEXTS, changed
+from tests.fuzz.case_files import (
+    NUMBERS,
+    ODD,
+    RAM_DISK,
+    SECONDS,
+    TEXTS,
+    WAITING,
+    Hangs,
+    changed,
+    requests_to_stop,
+    time_limit,
+)
 from wroll_fem.case import load_case
 from wroll_fem.errors import WrollError
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.run import run_case
+from wroll_fem.mesh import files
+from wroll_fem.mesh.files import read_mesh, write_mesh
+from wroll_fem.mesh.generate import check_geometry, make_cylinders
 from wroll_fem.report import write_report
+from wroll_fem.results import dataset
 from wroll_fem.results.dataset import load_dataset, netcdf_image
 from wroll_fem.results.storage.checkpoint import read_checkpoint, write_checkpoint
+from wroll_fem.results.storage.guarded import LEAST_SECONDS, MEMORY, trial_mesh, trial_reading
 from wroll_fem.signals.records.record import read_record
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = {"results.nc": 40, "checkpoint.npz": 40, "summary.json": 2, "provenance.json": 2, "case.yaml": 2}
 """How often a file is damaged; a report takes most of a second."""
 
+NATIVE = ("results.nc of 0.1.0", "mesh.msh")
+"""Files that a native library reads after its trial; it may end the process."""
+
+SHELLS = [("mandrel", 0.03925, 1.5e-3), ("layer_01", 0.040625, 1.25e-3)]
 OVERRIDES = [
     "analysis=dwell", "excitation={kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 8}", "output.fields=none",
     "contact.friction={law: penalty_coulomb, mu: 0.3, elastic_slip: 1.0e-5}", "solver.method=condensed",
@@ -82,11 +107,31 @@ def damaged_json(content: bytes, chance: random.Random) -> bytes:
     return text.encode()
 
 
+NUMERALS = ("0", "1", "-1", "2", "3", "10", "99999999", "4294967296", "1000000000000", "1e300", "nan", "inf", "x", "")
+
+
+def damaged_table(content: bytes, chance: random.Random) -> bytes:
+    """Changed or missing numbers and lines of a text file, or changed bytes."""
+    if chance.random() < 0.3:
+        return damaged(content, chance)
+    lines = content.decode().splitlines()
+    for _ in range(chance.choice((1, 1, 2, 4))):
+        at = chance.randrange(len(lines))
+        words = lines[at].split(" ")
+        what = chance.random()
+        if what < 0.6:
+            words[chance.randrange(len(words))] = chance.choice(NUMERALS)
+        lines[at] = " ".join(words[:-1] if what > 0.8 else words if what < 0.6 else [])
+    return "\n".join(lines).encode()
+
+
 def told(action: Callable[[], object]) -> str:
     """ "read", "refused", or the name of a defect."""
     try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()), time_limit():
             action()
+    except Hangs:
+        return "hangs"
     except WrollError as error:
         text = str(error)
         return "refused" if "\n" not in text and error.exit_code in (2, 4) else f"message {text[:200]!r}"
@@ -96,26 +141,67 @@ def told(action: Callable[[], object]) -> str:
     return "read"
 
 
-def in_child(action: Callable[[], object]) -> str:
-    """`told` in a child process, which may crash or hang (20 s)."""
+def in_child(action: Callable[[], str], seconds: int = 4 * SECONDS) -> str:
+    """Answer of an action in a child process, which may crash or hang; it may take ``seconds`` of CPU time."""
     source, sink = os.pipe()
     child = os.fork()
     if child == 0:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-        os.write(sink, told(action).encode()[:2000])
-        os._exit(0)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        most = int(time.process_time()) + seconds
+        resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+        try:
+            os.write(sink, b":" + action().encode()[:2000])
+        finally:
+            os._exit(0)
     os.close(sink)
-    end = time.monotonic() + 20.0
-    while os.waitpid(child, os.WNOHANG) == (0, 0):
-        if time.monotonic() > end:
-            os.kill(child, 9)
-            os.waitpid(child, 0)
-            os.close(source)
-            return "hangs in HDF5"
-        time.sleep(0.001)
-    answer = os.read(source, 2000).decode(errors="replace")
+    waits = not select.select([source], [], [], WAITING)[0]
+    if waits:
+        os.kill(child, signal.SIGKILL)
+    answer = os.read(source, 2001).decode(errors="replace")
     os.close(source)
-    return answer or "crashes"
+    _, status = os.waitpid(child, 0)
+    if answer:
+        return answer[1:]
+    return "hangs in HDF5" if waits or status in (signal.SIGXCPU, signal.SIGKILL) else "crashes"
+
+
+def trial(path: str | os.PathLike[str]) -> str:
+    """As `trial_reading`, in a fork of this process."""
+    if random.random() < 0.05:
+        return trial_reading(path)
+
+    def read() -> str:
+        memory = max(MEMORY, 50 * os.path.getsize(path))
+        resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
+        try:
+            xr.load_dataset(path, engine="h5netcdf")
+        except Exception as error:
+            return " ".join(str(error).split())[:80] or type(error).__name__
+        return ""
+
+    return in_child(read, LEAST_SECONDS)
+
+
+def mesh_read(path: Path) -> None:
+    """What a case does with a mesh file."""
+    check_geometry(read_mesh(path, [name for name, _, _ in SHELLS]), SHELLS, 0.3, "mesh")
+
+
+def mesh_trial(path: str | os.PathLike[str]) -> str:
+    """As `trial_mesh`, in a fork of this process."""
+    if random.random() < 0.05:
+        return trial_mesh(path)
+
+    def read() -> str:
+        with files.gmsh_model("trial"), contextlib.suppress(WrollError):
+            with contextlib.suppress(Exception):
+                gmsh.merge(str(path))
+            files.extract_mesh("trial", [name for name, _, _ in SHELLS])
+        return ""
+
+    return in_child(read, LEAST_SECONDS)
 
 
 def finished(folder: Path) -> None:
@@ -131,7 +217,7 @@ def used(run: Path) -> None:
         summary_lines(folder.summary())
 
 
-def files(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random], bytes], Callable[[Path], Any]]]:
+def originals(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random], bytes], Callable[[Path], Any]]]:
     """Name -> (file, damage, what is done with it)."""
     run, case = scratch / "run", load_case(ROOT / "configs" / "oscillator.yaml", OVERRIDES)
     finished(run)
@@ -156,6 +242,8 @@ def files(scratch: Path) -> dict[str, tuple[Path, Callable[[bytes, random.Random
     for name in ("summary.json", "provenance.json", "case.yaml"):
         damage = damaged if name == "case.yaml" else damaged_json
         found[name] = (run / name, damage, lambda path: (used(run), write_report(run)))
+    mesh = write_mesh(make_cylinders([(name, radius) for name, radius, _ in SHELLS], 0.3, 6, 2), scratch)[0]
+    found["mesh.msh"] = (mesh, damaged_table, mesh_read)
     for kind in ("csv", "npz", "mat"):
         found[f"record.{kind}"] = (
             scratch / f"record.{kind}",
@@ -170,14 +258,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=1e9, help="stop after this wall time")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=1e9, help="stop after this CPU time")
     chosen = parser.parse_args()
     outcomes: Counter[tuple[str, str]] = Counter()
     defects: dict[str, int] = {}
-    begun = time.monotonic()
-    with tempfile.TemporaryDirectory() as place:
-        found = files(Path(place))
-        for number in range(chosen.count):
+    asked = requests_to_stop()
+    random.seed(chosen.seed)
+    dataset.trial_reading, files.trial_mesh = trial, mesh_trial
+    begun = time.process_time()
+    with tempfile.TemporaryDirectory(dir=RAM_DISK if RAM_DISK.is_dir() else None) as place:
+        found = originals(Path(place))
+        for number in range(chosen.first, chosen.first + chosen.count):
             chance = random.Random(f"{chosen.seed}:{number}")
             name = chance.choices(list(found), [WEIGHTS.get(name, 8) for name in found])[0]
             file, damage, use = found[name]
@@ -186,18 +278,21 @@ def main() -> None:
             if changes == content:
                 continue
             file.write_bytes(changes)
-            guard = in_child if "0.1.0" in name else told
-            answer = guard(lambda use=use, file=file: use(file))
+            act = lambda use=use, file=file: told(lambda: use(file))  # noqa: E731
+            answer = in_child(act) if name in NATIVE else act()
             file.write_bytes(content)
             outcomes[name, answer if answer in ("read", "refused") else "defect"] += 1
             if answer not in ("read", "refused") and answer not in defects:
                 defects[answer] = number
                 print(f"--- {name}, number {number}: {answer}", flush=True)
-            if time.monotonic() - begun > chosen.seconds:
+            if asked or time.process_time() - begun > chosen.seconds:
                 break
     for (name, answer), count in sorted(outcomes.items()):
         print(f"{name:<22} {answer:<8} {count}")
-    print(f"seed {chosen.seed}: {sum(outcomes.values())} files, {len(defects)} classes of defects")
+    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    seconds = sum(one.ru_utime + one.ru_stime for one in usage)
+    print(f"seed {chosen.seed}, from {chosen.first}: {sum(outcomes.values())} files, {seconds:.0f} s of CPU")
+    print(f"{len(defects)} classes of defects: {list(defects)}")
     sys.exit(bool(defects))
 
 

@@ -1,28 +1,29 @@
 """Mutation testing: do the tests of a module notice a small change of it?
 
-    PYTHONPATH=.:tests python -m tests.fuzz.mutants --work /tmp/mutants --seed 1 --rooms signals=50 winding=50
-    PYTHONPATH=.:tests python -m tests.fuzz.mutants --work /tmp/mutants --seed 1 --table
+    PYTHONPATH=.:tests python -m tests.fuzz.mutants --list LIST.csv --seed 1 --draw signals=50 winding=50
+    PYTHONPATH=.:tests python -m tests.fuzz.mutants --list LIST.csv --work /tmp/mutants
+    PYTHONPATH=.:tests python -m tests.fuzz.mutants --list LIST.csv --scores
 
-Mutants (mutations.py) are drawn room by room: first the kind of the change, then the place. Every worker changes its
-own copy of the checkout, never the checkout. It runs the tests that call the changed function (a map that reach.py
-wrote into ``WORK/reach``), or without a map the test files that import its module, the quick ones first, until one
-fails.
-Results are lines of ``WORK/results.jsonl``; a further call continues. `--again` repeats what survived.
+Mutants (mutations.py) are drawn room by room: first the kind of the change, then the place (mutant_list.py). Every
+worker changes its own copy of the checkout, never the code of the checkout. It runs the tests that call the changed
+function (a map that reach.py wrote into ``WORK/reach``), or without a map the test files that import its module, the
+quick ones first, until one fails. A call runs the mutants of the list that have no outcome, and writes the outcome into
+the list; `--again` repeats what survived.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
+import filecmp
 import json
 import os
-import random
 import re
 import resource
 import shutil
 import sys
 import time
-from collections import Counter, defaultdict
+import traceback
+from collections import defaultdict
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -30,12 +31,12 @@ from typing import Any
 
 import pytest
 
-from tests.fuzz.mutations import Mutant, functions_at, mutants_of, parses
-from tests.fuzz.swapped import Server, is_swappable
+from tests.fuzz import mutant_list
+from tests.fuzz.mutations import Mutant, functions, functions_at
+from tests.fuzz.swapped import NOT_SWAPPED, Server, is_swappable
 
 ROOT = Path(__file__).resolve().parents[2]
-KINDS = ("comparison", "arithmetic", "constant", "boolean", "condition", "negation", "removed", "returned")
-BUDGET = 45.0
+BUDGET = 20.0
 """CPU seconds of tests after which a mutant counts as survived."""
 
 PER_TEST = 30.0
@@ -44,25 +45,15 @@ PER_TEST = 30.0
 LONGEST = 8.0
 """CPU seconds, as reach.py measures them, of the longest test that is chosen; a longer one could count as hanging."""
 
-KILLED = ("killed", "hangs", "crashes", "import")
 BUDGET_CODE = 98
+NO_TESTS = (4, 5)
+"""Exit codes of pytest: a file of tests is missing, no test was selected."""
 
-
-def sample(room: str, count: int, seed: int) -> list[Mutant]:
-    """Mutants of a room, at most one per line; the same for the same code and seed, and more if more are wanted."""
-    chance, drawn = random.Random(f"{seed} {room}"), []
-    every: dict[str, list[Mutant]] = defaultdict(list)
-    for path in sorted((ROOT / "wroll_fem" / room).rglob("*.py")):
-        if path.name != "__init__.py":
-            for mutant in mutants_of(path, ROOT):
-                every[mutant.kind].append(mutant)
-    lines: set[tuple[str, int]] = set()
-    while len(lines) < count:
-        mutant = chance.choice(every[chance.choice(KINDS)])
-        if (mutant.file, mutant.line) not in lines and parses(mutant, ROOT):
-            lines.add((mutant.file, mutant.line))
-            drawn.append(mutant)
-    return drawn
+PRELOADED = (
+    "wroll_fem", "numpy", "scipy.optimize", "scipy.signal", "scipy.sparse.linalg", "numba", "xarray", "pydantic",
+    "hypothesis", "pint",
+)  # fmt: skip
+"""Imported before the processes are forked that run the tests."""
 
 
 # ---- choice of the tests ----
@@ -78,34 +69,32 @@ def texts_of_tests() -> dict[str, str]:
 
 
 @lru_cache
-def callers_of_compiled(root: Path) -> dict[str, set[str]]:
-    """Name used anywhere -> names of the functions whose text contains it, for all functions of the package."""
+def callers_of_compiled() -> dict[str, set[str]]:
+    """Name used anywhere -> functions ("file:name") whose text contains it, for all functions of the package."""
     found: dict[str, set[str]] = defaultdict(set)
-    for path in (root / "wroll_fem").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_bytes())):
-            if isinstance(node, ast.FunctionDef):
-                first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
-                for part in ast.walk(node):
-                    name = getattr(part, "id", None) or getattr(part, "attr", None)
-                    if isinstance(name, str) and name != node.name:
-                        found[name].add(f"{path.relative_to(root).as_posix()}:{first}:{node.name}")
+    for path in (ROOT / "wroll_fem").rglob("*.py"):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        for name, first, last, _ in functions(path):
+            here = f"{path.relative_to(ROOT).as_posix()}:{name}"
+            for word in set(re.findall(r"[A-Za-z_]\w*", "\n".join(lines[first:last]))):
+                found[word].add(here)
     return found
 
 
 def places(mutant: Mutant) -> set[str]:
-    """Functions ("file:line") whose call runs the changed line; empty for a line outside of functions."""
+    """Functions ("file:name") whose call runs the changed line; empty for a line outside of functions."""
     around = functions_at(ROOT / mutant.file, mutant.line)
     if not around:
         return set()
-    name, line, compiled = around[0]
+    name, compiled = around[0]
     if not compiled:
-        return {f"{mutant.file}:{line}"}
-    uses, seen, front = callers_of_compiled(ROOT), {name}, [name]
+        return {f"{mutant.file}:{name}"}
+    uses, seen, front = callers_of_compiled(), {name}, [name]
     found = set()
     while front and len(seen) < 200:
-        for caller in uses[front.pop()]:
-            file, first, function = caller.rsplit(":", 2)
-            found.add(f"{file}:{first}")
+        for caller in uses[front.pop().rsplit(".", 1)[-1]]:
+            found.add(caller)
+            function = caller.rsplit(":", 1)[1]
             if function not in seen:
                 seen.add(function)
                 front.append(function)
@@ -117,9 +106,9 @@ def chosen_tests(mutant: Mutant, reach: dict[str, Any]) -> list[str]:
     room = mutant.file.split("/")[1]
     at = places(mutant)
     found = []
-    for name, (seconds, passed, functions) in reach.items():
-        same_file = any(f.rsplit(":", 1)[0] == mutant.file for f in functions)
-        if passed and seconds <= LONGEST and (at & set(functions) if at else same_file):
+    for name, (seconds, passed, called) in reach.items():
+        same_file = any(f.rsplit(":", 1)[0] == mutant.file for f in called)
+        if passed and seconds <= LONGEST and (at.intersection(called) if at else same_file):
             found.append((seconds * (1.0 if name.startswith(f"tests/{room}/") else 3.0), name))
     if found:
         return [name for _, name in sorted(found)][:400]
@@ -134,7 +123,7 @@ def chosen_tests(mutant: Mutant, reach: dict[str, Any]) -> list[str]:
         score = (
             4.0 * bool(direct.search(text)) + 2.0 * name.startswith(f"tests/{room}/") + 2.0 * (stem in Path(name).stem)
         )
-        score += sum(1.0 for function, _, _ in around if not function.startswith("_") and function in text)
+        score += sum(1.0 for function, _ in around if not function.startswith("_") and function in text)
         score += 1.0 * (f"analysis: {stem}" in text or f'"{stem}"' in text or f"lab_{stem}" in text)
         if score >= 2.0:
             scores.append((-score, len(text), name))
@@ -165,6 +154,15 @@ class _Watch:
 
 def _child(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     os.chdir(copy)
+    errors = os.dup(2)
+    try:
+        _session(copy, tests, note, budget)
+    except BaseException:
+        os.write(errors, traceback.format_exc().encode())
+    os._exit(NO_TESTS[0])
+
+
+def _session(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     null = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(null, stream)
@@ -225,22 +223,27 @@ def restore_caches(copy: Path, caches: dict[Path, tuple[int, int]]) -> None:
             shutil.copy2(kept / path.relative_to(copy), path)
 
 
+def is_current(copy: Path) -> bool:
+    """Whether a copy exists and has the Python files of the checkout."""
+    files = [path for room in ("wroll_fem", "tests") for path in (ROOT / room).rglob("*.py")]
+    pairs = [(path, copy / path.relative_to(ROOT)) for path in files]
+    return all(other.exists() and filecmp.cmp(path, other, shallow=True) for path, other in pairs)
+
+
 def copied(copy: Path) -> None:
     """Copy of the checkout, with a copy of the caches of numba beside it."""
-    if not copy.exists():
-        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".git", ".venv", "runs", "build", "site"))
+    if not is_current(copy):
+        shutil.rmtree(copy, ignore_errors=True)
+        part, caches = copy.with_suffix(".part"), copy.parent / f"{copy.name}.caches"
+        shutil.rmtree(part, ignore_errors=True)
+        shutil.rmtree(caches, ignore_errors=True)
+        shutil.copytree(ROOT, part, ignore=shutil.ignore_patterns(".git", ".venv", "runs", "build", "site"))
         ignored = lambda folder, names: [n for n in names if not ((Path(folder) / n).is_dir() or ".nb" in n)]  # noqa: E731
-        shutil.copytree(copy / "wroll_fem", copy.parent / f"{copy.name}.caches" / "wroll_fem", ignore=ignored)
+        shutil.copytree(part / "wroll_fem", caches / "wroll_fem", ignore=ignored)
+        part.rename(copy)  # an interrupted copy is made again
 
 
 # ---- command ----
-
-
-def read_results(work: Path) -> dict[str, dict[str, Any]]:
-    """Name of a mutant -> its last result."""
-    path = work / "results.jsonl"
-    lines = path.read_text().splitlines() if path.exists() else []
-    return {entry["name"]: entry for entry in map(json.loads, lines)}
 
 
 def read_reach(work: Path) -> dict[str, Any]:
@@ -251,127 +254,90 @@ def read_reach(work: Path) -> dict[str, Any]:
     return found
 
 
-def table(results: dict[str, dict[str, Any]]) -> str:
-    """Results as a table of Markdown."""
-    rows = ["| mutant | change | outcome | by |", "|---|---|---|---|"]
-    for entry in results.values():
-        change = f"`{entry['before']}` -> `{entry['text']}`".replace("\n", " ").replace("|", "\\|")
-        by = entry["by"].removeprefix("hang in ").replace("|", "\\|") or f"{entry['tests']} tests"
-        rows.append(f"| {entry['file']}:{entry['line']} | {change[:160]} | {entry['outcome']} | {by[:140]} |")
-    return "\n".join(rows) + "\n"
-
-
-def scores(results: dict[str, dict[str, Any]]) -> str:
-    """Killed and all mutants, by room and by kind."""
-    lines = []
-    for key in ("room", "kind"):
-        for value in sorted({entry[key] for entry in results.values()}):
-            counts = Counter(e["outcome"] for e in results.values() if e[key] == value)
-            lines.append(f"{value:12} {sum(counts[k] for k in KILLED):4} of {counts.total():4}  {dict(counts)}")
-    return "\n".join(lines)
-
-
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--list", type=Path, required=True, help="list of the mutants, a CSV file")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--rooms", nargs="+", default=[], help="room=count, in this order")
+    parser.add_argument("--draw", nargs="+", help="write a new list of room=count")
+    parser.add_argument("--scores", action="store_true", help="print scores and survivors")
+    parser.add_argument("--work", type=Path, default=Path("/tmp/mutants"))
     parser.add_argument("--worker", default="1/1", help="1/2 and 2/2 share the mutants")
     parser.add_argument("--budget", type=float, default=BUDGET)
-    parser.add_argument("--again", nargs="?", const="survived", help="run the mutants with this outcome again")
+    parser.add_argument("--count", type=int, default=10**9, help="run this many mutants")
+    parser.add_argument("--again", nargs="?", const="survived", default="", help="run the mutants with this outcome")
+    parser.add_argument("--rooms", nargs="+", help="run the mutants of these rooms")
+    parser.add_argument("--numbers", nargs="+", help="run these mutants again")
     parser.add_argument("--tests", nargs="+", help="these tests in place of the chosen ones")
-    parser.add_argument("--swap", action=argparse.BooleanOptionalAction, default=True, help="use swapped.py")
-    parser.add_argument("--only", default="", help="mutants whose name contains this text")
-    parser.add_argument("--table", action="store_true", help="print the table of the results, and scores")
     given = parser.parse_args()
-    results = read_results(given.work)
-    if given.table:
-        print(table(results) + "\n" + scores(results))
+    if given.draw:
+        mutant_list.draw(
+            given.list, {room: int(n) for room, _, n in (w.partition("=") for w in given.draw)}, given.seed
+        )
         return
-    rooms = {room: int(count) for room, _, count in (words.partition("=") for words in given.rooms)}
-    planned = plan(rooms, given)
+    if given.scores:
+        print(mutant_list.scores(mutant_list.read(given.list)))
+        return
     which, of = map(int, given.worker.split("/"))
-    copy = given.work / f"copy{which}"
-    given.work.mkdir(parents=True, exist_ok=True)
-    copied(copy)
-    for name in (
-        "wroll_fem",
-        "numpy",
-        "scipy.optimize",
-        "scipy.signal",
-        "scipy.sparse.linalg",
-        "numba",
-        "xarray",
-        "pydantic",
-        "hypothesis",
-        "pint",
-    ):
+    rows = [row for row in mutant_list.read(given.list) if _is_due(row, given)][which - 1 :: of][: given.count]
+    _run_all(rows, given, given.work / f"copy{which}")
+
+
+def _is_due(row: mutant_list.Row, given: argparse.Namespace) -> bool:
+    if given.rooms and row["file"].split("/")[1] not in given.rooms:
+        return False
+    return row["number"] in given.numbers if given.numbers else row["outcome"] == given.again
+
+
+def _run_all(rows: list[mutant_list.Row], given: argparse.Namespace, copy: Path) -> None:
+    """Run the mutants of the rows: those that can be swapped first."""
+    reach, quick, slow = read_reach(given.work), [], []
+    for row in rows:
+        mutant = mutant_list.found_again(row)
+        tests = (given.tests or chosen_tests(mutant, reach)) if mutant else []
+        if mutant is None or not tests:
+            keep(given, row, {"outcome": "gone" if mutant is None else "untested", "by": "", "tests": 0, "cpu": 0.0})
+        elif is_swappable(mutant, ROOT):
+            quick.append((row, mutant, tests))
+        else:
+            slow.append((row, mutant, tests))
+    for name in PRELOADED:
         __import__(name)
-    todo = [p for p in planned if given.only in p[0].name and _is_due(results.get(p[0].name), given.again)]
-    todo = todo[which - 1 :: of]
-    quick = [mutant for mutant, swappable, _ in todo if given.swap and swappable]
-    tests = {mutant.name: given.tests or names for mutant, _, names in todo}
 
     def work(swapped: Callable[..., tuple[int, str, int, float]]) -> None:
-        for mutant in quick:
-            names = tests[mutant.name]
-            if "::" not in (names or ["::"])[0]:
+        for row, mutant, names in quick:
+            if "::" not in names[0]:
                 names = [name for file in names for name in server.items if name.partition("::")[0] == file]
-            result: dict[str, Any] = {"outcome": "untested", "by": "", "tests": "0", "cpu": 0.0}
-            if names:
-                code, by, count, cpu = swapped(mutant, names, given.budget, PER_TEST)
-                result = judged(code, by, str(count), cpu)
-            keep(given, mutant, result)
+            code, by, count, cpu = swapped(mutant, names, given.budget, PER_TEST)
+            if code == NOT_SWAPPED:
+                slow.append((row, mutant, names))
+                continue
+            keep(given, row, judged(code, by, str(count), cpu))
 
     if quick:
-        server = Server(ROOT, work)
-        folders = sorted({name.partition("::")[0] for m in quick for name in tests[m.name]})
+        server = Server(ROOT, [mutant.file for _, mutant, _ in quick], work)
+        folders = sorted({name.partition("::")[0] for _, _, names in quick for name in names})
         pytest.main(["-q", "-s", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not slow", *folders], [server])
-    for mutant, _, _ in todo:
-        if mutant not in quick:
-            result = {"outcome": "untested", "by": "", "tests": "0", "cpu": 0.0}
-            if tests[mutant.name]:
-                result = run(mutant, copy, tests[mutant.name], given.budget)
-            keep(given, mutant, result)
-
-
-def plan(rooms: dict[str, int], given: argparse.Namespace) -> list[tuple[Mutant, bool, list[str]]]:
-    """Mutants of a sample, whether their code can be swapped, and their tests; kept in the folder of the results."""
-    reach, found = read_reach(given.work), []
-    for room, count in rooms.items():
-        path = given.work / f"plan_{given.seed}_{room}_{count}.json"
-        if not path.exists():
-            entries = [
-                (m.__dict__, is_swappable(m, ROOT), chosen_tests(m, reach)) for m in sample(room, count, given.seed)
-            ]
-            path.write_text(json.dumps(entries))
-        found += [(Mutant(**fields), quick, tests) for fields, quick, tests in json.loads(path.read_text())]
-    return found
-
-
-def _is_due(known: dict[str, Any] | None, again: str | None) -> bool:
-    return known is None or known["outcome"] == again
+    if slow:
+        copied(copy)
+    for row, mutant, names in slow:
+        keep(given, row, run(mutant, copy, names, given.budget))
 
 
 def judged(code: int, by: str, tests: str, cpu: float) -> dict[str, Any]:
     """Result of a mutant from the exit code of its tests."""
     ends = {0: "survived", 1: "killed", BUDGET_CODE: "survived", -24: "hangs"}
+    if code in NO_TESTS:
+        raise SystemExit("pytest did not find the tests of a mutant; delete the copies and call again")
     outcome = ends.get(code, "crashes" if code < 0 else "import")
-    return {
-        "outcome": outcome, "by": "" if outcome == "survived" else by, "code": code, "tests": tests, "cpu": cpu,
-        "within_budget": code != BUDGET_CODE,
-    }  # fmt: skip
+    return {"outcome": outcome, "by": "" if outcome == "survived" else by, "tests": tests, "cpu": cpu}
 
 
-def keep(given: argparse.Namespace, mutant: Mutant, result: dict[str, Any]) -> None:
-    """Append a result to the file of results, and print it."""
-    told = {"name": mutant.name, "room": mutant.file.split("/")[1], "seed": given.seed} | {
-        key: getattr(mutant, key) for key in ("file", "line", "kind", "before", "text")
-    }
-    with (given.work / "results.jsonl").open("a") as file:
-        file.write(json.dumps(told | result) + "\n")
-    print(f"{result['outcome']:9} {result['cpu']:6.1f} s  {mutant.name[:110]}  {result['by'][:90]}", flush=True)
+def keep(given: argparse.Namespace, row: mutant_list.Row, result: dict[str, Any]) -> None:
+    """Write a result into the list, and print it."""
+    mutant_list.keep(given.list, row["number"], result | {"budget": f"{given.budget:g}"})
+    name = f"{row['number']} {row['file']} {row['function']} {row['before']} -> {row['text']}".replace("\n", " ")
+    print(f"{result['outcome']:9} {result['cpu']:6.1f} s  {name[:140]}  {result['by'][:90]}", flush=True)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 COMPARISONS: dict[type, tuple[type, ...]] = {
@@ -33,8 +34,8 @@ class Mutant:
 
     @property
     def name(self) -> str:
-        """Name of the mutant, unique in its version of the code."""
-        return f"{self.file}:{self.line}:{self.start} {self.before} -> {self.text}".replace("\n", " ")
+        """Name of the mutant in messages."""
+        return f"{self.file}:{self.line} {self.before} -> {self.text}".replace("\n", " ")
 
     def applied(self, content: bytes) -> bytes:
         """Content of the file with the change."""
@@ -153,6 +154,7 @@ class _Finder:
                     yield from self.walk(child, compiled)
 
 
+@lru_cache(maxsize=512)
 def mutants_of(path: Path, root: Path) -> list[Mutant]:
     """All mutants of a file, in the order of the file."""
     content = path.read_bytes()
@@ -168,11 +170,27 @@ def parses(mutant: Mutant, root: Path) -> bool:
     return True
 
 
-def functions_at(path: Path, line: int) -> list[tuple[str, int, bool]]:
-    """Functions around a line, innermost first: name, first line of the code (its decorator), and whether compiled."""
-    found = []
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.FunctionDef) and node.end_lineno is not None and node.lineno <= line <= node.end_lineno:
-            first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
-            found.append((node.name, first, any("njit" in ast.unparse(d) for d in node.decorator_list)))
-    return sorted(found, key=lambda f: -f[1])
+@lru_cache(maxsize=256)
+def functions(path: Path) -> list[tuple[str, int, int, bool]]:
+    """All functions of a file: qualified name, first line of the definition, last line, and whether compiled."""
+    found: list[tuple[str, int, int, bool]] = []
+
+    def visit(node: ast.AST, outer: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            inside = outer
+            if isinstance(child, ast.ClassDef):
+                inside = f"{outer}{child.name}."
+            elif isinstance(child, ast.FunctionDef):
+                compiled = any("njit" in ast.unparse(d) for d in child.decorator_list)
+                found.append((outer + child.name, child.lineno, child.end_lineno or child.lineno, compiled))
+                inside = f"{outer}{child.name}.<locals>."
+            visit(child, inside)
+
+    visit(ast.parse(path.read_bytes()), "")
+    return found
+
+
+def functions_at(path: Path, line: int) -> list[tuple[str, bool]]:
+    """Functions around a line, innermost first: qualified name, and whether compiled."""
+    around = [(first, name, compiled) for name, first, last, compiled in functions(path) if first <= line <= last]
+    return [(name, compiled) for _, name, compiled in sorted(around, reverse=True)]

@@ -3,7 +3,8 @@
     WROLL_REACH=/tmp/reach PYTHONPATH=.:tests python -m pytest -p tests.fuzz.reach -m "not slow" tests/signals
 
 Every process writes one JSON file into the folder ``WROLL_REACH``: test -> [seconds, passed, functions]. A function is
-"file:first line of the code". Compiled functions are not seen (mutants.py finds the callers of their names).
+"file:qualified name". Compiled functions are not seen (mutants.py finds the callers of their names). Tests that
+a file of the folder contains already are left out, so that a run can be interrupted and continued.
 """
 
 from __future__ import annotations
@@ -33,7 +34,12 @@ def _trace(frame: FrameType, event: str, argument: object) -> None:
 
 def _names() -> set[str]:
     inside = (code for code in tuple(_seen) if code.co_filename.startswith(PACKAGE))
-    return {f"wroll_fem/{code.co_filename[len(PACKAGE) :]}:{code.co_firstlineno}" for code in inside}
+    return {f"wroll_fem/{code.co_filename[len(PACKAGE) :]}:{code.co_qualname}" for code in inside}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    known = {name for path in _folder().glob("*.json") for name in json.loads(path.read_text())}
+    items[:] = [item for item in items if item.nodeid not in known]
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -61,7 +67,21 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
         _found[report.nodeid][1] = False
 
 
+def pytest_runtest_logfinish() -> None:
+    if len(_found) % 20 == 0:
+        _write()
+
+
 def pytest_sessionfinish() -> None:
-    folder = Path(os.environ["WROLL_REACH"])
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{os.getpid()}.json").write_text(json.dumps(_found, indent=0))
+    _write()
+
+
+def _folder() -> Path:
+    return Path(os.environ["WROLL_REACH"])
+
+
+def _write() -> None:
+    _folder().mkdir(parents=True, exist_ok=True)
+    unfinished = _folder() / f"{os.getpid()}.part"
+    unfinished.write_text(json.dumps(_found, indent=0))
+    unfinished.replace(unfinished.with_suffix(".json"))

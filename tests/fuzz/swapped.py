@@ -7,11 +7,13 @@ of the time of a new process. It serves mutants inside a function that is not co
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import resource
 import time
+import traceback
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
@@ -21,6 +23,8 @@ import pytest
 from tests.fuzz.mutations import Mutant, functions_at
 
 Key = tuple[str, str, int]
+NOT_SWAPPED = 97
+"""Exit code of a child that found no function with the changed code."""
 
 
 def codes(code: CodeType) -> Iterator[CodeType]:
@@ -35,7 +39,7 @@ def is_swappable(mutant: Mutant, root: Path) -> bool:
     """Whether the change lies in the body of a function that is not compiled."""
     path = root / mutant.file
     around = functions_at(path, mutant.line)
-    if not around or any(compiled for _, _, compiled in around):
+    if not around or any(compiled for _, compiled in around):
         return False
     before, after = (compile(c, "x", "exec") for c in (path.read_bytes(), mutant.applied(path.read_bytes())))
     return [c.co_qualname for c in codes(before)] == [c.co_qualname for c in codes(after)] and (
@@ -51,10 +55,12 @@ def _outside(code: CodeType) -> Any:
 
 
 class Server:
-    """Plugin of pytest: in place of the loop over the tests it calls ``work(run)``."""
+    """Plugin of pytest: in place of the loop over the tests it calls ``work(run)``; ``files`` will be changed."""
 
-    def __init__(self, root: Path, work: Callable[[Callable[..., tuple[int, str, int, float]]], None]):
-        self.root, self.work = root, work
+    def __init__(
+        self, root: Path, files: Iterable[str], work: Callable[[Callable[..., tuple[int, str, int, float]]], None]
+    ):
+        self.root, self.files, self.work = root, sorted(set(files)), work
         self.failed = ""
         self.functions: dict[Key, list[FunctionType]] = defaultdict(list)
 
@@ -62,6 +68,9 @@ class Server:
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         self.items = {item.nodeid: item for item in session.items}
         package = str(self.root / "wroll_fem") + os.sep
+        for file in self.files:  # many modules are imported on first use
+            importlib.import_module(file.removesuffix(".py").replace("/", "."))
+        gc.unfreeze()  # conftest.py has frozen all objects; `get_objects` leaves them out
         gc.collect()
         for found in gc.get_objects():
             if type(found) is FunctionType and found.__code__.co_filename.startswith(package):
@@ -82,11 +91,13 @@ class Server:
         child = os.fork()
         if not child:
             os.close(source)
-            code = 3
+            errors = os.dup(2)
             try:
                 code = self._child(mutant, tests, budget, per_test, sink)
-            finally:
-                os._exit(code)
+            except BaseException:
+                os.write(errors, traceback.format_exc().encode())
+                code = NOT_SWAPPED
+            os._exit(code)
         os.close(sink)
         with os.fdopen(source, errors="replace") as stream:
             lines = stream.read().splitlines()
@@ -114,10 +125,14 @@ class Server:
         return 0
 
     def swap(self, mutant: Mutant) -> None:
-        """Give all functions of the changed file their new code."""
+        """Give the functions of the changed file their new code; at least one of them changes."""
+        changed = 0
         path = self.root / mutant.file
         new = compile(mutant.applied(path.read_bytes()), str(path), "exec", dont_inherit=True)
         for code in codes(new):
             for function in self.functions.get((str(path), code.co_qualname, code.co_firstlineno), ()):
                 if function.__code__.co_freevars == code.co_freevars:
+                    changed += function.__code__ != code
                     function.__code__ = code
+        if not changed:
+            os._exit(NOT_SWAPPED)

@@ -259,3 +259,30 @@ def test_gmsh_starts_without_the_false_alarm_about_two_mpi(monkeypatch, capfd):
     start_gmsh()
     os.write(2, b"after\n")
     assert capfd.readouterr().err == "one\ntwo\nafter\n"
+
+
+@pytest.mark.parametrize("head", ["", "// $MeshFormat\n", "Exit;\n"])
+def test_a_script_with_the_name_of_a_mesh_is_not_run(tmp_path, head):
+    """gmsh takes any text for a script of its own, which may start programs or end the process."""
+    script, mark = tmp_path / "own.msh", tmp_path / "mark"
+    script.write_text(f'{head}SystemCall "touch {mark}";\n')
+    with pytest.raises(InputError, match=r"own\.msh: mesh\.file: is not a \.msh file"):
+        read_mesh(script)
+    assert not mark.exists()
+    named = (ROOT / "meshes" / "lab_small.msh").read_bytes()
+    (tmp_path / "own.geo").write_bytes(named)
+    with pytest.raises(InputError, match=r"own\.geo: mesh\.file: is not a \.msh file"):
+        read_mesh(tmp_path / "own.geo")
+
+
+def test_a_damaged_mesh_that_crashes_gmsh_does_not_end_the_program(tmp_path, mesh):
+    """gmsh takes the dimension -1 of a group for the index of an array."""
+    path = write_mesh(mesh, tmp_path)[0]
+    text = path.read_text()
+    assert '\n1 2 "mandrel_tip"' in text
+    path.write_text(text.replace('\n1 2 "mandrel_tip"', '\n-1 2 "mandrel_tip"'))
+    with pytest.raises(InputError) as caught:
+        read_mesh(path)
+    assert (
+        str(caught.value) == f"{path}: mesh.file: the mesh file is damaged (gmsh crashes on it); write the mesh again"
+    )

@@ -49,7 +49,14 @@ CASES: dict[str, tuple[str, list[str]]] = {
     "random": ("lab_random", [*COARSE, "excitation.duration=2", "excitation.psd.frequency=[80, 250]", DAMPED]),
     "shock": ("lab_shock", [*COARSE, "excitation.decay=0.1", "solver.method=condensed"]),
     "harmonic": ("oscillator", ["analysis=harmonic", "excitation.amplitude=3"]),  # its curve folds
-    "backbone": ("lab_backbone", [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED]),
+    "backbone": (
+        "lab_backbone",
+        [
+            *COARSE, "harmonic.harmonics=1", "harmonic.samples=32", PROBE, DAMPED, "coil.per_wrap=true",
+            "winding={tension_stress: 2.7e6, wraps: 25, wrap_thickness: 5e-5, web: {E_theta: 2.8e9, nu_theta: 0.35, "
+            "radial_modulus: {law: pfeiffer, K1: 1e3, K2: 40}}}",
+        ],
+    ),
     "random_response": (
         "lab_random_response",
         [*COARSE, "harmonic.harmonics=1", "harmonic.samples=32", DAMPED, "random_response.levels_db=[0]"],
@@ -73,7 +80,8 @@ CASES: dict[str, tuple[str, list[str]]] = {
     "slip_damping": (
         "slipping_coil",
         [
-            "mesh={circumferential: 8, axial: 4, radial: 1}", "excitation.amplitude_g=[5]", "coil.pressure=varying",
+            "mesh={circumferential: 8, axial: 4, grading: 10, radial: 1}", "geometry.mandrel_thickness=8e-3",
+            "excitation.amplitude_g=[5]", "coil.pressure=varying",
             "coil.wrap_interfaces={elastic_slip: 1e-7}",
         ],
     ),

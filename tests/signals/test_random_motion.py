@@ -9,7 +9,7 @@ from scipy.signal import welch
 
 import wroll_fem as wf
 from wroll_fem.errors import InputError
-from wroll_fem.signals.random.psd import NEGLIGIBLE, PsdTable
+from wroll_fem.signals.random.psd import NEGLIGIBLE, PsdTable, duration_problem, line_orders
 from wroll_fem.signals.random.random_motion import RandomMotion, random_lines
 from wroll_fem.signals.sampled_motion import SampledMotion
 
@@ -141,6 +141,16 @@ def test_bad_input_is_named(arguments: tuple, words: str) -> None:
         wf.signals.random_record(*arguments)
     assert caught.value.remedy
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("duration", "lines"), [(1.8, 19), (1.9, 20)])
+def test_twenty_spectral_lines_make_a_random_motion(duration: float, lines: int) -> None:
+    """Lines k / duration in 20 to 30 Hz, ends included: 36 to 54, and 38 to 57."""
+    table = PsdTable((20.0, 30.0), (0.01, 0.01))
+    assert len(line_orders(table, duration)) == lines
+    problem = duration_problem(table, duration)
+    assert (problem is None) == (lines >= 20)
+    assert problem is None or "resolves 19 spectral lines" in problem[0]
 
 
 def test_a_crest_limit_out_of_reach_is_refused() -> None:

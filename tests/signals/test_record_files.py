@@ -83,7 +83,35 @@ def test_universal_file_is_read_by_pyuff(tmp_path):
         read_record(path, unit="g")
 
 
+def test_channels_of_a_universal_file_are_named_by_node_and_direction(tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    path = tmp_path / "a.uff"
+    named = {0: "", 1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z"}
+    common = {"binary": 0, "func_type": 1, "ref_node": 0, "ref_dir": 0, "abscissa_spec_data_type": 17}
+    sets = [
+        pyuff.prepare_58(**common, rsp_node=4, rsp_dir=direction, data=(5.0 + direction) * BASE, x=TIME, id1="record",
+                         ordinate_spec_data_type=12, orddenom_spec_data_type=0, ord_data_type=4, num_pts=len(TIME),
+                         abscissa_spacing=1, abscissa_min=0.0, abscissa_inc=1 / RATE)
+        for direction in named
+    ]  # fmt: skip
+    pyuff.UFF(str(path)).write_sets(sets, "overwrite")
+    for direction, name in named.items():
+        record = read_record(path, unit="m/s^2", column=f"4:{name}")
+        np.testing.assert_allclose(record.acceleration, (5.0 + direction) * BASE, rtol=1e-6, atol=1e-6)
+
+
 # --- refusals -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["", "\n \n", "# of the shaker\n", "time,base\n", "time,base\ns,g\n"])
+def test_a_text_file_without_numbers_is_refused_in_one_line(text, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_record(path, unit="g")
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.remedy
 
 
 def rows_with(change):

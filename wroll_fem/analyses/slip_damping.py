@@ -14,6 +14,7 @@ from wroll_fem.analyses.followed_mode import axisymmetric_mode, main_mode
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
+from wroll_fem.analyses.slip_onset import slip_onset
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
 from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure, stress_rows
@@ -69,6 +70,7 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     if case.coil.wrap_interfaces is not None:
         dataset = with_moduli(dataset, between)
     _warn(dataset, case, effective_mass(body, path, mode, case), progress)
+    dataset.attrs |= slip_onset(path, points, mode, case)
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)
 
@@ -165,6 +167,6 @@ ANALYSIS = Analysis(
         "amplitude_g": ("tip_at_level", "tip_at_level_without_slip", "damping_at_level"),
         "point": ("tip_amplitude_at_slip", "slip_work_density", "friction_capacity"),
     },
-    plots=("slip_damping", "slip_work", "backbone"),
+    plots=("slip_damping", "slip_work", "slip_work_section", "slip_work_sections", "slip_work_in_coil", "backbone"),
     estimate=estimate_modes,
 )  # fmt: skip

@@ -186,13 +186,19 @@ class Case(Section):
         """Case without its wrong sections, to check the others; reading a wrong section raises AttributeError."""
         valid: dict[str, Any] = {}
         for name in (cls.model_fields.keys() & given.keys()) - set(wrong):
-            field = cls.model_fields[name]
-            kind: Any = Annotated[(field.annotation, *field.metadata, Field(discriminator=field.discriminator))]
-            valid[name] = TypeAdapter(kind).validate_python(given[name], context=origin)
+            valid[name] = cls._adapter(name).validate_python(given[name], context=origin)
         part = cls.model_construct(_fields_set=set(given), **valid)
         for section in wrong:
             part.__dict__.pop(str(section), None)  # the default
         return cast("Self", part)
+
+    @classmethod
+    @lru_cache(maxsize=512)
+    def _adapter(cls, name: str) -> TypeAdapter[Any]:
+        """Validator of one section; pydantic takes some milliseconds to build it."""
+        field = cls.model_fields[name]
+        kind: Any = Annotated[(field.annotation, *field.metadata, Field(discriminator=field.discriminator))]
+        return TypeAdapter(kind)
 
     def _problems(self, *, complete: bool = True) -> list[InitErrorDetails]:
         """What the checks of the case sections against each other find; ``complete``: every section is valid."""

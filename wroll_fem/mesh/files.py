@@ -16,6 +16,7 @@ import numpy as np
 from wroll_fem.errors import InputError
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh, ring_edges
 from wroll_fem.results.storage.atomic import make_folder, replacing
+from wroll_fem.results.storage.guarded import trial_mesh
 from wroll_fem.typing import FloatArray, IntArray
 
 _QUAD9, _LINE3, _HEX27 = 10, 8, 12  # gmsh element types
@@ -78,13 +79,12 @@ def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> Cylin
     Raises
     ------
     InputError
-        If the file is missing or unreadable, lacks groups, or contains cells other than 9-node quads.
+        If the file is missing or unreadable, is a script, lacks groups, or contains cells other than 9-node quads.
     RuntimeError
         If reading the file changes the list of gmsh models.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InputError("mesh file does not exist", key="mesh.file", file=str(path), remedy="give an existing file")
+    _check_file(path)
     with gmsh_model("read"):
         before = set(gmsh.model.list())
         try:
@@ -96,6 +96,21 @@ def read_mesh(path: str | Path, required: Sequence[str] = ("mandrel",)) -> Cylin
         if set(gmsh.model.list()) != before:
             raise RuntimeError(f"reading {path} changed the list of gmsh models")
         return extract_mesh(str(path), required)
+
+
+def _check_file(path: Path) -> None:
+    """Refuse a file that gmsh would run as a script, or that ends its process."""
+    if not path.is_file():
+        raise InputError("mesh file does not exist", key="mesh.file", file=str(path), remedy="give an existing file")
+    with path.open("rb") as file:
+        head = file.read(20)
+    if path.suffix.lower() != ".msh" or not head.startswith((b"$MeshFormat", b"$Comments")):
+        # gmsh takes any other text for a .geo script, which may start programs
+        raise InputError("is not a .msh file", key="mesh.file", file=str(path), remedy="save the mesh as .msh 4.1")
+    if problem := trial_mesh(path):
+        raise InputError(
+            f"the mesh file is damaged ({problem})", key="mesh.file", file=str(path), remedy="write the mesh again"
+        )
 
 
 def extract_mesh(source: str, required: Sequence[str] = ()) -> CylinderMesh:

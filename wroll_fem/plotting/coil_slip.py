@@ -201,7 +201,7 @@ def plot_root_section(
     outer = 1e3 * float(dataset.attrs["coil_outer_radius_m"])
     ax.add_patch(Circle((0, 0), 1e3 * r_m, facecolor=_MANDREL, edgecolor="#555555", lw=0.8, zorder=3))
     ax.add_patch(Circle((0, 0), outer, facecolor="none", edgecolor="#555555", lw=0.8))
-    _excitation_arrow(ax, str(dataset.attrs.get("excitation_direction", "x")), 0.6e3 * r_m)
+    excitation_arrow(ax, str(dataset.attrs.get("excitation_direction", "x")), 0.6e3 * r_m)
     ax.set_xlim(-1.08 * outer, 1.08 * outer)
     ax.set_ylim(-1.08 * outer, 1.08 * outer)
     ax.set_aspect("equal")
@@ -218,7 +218,8 @@ def plot_root_section(
     return ax
 
 
-def _excitation_arrow(ax: Axes, direction: str, half: float) -> None:
+def excitation_arrow(ax: Axes, direction: str, half: float) -> None:
+    """Draw a double arrow along the excitation, "x" or "y", in the middle of a cross-section, ``half`` as long."""
     tip = (half, 0.0) if direction == "x" else (0.0, half)
     ax.annotate(
         "", xy=tip, xytext=(-tip[0], -tip[1]), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1.4}, zorder=4

@@ -20,7 +20,8 @@ from wroll_fem.plotting.mode_shapes import _cropped, _pyvista, _render
 from wroll_fem.typing import FloatArray
 
 _FIELDS = ("slip_onset", "shear_resultant", "shear_rz", "shear_rt", "friction_capacity")
-_STUCK = "#DDDDDD"
+STUCK = "#DDDDDD"
+"""Colour of points that do not slip."""
 _HEXAHEDRON = 12
 _NEVER = 1e9  # g; replaces infinity, which the file formats of viewers do not have
 
@@ -85,15 +86,18 @@ def level_names(dataset: xr.Dataset) -> dict[str, str]:
     """Legend of `cut_coil`: text -> colour, from the lowest excitation level to "no slip"."""
     levels = _levels(dataset)
     names = [f"slips at {g:g} g" for g in levels] + [f"no slip up to {levels[-1]:g} g"]
-    return dict(zip(names, [*level_colours(levels.size)[::-1], _STUCK], strict=True))
+    return dict(zip(names, [*level_colours(levels.size)[::-1], STUCK], strict=True))
 
 
-def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
+def cut_coil(
+    dataset: xr.Dataset, top: float, along: str | None = None
+) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
     """Half of the roll up to height ``top`` (m), with the coil coloured by excitation level.
 
     Each coil cell has the colour of the lowest excitation level at which it slips.
 
-    The cutting plane contains the axis and the direction of excitation, so it shows the largest axial shear.
+    The cutting plane contains the axis and the direction ``along``, "x" or "y". By default it is that of the
+    excitation, where the plane shows the largest axial shear.
 
     Returns
     -------
@@ -105,27 +109,39 @@ def cut_coil(dataset: xr.Dataset, top: float) -> tuple[list[tuple[Any, dict[str,
     InputError
         When the points do not form a grid, or pyvista is missing.
     """
-    pv = _pyvista()
     levels = _levels(dataset)
+    values = np.searchsorted(levels, dataset["slip_onset"].values, side="right").astype(float)
+    colours = ListedColormap(list(level_names(dataset).values()))
+    options = {"cmap": colours, "clim": (-0.5, levels.size + 0.5), "ambient": 0.45}
+    return cut_roll(dataset, top, along or ("x" if _along_x(dataset) else "y"), values, options)
+
+
+def cut_roll(
+    dataset: xr.Dataset, top: float, along: str, values: FloatArray, options: dict[str, Any]
+) -> tuple[list[tuple[Any, dict[str, Any]]], float]:
+    """Half of the roll up to height ``top`` (m), cut along "x" or "y"; ``values`` (n_points,) colour the coil.
+
+    ``options`` are those of `add_mesh` for the coil. For the meshes, the height and the errors see `cut_coil`.
+    """
+    pv = _pyvista()
     radii, ends = _ends(dataset)
     nodes, cells = coil_cells(grid_of(dataset), radii, ends)
     coil = pv.UnstructuredGrid({_HEXAHEDRON: cells}, nodes)
-    coil["level"] = np.searchsorted(levels, dataset["slip_onset"].values, side="right").astype(float)
-    colours = ListedColormap(list(level_names(dataset).values()))
-    options = {"scalars": "level", "cmap": colours, "clim": (-0.5, levels.size + 0.5), "ambient": 0.45}
+    coil["values"] = values
     tube = pv.CylinderStructured(
         radius=np.array([0.9, 1.0]) * radii[0], height=ends[1], center=(0, 0, 0.5 * ends[1]), direction=(0, 0, 1),
         theta_resolution=96,
     )  # fmt: skip
     metal: dict[str, Any] = {"color": "#9A9A9A", "ambient": 0.4}
-    normal = (0, 1, 0) if _along_x(dataset) else (-1, 0, 0)
+    normal = (0, 1, 0) if along == "x" else (-1, 0, 0)
     part = coil.extract_cells(np.flatnonzero(nodes[cells][:, :, 2].min(axis=1) < top - 1e-9))
     half = part.clip(normal=normal, origin=(0, 0, 0), crinkle=True, invert=False)
     height = float(part.bounds[5])
     stub = tube.clip(normal=(0, 0, 1), origin=(0, 0, height)) if height < ends[1] else tube
     half_tube = stub.clip(normal=normal, origin=(0, 0, 0), invert=False)
     edges = half.extract_feature_edges(boundary_edges=True, manifold_edges=False)
-    return [(half, options), (half_tube, metal), (edges, {"color": "#555555", "line_width": 1.5})], height
+    drawn = [(half, {"scalars": "values", **options}), (half_tube, metal)]
+    return [*drawn, (edges, {"color": "#555555", "line_width": 1.5})], height
 
 
 def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from wroll_fem.errors import InputError
 from wroll_fem.plotting import style
-from wroll_fem.plotting.slip import in_small_unit, interface_name
+from wroll_fem.plotting.slip import in_small_unit, interface_name, over_wraps
 from wroll_fem.results.dataset import label
 from wroll_fem.results.interface_slip import cylinder_cells, interface_radius, raster, slipping_area_fraction, surface
 from wroll_fem.typing import FloatArray
@@ -187,7 +187,7 @@ def plot_slip_on_cylinder(
     scale = ScalarMappable(Normalize(0.0, largest), style.SLIP_MAP)
     bar = figure.colorbar(scale, ax=list(panels), location="bottom", shrink=0.6, aspect=35, pad=0.02)
     grey = "; grey: never slipped" if quantity == "cumulative_slip" else ""
-    bar.set_label(label(quantity, unit) + grey)
+    bar.set_label(label(quantity, unit) + over_wraps(dataset, interface) + grey)
     fraction = float(slipping_area_fraction(dataset).isel(interface=interface))
     found = f"No slip between {interface_name(interface, dataset)}"
     if fraction > 0.0:

@@ -40,6 +40,9 @@ from wroll_fem.plotting.slip import plot_pressure_map as pressure_map
 from wroll_fem.plotting.slip import plot_slip_map as slip_map
 from wroll_fem.plotting.slip_damping import plot_slip_damping as slip_damping
 from wroll_fem.plotting.slip_work import plot_slip_work as slip_work
+from wroll_fem.plotting.slip_work_section import plot_slip_work_section as slip_work_section
+from wroll_fem.plotting.slip_work_section import plot_slip_work_sections as slip_work_sections
+from wroll_fem.plotting.slip_work_space import plot_slip_work_in_coil as slip_work_in_coil
 from wroll_fem.plotting.spectra import plot_spectra as spectra
 from wroll_fem.plotting.style import save_figure as save
 from wroll_fem.plotting.transmissibility import plot_comparison as comparison
@@ -68,7 +71,8 @@ __all__ = [
     "backbone", "comparison", "curves", "design_map", "energy_ledger", "harmonic_response", "hysteresis",
     "jupyter_backend", "margin", "mode_shapes", "modes", "peak_slip_vectors", "pressure_map", "random_levels",
     "random_response", "response", "root_section", "root_sections", "save", "shear_along", "shear_distribution",
-    "shock", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_work", "slip_zone",
+    "shock", "slip_damping", "slip_in_coil", "slip_map", "slip_on_cylinder", "slip_scene", "slip_work",
+    "slip_work_in_coil", "slip_work_section", "slip_work_sections", "slip_zone",
     "spectra", "steady_response", "study_figure", "transmissibility", "two_dof", "two_dof_arrangements",
     "two_dof_design_space", "two_dof_readings", "winding", "wrap_slip", "write_slip_vtu",
 ]  # fmt: skip

@@ -11,7 +11,7 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.coil_slip_space import cut_coil, level_names
 from wroll_fem.plotting.cylinder import slip_surface
 from wroll_fem.plotting.mode_shapes import _pyvista, has_display
-from wroll_fem.plotting.slip import in_small_unit
+from wroll_fem.plotting.slip import in_small_unit, over_wraps
 
 
 def jupyter_backend() -> str:
@@ -63,7 +63,7 @@ def slip_scene(dataset: xr.Dataset, interface: int = 0, *, top: float | None = N
         mesh["slip"] = slip
         # no scalar bar: VTK's formatting of its numbers ends a process that has loaded dolfinx (two C++ string layouts)
         scene.add_mesh(mesh, scalars="slip", cmap=style.SLIP_MAP, show_scalar_bar=False, ambient=0.4)
-        text = f"Accumulated slip: 0 (dark) to {slip.max():.3g} {unit} (yellow)"
+        text = f"Accumulated slip: 0 (dark) to {slip.max():.3g} {unit} (yellow){over_wraps(dataset, interface)}"
     scene.add_text(text, font_size=10, color="black")
     scene.camera_position = "xz"
     scene.camera.elevation = 20.0

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from wroll_fem.plotting import style
 from wroll_fem.results.dataset import field, label
-from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
+from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface, wrap_interfaces
 from wroll_fem.typing import FloatArray
 
 _STUCK = "#E4E4E4"
@@ -44,6 +44,12 @@ def in_small_unit(values_m: FloatArray) -> tuple[FloatArray, str]:
     """Convert lengths (m) to micrometres, or to nanometres if all are below 0.1 µm; return values and unit."""
     largest = float(np.nanmax(np.abs(values_m), initial=0.0))
     return (1e6 * values_m, "µm") if largest >= 0.1e-6 or largest == 0.0 else (1e9 * values_m, "nm")
+
+
+def over_wraps(dataset: xr.Dataset, interface: int) -> str:
+    """Text that the slip of an interface is the sum over the wrap interfaces it stands for; empty for one of them."""
+    count = wrap_interfaces(dataset, interface)
+    return "" if count == 1.0 else f", sum of {count:.4g} wrap interfaces"
 
 
 def plot_slip_map(
@@ -100,7 +106,7 @@ def plot_slip_map(
         if fraction > 0.0 and np.nanmin(slipped) < 0.5:
             ax.contour(degrees, z_mm, slipped, levels=[0.5], colors="black", linewidths=1.1)
         bar = style.figure_of(ax).colorbar(picture, ax=ax, pad=0.02)
-        bar.set_label(label(quantity, unit))
+        bar.set_label(label(quantity, unit) + over_wraps(dataset, interface))
     else:
         ax.patch.set(hatch="////", edgecolor="#B5B5B5")
     if quantity == "cumulative_slip" and fraction < 1.0:
@@ -151,6 +157,7 @@ def _finding(dataset: xr.Dataset, interface: int, quantity: str, fraction: float
     side = f"±{angle:.0f}°" if 0.5 < angle < 179.5 else f"{angle:.0f}°"
     shown, unit = in_small_unit(values)
     most = f"{style.three_digits(shown[k])} {unit} at {side}, {height:.0f} mm above the base"
+    most += over_wraps(dataset, interface)
     if quantity == "cumulative_slip":
         if fraction == 0.0:
             return f"No slip between {name}"
@@ -213,7 +220,7 @@ def plot_peak_slip_vectors(
     nice = float(f"{0.7 * top:.1g}")
     ax.quiverkey(arrows, 0.86, 0.94, nice, f"{nice:g} {unit}", labelpos="E", color="black", fontproperties={"size": 9})
     bar = style.figure_of(ax).colorbar(arrows, ax=ax, pad=0.02)
-    bar.set_label(f"Largest relative displacement ({unit})")
+    bar.set_label(f"Largest relative displacement ({unit})" + over_wraps(dataset, interface))
     angle = abs(degrees[longest])
     share = "axial" if abs(axial[longest]) >= abs(hoop[longest]) else "hoop"
     style.title(

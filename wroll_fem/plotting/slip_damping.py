@@ -64,6 +64,10 @@ def plot_slip_damping(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     handles += other.plot(
         g, dataset["resonance_frequency"].values, "-", color=style.BLUE, lw=1.8, label="frequency (right)"
     )
+    stuck = float(dataset.attrs["f_stuck_hz"])
+    handles += other.plot(
+        [0.0, g[-1]], [stuck, stuck], "--", color=style.BLUE, lw=1.2, alpha=0.7, label="frequency without slip (right)"
+    )
     other.set_ylabel(label("resonance_frequency"), color=style.BLUE)
     other.spines["top"].set_visible(False)
     ax.legend(handles=handles, fontsize=8, framealpha=0.9, loc="center right")

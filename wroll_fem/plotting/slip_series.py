@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize
 
 from wroll_fem.plotting import style
-from wroll_fem.plotting.slip import in_small_unit, interface_name
+from wroll_fem.plotting.slip import in_small_unit, interface_name, over_wraps
 from wroll_fem.plotting.study import StudyCase, grid_cases, shown
 from wroll_fem.results.dataset import label
 from wroll_fem.results.interface_slip import interface_radius, raster, slipping_area_fraction, surface
@@ -171,7 +171,10 @@ def plot_slip_vectors(members: Sequence[StudyCase], max_arrows: int = 330) -> Ax
         pad = 0.12 * float(np.ptp(y))
         ax.set_ylim(y.min() - pad, y.max() + pad)
         largest_here, unit_here = in_small_unit(np.array([size.max()]))
-        ax.set_title(f"{interface_name(k)}: {style.three_digits(float(largest_here[0]))} {unit_here}", fontsize=8.5)
+        ax.set_title(
+            f"{interface_name(k)}: {style.three_digits(float(largest_here[0]))} {unit_here}{over_wraps(m.data, k)}",
+            fontsize=8.5,
+        )
     assert arrows is not None  # `surface` raises an error without an interface
     bar = figure.colorbar(arrows, ax=list(panels.ravel()), shrink=0.8, pad=0.02)
     bar.set_label(f"Largest relative displacement ({unit})", fontsize=9)

@@ -14,7 +14,7 @@ from wroll_fem.plotting import style
 from wroll_fem.plotting.coil_slip import draw_slip_zone, grid_of
 from wroll_fem.typing import FloatArray
 
-_DECADES = 4
+DECADES = 4
 """Decades of the colour scale of the slip work."""
 
 
@@ -23,6 +23,18 @@ def slip_onset_g(dataset: xr.Dataset) -> FloatArray:
     base = dataset["resonant_base_acceleration"].values / GRAVITY
     onset = dataset["tip_amplitude_at_slip"].values
     return np.where(np.isnan(onset), np.inf, np.interp(onset, dataset["tip_amplitude"].values, base))
+
+
+def whole_coil(dataset: xr.Dataset) -> xr.Dataset:
+    """Points of the whole circumference, from those of the whole or of half of it, with their onset of slip, g."""
+    dataset = dataset.assign(slip_onset=("point", slip_onset_g(dataset)))
+    if not float(dataset["theta_rad"].min()) > 0.0:
+        return dataset
+    half = dataset.assign(volume=0.5 * dataset["volume"])
+    return xr.concat(
+        [half, half.assign(theta_rad=-half["theta_rad"])], "point", data_vars="minimal", coords="minimal",
+        compat="override", combine_attrs="override",
+    )  # fmt: skip
 
 
 def plot_slip_work(dataset: xr.Dataset) -> Axes:
@@ -86,8 +98,8 @@ def _work_panel(dataset: xr.Dataset, ax: Axes) -> None:
     ax.set_facecolor("#E4E4E4")
     if most > 0.0:
         shown = ax.pcolormesh(
-            *_faces(dataset, grid), np.ma.masked_less(mean, 10.0**-_DECADES * most).T, cmap="magma_r",
-            norm=LogNorm(10.0**-_DECADES * most, most), rasterized=True,
+            *_faces(dataset, grid), np.ma.masked_less(mean, 10.0**-DECADES * most).T, cmap="magma_r",
+            norm=LogNorm(10.0**-DECADES * most, most), rasterized=True,
         )  # fmt: skip
         style.figure_of(ax).colorbar(shown, ax=ax, pad=0.02).set_label("Slip work (J/m³ per cycle)")
     ax.set_xlabel("Distance from the mandrel (mm)")

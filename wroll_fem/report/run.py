@@ -30,7 +30,10 @@ _STATUS = {
     "failed": "stopped by an error",
 }
 _LOGGED = re.compile(r"^\S+ (warning|error): (.*)$")
-_OF_INTERFACES = ("interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "slipping_area_fraction")
+_OF_INTERFACES = (
+    "interface_pressure_mean_pa", "external_pressure_pa", "winding_pressure_pa", "wrap_interfaces",
+    "slipping_area_fraction",
+)  # fmt: skip
 _OF_MODES = ("modes_hz", "mode_kinds", "mode_damping_ratios", "effective_mass_fraction")
 _DRIFT = 0.01
 _CAPTIONS = {
@@ -48,6 +51,7 @@ _CAPTIONS = {
     "design_map": "Map of mandrels", "slip_zone": "Slip zone", "root_section": "Shear stress at the root",
     "steady_response": "Tip motion from rest to steady state", "shear_distribution": "Shear versus height and radius",
     "slip_in_coil": "Slip in the coil", "slip_work": "Slip zone and slip work in the coil",
+    "slip_work_sections": "Slip zone and slip work at the root", "slip_work_in_coil": "Slip work in the coil",
 }  # fmt: skip
 
 

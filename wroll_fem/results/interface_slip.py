@@ -107,6 +107,12 @@ def fills_body(dataset: xr.Dataset, interface: int) -> bool:
     return "r_m" in dataset.variables and bool(np.isfinite(_along_interface(dataset, "r_m", interface)).any())
 
 
+def wrap_interfaces(dataset: xr.Dataset, interface: int) -> float:
+    """Number of wrap interfaces for which an interface stands; its slip is the sum of theirs (`coil.per_wrap`)."""
+    counts = dataset.attrs.get("wrap_interfaces")
+    return 1.0 if counts is None else float(counts[interface])
+
+
 def structured(theta: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.int64]] | None:
     """Angles (n_t,), heights (n_z,) and point indices (n_z, n_t) if the points form a full grid, else None."""
     angles, column = levels(theta, _SAME_ANGLE)

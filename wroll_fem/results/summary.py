@@ -128,6 +128,18 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "m", "largest accumulated slip",
             "length of the plastic slip path during the motion; during one period for harmonic and backbone",
         ),
+        "wrap_interfaces": number(
+            "", "wrap interfaces of an interface",
+            "per interface, inner first, with `coil.per_wrap`: every slip and relative displacement of the run is the "
+            "sum over them", "{:.4g}",
+        ),
+        "max_relative_displacement_per_wrap_m": Entry(
+            "m", "largest relative displacement of two wraps",
+            "with `coil.per_wrap`: `max_relative_displacement_m` of each interface divided by its `wrap_interfaces`",
+        ),
+        "max_accumulated_slip_per_wrap_m": Entry(
+            "m", "largest accumulated slip of two wraps", "with `coil.per_wrap`, likewise"
+        ),
         "slipping_area_fraction": share("area that slipped", "share of the area that slipped at any time"),
         "open_area_fraction": share("area that opened", "share of the area that was open at any time of the motion"),
         "open_time_fraction": share(
@@ -186,7 +198,9 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "slip_zone_height_m": Entry("m", "slip zone height", "per level, above the base"),
         "slip_zone_depth_m": Entry("m", "slip zone depth", "per level, from the mandrel"),
         "slip_onset_g": number(
-            "g", "base acceleration at which slip starts (0-peak)", "missing if no level causes slip"
+            "g", "base acceleration at which slip starts (0-peak)",
+            "at the first point; missing if no level causes slip (modal_transient); falls with the size of the "
+            "elements where the stress is singular",
         ),
         "slip_onset_radius_m": Entry("m", "slip onset radius"),
         "slip_onset_height_m": Entry("m", "slip onset height"),
@@ -205,6 +219,13 @@ GROUPS: dict[str, dict[str, Entry]] = {
         "cycle_closure": share("gap of the cycles", "difference of the ends over the amplitude, pressure: varying"),
         "interlayer_shear_modulus_min_pa": Entry("Pa", "smallest shear modulus between the wraps"),
         "interlayer_shear_modulus_max_pa": Entry("Pa", "largest shear modulus between the wraps"),
+        "slip_onset_averaged_g": number(
+            "g", "base acceleration at which slip starts, averaged over a length (0-peak)",
+            "mean stress over `slip_onset_length_m` in height and depth reaches the mean friction limit; does not "
+            "depend on the mesh",
+        ),
+        "slip_onset_length_m": Entry("m", "length over which the onset is averaged", "wall thickness of the mandrel"),
+        "slip_onset_statement": Entry("", "onset of slip", "sentence on both onsets", console="{}"),
         "slip_damping_statement": Entry("", "coil", "sentence on what slip changes", console="{}"),
     },
     "Map of mandrels": {

@@ -107,6 +107,6 @@ def pressure_of_wraps(
         for a, pull in zip(under[outside], tension[outside], strict=True):
             total[k] += pull * thickness / a * float(increment(np.array(r), inner, a, ratio=ratio, core=core))
         own = int(np.sum(~outside)) - 1
-        if own >= 0 and not outside[own]:
+        if own >= 0:
             total[k] += tension[own] * max(0.0, under[own] + thickness - r) / r
     return total

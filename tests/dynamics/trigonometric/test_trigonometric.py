@@ -137,7 +137,7 @@ def test_coupled_damping_has_the_closed_form_too() -> None:
 @pytest.mark.parametrize("overrides", [(), ("damping.modal=0.01",), ("preload.pressure=1.0e3", "damping.modal=0.01")])
 def test_energy_identity_holds_through_slip_opening_and_growth_of_the_basis(overrides: tuple[str, ...]) -> None:
     found = history(*prepared(*overrides), STRONG, DT, EXACT)
-    assert gap(found) < 1e-6
+    assert gap(found) < 1e-8  # the ledger has the residual of the iteration, 1e-3 of the elastic slip
     assert float(found["slipping_fraction"].max()) > 0.1
     assert (float(found["open_fraction"].max()) > 0.1) == ("preload.pressure=1.0e3" in overrides)
     assert abs(float(found["numerical_dissipation"][-1])) < 2e-2 * float(found["input_work"][-1])

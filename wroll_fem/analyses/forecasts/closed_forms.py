@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from wroll_fem.case.mandrel import Mandrel
     from wroll_fem.case.structural import OnRoll
     from wroll_fem.contact.law import FrictionLaw
+    from wroll_fem.typing import FloatArray
 
 DEPTH_ITERATIONS = 20
 """Iterations for the depth to which a solid coil takes part in the shear lag; each halves the error or better."""
@@ -22,8 +23,10 @@ RIGID = 1e-3
 def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True) -> float:
     """First bending frequency in Hz of the roll as a beam with shear flexibility; the error is a few per cent.
 
-    For a cantilever with a tip mass it is that of Rayleigh: 33/140 of the mass of the beam acts at the tip. With other
-    supports, or an inertia of the tip mass, it is that of a beam of finite elements (`SprungBeam`).
+    With `coil.per_wrap` the layers stick by the elastic slip of all wrap interfaces (`StickingTube`), which
+    lowers the frequency; without it the coil is bonded. For a cantilever with a tip mass it is that of Rayleigh: 33/140
+    of the mass of the beam acts at the tip. With other supports, or an inertia of the tip mass, it is that of a beam of
+    finite elements (`SprungBeam`).
 
     Parameters
     ----------
@@ -35,6 +38,8 @@ def beam_frequency(roll: RollSections, *, bonded: bool, added_mass: bool = True)
         Whether the coil adds mass.
     """
     g, m, coil = roll.geometry, roll.mandrel, roll.coil
+    if bonded and coil.per_wrap and (found := _sticking(roll, added_mass=added_mass)) is not None:
+        return found
     whole = (0.0, g.length)
     radius = 0.5 * g.mandrel_outer_diameter - 0.5 * g.mandrel_thickness
     tubes = [_Tube(m.material, radius, g.mandrel_thickness, whole)]
@@ -100,23 +105,57 @@ def _share_at_tip(low: float, high: float, length: float) -> float:
     return (above - below) / (high - low)
 
 
-def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, mass: float) -> float:
-    """First bending frequency in Hz with the supports and the tip body of a mandrel; ``mass`` in kg/m."""
+def _sticking(roll: Any, *, added_mass: bool) -> float | None:
+    """First bending frequency in Hz of layers that stick on each other; None without friction that sticks."""
+    if roll.preload is None or roll.contact is None or roll.friction.law == "smoothed_coulomb":
+        return None
+    from wroll_fem.bodies.sticking_tubes import StickingTube, lowest_frequency
+
+    g, m, coil = roll.geometry, roll.mandrel, roll.coil
+    outer, t = 0.5 * g.mandrel_outer_diameter, coil.layer_thickness
+    tubes = [_Tube(m.material, outer - 0.5 * g.mandrel_thickness, g.mandrel_thickness, (0.0, g.length))]
+    tubes += [_Tube(coil.material, outer + (k + 0.5) * t, t, roll.coil_span) for k in range(coil.layers)]
+    tilts: dict[str, list[float | None]] = {
+        "free": [0.0] * coil.layers, "clamped": [None] * coil.layers, "inner_edge": [None] + [0.0] * (coil.layers - 1),
+        "guided": [math.pi * tube.radius**3 * coil.base_stiffness for tube in tubes[1:]],
+    }  # fmt: skip
+    lateral, tilt, tip_stiffness, tip_mass = _ends(m)
+    heavy = [tube.mass / (tube.span[1] - tube.span[0]) * (added_mass or not k) for k, tube in enumerate(tubes)]
+    laws = zip(roll.interface_laws, interface_pressures(roll), strict=True)
+    return lowest_frequency(
+        [
+            StickingTube(tube.radius, tube.bending, tube.shear, mass, tube.span, base)
+            for tube, mass, base in zip(tubes, heavy, [tilt, *tilts[coil.base]], strict=True)
+        ],
+        [(outer + k * t, law.mu * pressure / law.elastic_slip) for k, (law, pressure) in enumerate(laws)], g.length,
+        lateral=lateral, tip_stiffness=tip_stiffness, tip_mass=tip_mass,
+    )  # fmt: skip
+
+
+def _ends(mandrel: Mandrel) -> tuple[float | None, float | None, FloatArray | None, FloatArray]:
+    """Lateral and tilt stiffness of the base (None: held), and (2, 2) stiffness and mass for both at the tip."""
     import numpy as np
 
-    from wroll_fem.bodies.beam_modes import SprungBeam
     from wroll_fem.bodies.rigid_ends import rigid_mass, spring_matrix
 
     plane = np.ix_([0, 4], [0, 4])  # along x and about y
     turn = mandrel.tip_inertia
     body = rigid_mass(mandrel.tip_mass, turn.transverse if turn else 0.0, 0.0, mandrel.tip_offset or 0.0)
     held, springs = mandrel.springs, mandrel.tip_springs
+    lateral, tilt = (
+        (0.0, 0.0) if mandrel.base == "free" else (None, None) if held is None else (held.lateral, held.tilt)
+    )
+    return lateral, tilt, None if springs is None else spring_matrix(springs.six)[plane], body[plane]
+
+
+def _on_springs(mandrel: Mandrel, length: float, bending: float, shear: float, mass: float) -> float:
+    """First bending frequency in Hz with the supports and the tip body of a mandrel; ``mass`` in kg/m."""
+    from wroll_fem.bodies.beam_modes import SprungBeam
+
+    lateral, tilt, tip_stiffness, tip_mass = _ends(mandrel)
     beam = SprungBeam(
-        length, bending, shear, mass, 0.0,
-        base=(0.0, 0.0) if mandrel.base == "free" else (None, None) if held is None else (held.lateral, held.tilt),
-        tip_stiffness=None if springs is None else spring_matrix(springs.six)[plane],
-        tip_mass=body[plane],
-    )  # fmt: skip
+        length, bending, shear, mass, 0.0, base=(lateral, tilt), tip_stiffness=tip_stiffness, tip_mass=tip_mass
+    )
     moving = [f for f in beam.frequencies(3).tolist() if f > RIGID]
     return float(moving[0]) if moving else 0.0
 

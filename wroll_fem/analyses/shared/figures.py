@@ -115,10 +115,20 @@ def coil_sections(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def slip_work(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the slip zone and the slip work of a coil whose wraps slide, if its points form a grid."""
+    """Draw slip zone and slip work of a coil whose wraps slide: over radius and height, near the root, and in space.
+
+    Nothing is drawn if its points form no grid.
+    """
     from wroll_fem.plotting.coil_slip import has_grid
 
-    return [_save("slip_work", "slip_work", dataset, folder)] if has_grid(dataset) else []
+    if not has_grid(dataset):
+        return []
+    drawn = [_save(name, name, dataset, folder) for name in ("slip_work", "slip_work_sections")]
+    if find_spec("pyvista") is None:
+        return drawn
+    from wroll_fem.plotting.names import slip_work_in_coil
+
+    return [*drawn, slip_work_in_coil(dataset, folder / "slip_work_in_coil.png")]
 
 
 def coil_in_space(dataset: xr.Dataset, folder: Path) -> list[Path]:

@@ -110,19 +110,25 @@ OPENED = 0.7
 The flight rolls come down to 0.77."""
 
 
+def _highest_resonance(case: OnRoll) -> tuple[float, str]:
+    """Frequency, Hz, of the roll without slip, and the state of its layers."""
+    stiff = case.coil.model in ("layers", "bonded", "solid")
+    return beam_frequency(case, bonded=stiff), "sticking" if case.coil.per_wrap else "bonded"
+
+
 def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     """Warn about a chirp whose band does not contain the expected resonance of the roll."""
     if not isinstance(case, OnRoll):
         return []
     low = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
-    high = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
+    high, state = _highest_resonance(case)
     start, end = sorted((case.excitation.f_start, case.excitation.f_end))
     if start < 1.05 * high and end > 0.95 * low:
         return []
     lowest = "open" if case.coil.rubs else "frictionless"
     return [
         f"the chirp of {start:g} to {end:g} Hz misses the resonance, expected between {low:.0f} Hz ({lowest}) and "
-        f"{high:.0f} Hz (bonded); set excitation.f_start and f_end around it"
+        f"{high:.0f} Hz ({state}); set excitation.f_start and f_end around it"
     ]
 
 
@@ -152,12 +158,12 @@ def random_warnings(case: RandomCase) -> list[str]:
     highest = excitation.highest_frequency_hz
     if isinstance(case, OnRoll):
         first = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
-        last = beam_frequency(case, bonded=case.coil.model in ("layers", "bonded", "solid"))
+        last, state = _highest_resonance(case)
         if not (low < 1.05 * last and high > 0.95 * first):
             lowest = "open" if case.coil.rubs else "frictionless"
             warnings.append(
                 f"the PSD from {low:g} to {high:g} Hz misses the resonance, expected between {first:.0f} Hz ({lowest}) "
-                f"and {last:.0f} Hz (bonded); extend excitation.psd"
+                f"and {last:.0f} Hz ({state}); extend excitation.psd"
             )
     steps = case.integrator.steps * highest / high
     if steps < FEWEST_STEPS_PER_CYCLE:

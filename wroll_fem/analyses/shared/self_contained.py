@@ -16,11 +16,21 @@ if TYPE_CHECKING:
     from wroll_fem.case import Case
 
 
+RELATIVE_MOTION = (
+    "cumulative_slip", "max_slip", "peak_slip_hoop", "peak_slip_axial", "slip_amplitude", "relative_displacement_hoop",
+    "relative_displacement_axial",
+)  # fmt: skip
+"""Variables with the relative displacement, or the slip, of the two bodies at an interface."""
+
+SUM_OF_WRAPS = "sum over the wrap interfaces of the layers (attribute wrap_interfaces)"
+
+
 def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     """Copy of a Dataset with the case data for summary, fields and figures; existing attributes are kept.
 
     The attributes are `analysis`; `excitation_direction` if effective masses are stored for each direction;
-    `output_every` if fields are stored during the motion; `winding_pressure_pa` with `preload.kind: winding_tension`.
+    `output_every` if fields are stored during the motion; `winding_pressure_pa` with `preload.kind: winding_tension`;
+    `wrap_interfaces` with `coil.per_wrap`.
     """
     attrs: dict[str, Any] = {"analysis": case.analysis}
     if "component" in dataset.dims:
@@ -28,7 +38,17 @@ def described(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     if "snapshot_time" in dataset.dims:
         attrs["output_every"] = case.output.every
     attrs |= _wound_pressure(case)
-    return dataset.assign_attrs(attrs | dataset.attrs)
+    return _over_wraps(dataset.assign_attrs(attrs | dataset.attrs), case)
+
+
+def _over_wraps(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+    """Copy of a Dataset that states for how many wrap interfaces each interface stands (`coil.per_wrap`)."""
+    if not isinstance(case, OnRoll) or not case.coil.per_wrap or case.winding is None:
+        return dataset
+    summed = {
+        name: dataset[name].assign_attrs(comment=SUM_OF_WRAPS) for name in RELATIVE_MOTION if name in dataset.variables
+    }
+    return dataset.assign(summed).assign_attrs(wrap_interfaces=case.coil.interfaces_in_series(case.winding.wraps))
 
 
 def with_warnings(dataset: xr.Dataset, warnings: Sequence[str]) -> xr.Dataset:

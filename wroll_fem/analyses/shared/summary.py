@@ -82,6 +82,10 @@ def slip(dataset: xr.Dataset) -> dict[str, Any]:
         "max_accumulated_slip_m": float(dataset["cumulative_slip"].max()),
         "slipping_area_fraction": slipping_area_fraction(dataset).values.tolist(),
     }
+    if "wrap_interfaces" in dataset.attrs:
+        wraps = xr.DataArray(dataset.attrs["wrap_interfaces"], dims="interface")
+        for name, entry in (("max_slip", "max_relative_displacement"), ("cumulative_slip", "max_accumulated_slip")):
+            found[f"{entry}_per_wrap_m"] = float((dataset[name] / wraps).max())
     if "open_time_fraction" not in dataset:  # results of an earlier version
         return found
     return found | {

@@ -180,7 +180,7 @@ def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial,
 
 
 @numba.njit(cache=True)
-def _renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
+def renew(kept, tangent, stiffness_scale, tolerance, jump, area, factor):
     """Update Newton's matrix for the points whose ``tangent`` has changed; returns the number of these points."""
     held, matrix = kept.tangents, kept.matrix
     n, m = area.shape[0], matrix.shape[0]
@@ -295,7 +295,7 @@ def solve_step(x, q_hat, step, modal, interface, reference, laws, contact, kept,
         if rate > REDUCED_RENEWAL and size > newton.limit:
             consistent_tangent(trial.g, contact.jump, contact.elastic_slip, laws, step.dt, tangent)
             tolerance = TANGENT_CHANGE if iterations < 4 else 0.0
-            if _renew(kept, tangent, scale, tolerance, interface.jump, laws.area, factor) > 0:
+            if renew(kept, tangent, scale, tolerance, interface.jump, laws.area, factor) > 0:
                 kept.renewals[0] += 1
                 if kept.renewals[0] % REBUILD == 0:
                     sum_up(kept, reference.springs, interface.jump, laws.area, factor, modal)

@@ -27,19 +27,20 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     KeptMatrix,
     commit_contact,
     keep_row,
-    solve_step,
     working_arrays,
 )
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
-from wroll_fem.dynamics.trigonometric import propagation
+from wroll_fem.dynamics.trigonometric import propagation, slip_path, solution
 from wroll_fem.dynamics.trigonometric.propagation import IMPLICIT, NODES, OUTPUTS, WEIGHTS
-from wroll_fem.numerics import newton as rates
+from wroll_fem.dynamics.trigonometric.slip_path import add_work_of_path
+from wroll_fem.dynamics.trigonometric.solution import solve
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray
 
 drop_stale_cache(
-    __file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__, propagation.__file__, rates.__file__
-)
+    __file__, modal_kernel.__file__, records.__file__, reduced_kernel.__file__, propagation.__file__,
+    slip_path.__file__, solution.__file__,
+)  # fmt: skip
 
 LAST = len(NODES) - 1
 
@@ -52,8 +53,11 @@ class TrigonometricState(NamedTuple):
     motion, contact : motion in reduced coordinates, and contact state of all points
     free, free_rate : (m,) displacement d without the answer p of unresolved modes to friction's correction, and without
         the shift of the others; its rate d'
-    force, force_before : (m,) reduced force of friction's correction now, and one step before
+    force, force_before, force_earlier : (m,) reduced force of friction's correction now, and one and two steps before
     known : (m,) this force as p knows it, which differs after a change of the basis
+    mismatch : (m,) displacement of the contact minus the one of the structure, which the iteration leaves
+    moved : (2 n,) tangential displacement in the last step of points near the friction limit, m; 0 at the others
+    sliding : (n,) 1 at points that slid at the end of the last step, else 0
     clock : (1,) time, s
     kept, time_step, projection_error, motion_norm, largest, training, opened : see `ReducedState`
     """
@@ -64,7 +68,11 @@ class TrigonometricState(NamedTuple):
     free_rate: FloatArray
     force: FloatArray
     force_before: FloatArray
+    force_earlier: FloatArray
     known: FloatArray
+    mismatch: FloatArray
+    moved: FloatArray
+    sliding: FloatArray
     clock: FloatArray
     kept: KeptMatrix
     time_step: FloatArray
@@ -193,6 +201,7 @@ def _commit_motion(nodes, steps, modal, force, out, state, flows):
             motion.a[i] += acceleration
     free[:] = out[0]
     state.free_rate[:] = out[1]
+    state.force_earlier[:] = state.force_before
     state.force_before[:] = state.force
     state.force[:] = force
     state.known[:] = force
@@ -214,6 +223,14 @@ def _record_motion(motion, modal, record):
 
 
 @numba.njit(cache=True)
+def _continued(state):
+    """(m,) force at the end of a step that continues the last ones: a parabola, or linear where points have slid."""
+    if np.any(state.sliding):
+        return 2.0 * state.force - state.force_before
+    return 3.0 * (state.force - state.force_before) + state.force_earlier
+
+
+@numba.njit(cache=True)
 def advance_trigonometric(
     nodes, step, steps, modal, interface, reference, laws, state, newton, accumulated, checks, records
 ):
@@ -224,7 +241,7 @@ def advance_trigonometric(
     Parameters
     ----------
     nodes : (k, len(NODES)) base acceleration in each step, m/s^2
-    step, steps : `Step` with alpha = 0, and `Propagation`
+    step, steps : `Step`, of which only the size is used, and `Propagation`
     modal, interface, reference, laws : `Modal`, `ReducedInterface`, `Reference`, `PointLaws`
     state, accumulated : `TrigonometricState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
@@ -235,19 +252,32 @@ def advance_trigonometric(
     m = motion.q.shape[0]
     work = working_arrays(m, laws, reference)
     trial, x, q_hat, force = work.trial, np.zeros(m), np.zeros(m), np.zeros(m)
-    out = np.zeros((OUTPUTS, m))
+    out, beyond, limits = np.zeros((OUTPUTS, m)), np.zeros_like(state.moved), np.zeros_like(state.sliding)
+    committed = np.zeros_like(contact.jump)
     checks.filled[0] = 0
     for number in range(nodes.shape[0]):
         _propagate(steps, state.free, state.free_rate, state.force, nodes[number], out)
         q_hat[:] = out[0]
         _answer_start(steps, state, q_hat)
-        x[:] = q_hat + answer(modal, 2.0 * state.force - state.force_before, 1.0)
-        iterations = solve_step(x, q_hat, step, modal, interface, reference, laws, contact, state.kept, newton, work)
+        x[:] = q_hat + answer(modal, _continued(state), 1.0)
+        committed[:] = contact.jump
+        turning = beyond, limits
+        iterations = solve(x, q_hat, step, modal, interface, reference, laws, state, turning, newton, work)
+        contact.jump[:] = committed
         if iterations < 0:
             return number
         force[:] = -work.force
         _add_end(steps, force, out)
-        _commit_motion(nodes[number], steps, modal, force, out, state, accumulated.flows)
+        flows = accumulated.flows
+        mean = 0.5 * (state.force + force)
+        _commit_motion(nodes[number], steps, modal, force, out, state, flows)
+        for i in range(m):
+            left = x[i] - motion.q[i]
+            flows[NUMERICAL_FLOW] += mean[i] * (left - state.mismatch[i])
+            state.mismatch[i] = left
+        flows[NUMERICAL_FLOW] -= add_work_of_path(
+            contact, trial, beyond, limits, state.moved, state.sliding, laws, accumulated.work, accumulated.slip.path
+        )
         commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         record = records[number]
         _record_motion(motion, modal, record)
