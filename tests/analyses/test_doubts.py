@@ -132,6 +132,35 @@ def test_motions_beyond_small_displacement_theory_are_told(tip: float, slip: flo
     assert all(word in text for word, text in zip(words, told, strict=True))
 
 
+def test_a_level_that_opens_the_coil_widely_is_a_warning() -> None:
+    """Two interfaces with areas 1, 2, 1 and a point that the preload leaves open; three levels."""
+    opened = np.array([[[0, 0, 0], [0, 0, 0]], [[0.1, 0, 0], [0, 0, 1]], [[0.1, 0.2, 0], [0, 0, 1]]])
+    area, pressure = [[1.0, 2.0, 1.0], [1.0, 2.0, 5.0]], [[1e4, 1e4, 1e4], [1e4, 1e4, 0.0]]
+    fields = {"area": (("interface", "point"), area), "pressure": (("interface", "point"), pressure)}
+    levels = xr.Dataset(
+        fields | {"open_time_fraction": (("level", "interface", "point"), opened)}, {"level_db": ("level", [-6, 0, 6])}
+    )
+    case = wf.load_case(CONFIGS / "lab_random.yaml")
+    [text] = doubts(levels, {}, case)
+    assert "from 0 dB on interface 0 (0: innermost) opens over 25 % of its area" in text
+    single = levels.isel(level=2).drop_vars("level_db")
+    assert "interface 0 (0: innermost) opens over 75 % of its area" in doubts(single, {}, case)[0]
+    assert doubts(levels.isel(level=[0]), {}, case) == []
+    assert doubts(single, {}, wf.load_case(CONFIGS / "lab_harmonic.yaml")) == []
+
+
+@pytest.mark.parametrize(("amplitude", "wide"), [(5.0, False), (3000.0, True)])
+def test_a_shock_that_opens_the_coil_is_told(amplitude: float, wide: bool) -> None:
+    words = [
+        "analysis=shock", "mesh={circumferential: 8, axial: 2, grading: 1}", "output.figures=false",
+        "solver.method=condensed", "preload.pressure=1e4",
+        f"excitation={{kind: half_sine, amplitude: {amplitude}, duration: 2.0e-3, decay: 0.02}}",
+    ]  # fmt: skip
+    summary = wf.summarise(wf.run(wf.load_case(CONFIGS / "tiny.yaml", words), progress=SilentProgress()))
+    assert any("opens over" in text for text in summary["warnings"]) == wide
+    assert (max(summary["open_area_fraction"]) > 0.2) == wide
+
+
 def test_a_damping_that_still_rises_at_the_end_of_the_range_is_told() -> None:
     rising, over = (
         xr.Dataset({"modal_damping": ("tip_amplitude", values)}, attrs={"tip_amplitude_at_zeta_max_m": 1e-4})

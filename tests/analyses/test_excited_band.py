@@ -9,6 +9,7 @@ from support.paths import CONFIGS
 import wroll_fem as wf
 from wroll_fem.analyses.excited_band import band_remark, basis_remark, excited_to, mesh_band, period_error
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.analyses.shared.time_step import time_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
@@ -67,6 +68,10 @@ def test_energy_above_the_mesh_is_told_with_the_error_of_the_time_step(
     assert f"has energy up to {excited_to(case):.4g} Hz" in text
     assert f"up to {mesh_band(case):.4g} Hz" in text
     assert f"lengthens periods there by {100 * period_error(case, excited_to(case)):.2g} %" in text
+    damping = numerical_damping(Scheme.hht(-0.05), 2.0 * np.pi * excited_to(case) * time_step(case))[0]
+    assert f"and adds a damping ratio of {100 * damping:.2g} %" in text
+    exact = case.changed("integrator={scheme: trigonometric}")
+    assert "the time step is exact for linear modes there" in band_remark(exact)
     need = int(text.split("raise mesh.axial to ")[1].split(",")[0])
     assert need > 6
     assert "\n" not in text

@@ -77,6 +77,15 @@ def test_a_linear_structure_has_rms_h1_and_zeta_of_the_closed_form(
     assert abs(found["friction_energy_j"]) < 1e-12 * found["input_work_j"]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("f_n", "zeta", "seed"), [(20.0, 0.02, 1), (16.3, 0.034, 7), (27.0, 0.05, 3)])
+def test_200_s_give_the_rms_of_the_closed_form_within_2_percent(f_n: float, zeta: float, seed: int) -> None:
+    found = wf.summarise(wf.run(linear_case(f_n, zeta, seed=seed, duration=200.0), progress=SILENT))
+    acceleration, displacement = closed_form(f_n, zeta)
+    assert found["tip_rms_m_s2"] == pytest.approx(acceleration, rel=0.02)
+    assert found["tip_displacement_rms_m"] == pytest.approx(displacement, rel=0.02)
+
+
 def test_a_linear_structure_has_the_same_damping_at_every_level() -> None:
     low, high = (wf.run(linear_case(20.0, 0.02, duration=20.0, level_db=db), progress=SILENT) for db in (0.0, 12.0))
     for name, tolerance in (("f_n_hz", 1e-9), ("zeta", 1e-7)):

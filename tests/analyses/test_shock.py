@@ -77,6 +77,15 @@ def test_spectrum_of_the_base_is_that_of_the_pulse_and_the_tips_peak_is_at_its_r
     time = np.linspace(0.0, 0.04, 8001)
     exact = wf.signals.shock_spectrum(30.0 * np.sin(np.pi * time / 0.04), time[1], lines, 25.0)
     np.testing.assert_allclose(result["srs_base"], exact, rtol=1e-3)
+    pulse = 30.0 * np.sin(np.pi * time / 0.04)
+    for quantity in ("absolute_acceleration", "relative_displacement", "pseudo_velocity"):
+        for interval in ("maximax", "primary", "residual"):  # of the base: during the shock, and after it
+            exact = wf.signals.shock_spectrum(pulse, time[1], lines, 25.0, quantity=quantity, interval=interval)
+            found = result[f"srs_base_{quantity}"].sel(interval=interval).values
+            np.testing.assert_allclose(found, exact, rtol=2e-3, atol=1e-3 * exact.max())
+        largest = result[f"srs_tip_{quantity}"].sel(interval=["primary", "residual"]).max("interval")
+        np.testing.assert_array_equal(largest, result[f"srs_tip_{quantity}"].sel(interval="maximax"))
+    assert result["srs_base_pseudo_velocity"].attrs["units"] == "m s-1"
     top = int(np.argmax(result["srs_tip"].values))
     assert lines[top] == pytest.approx(F_N, rel=0.03)  # 24 lines per octave
     assert result["srs_tip"].attrs["units"] == "m s-2"

@@ -12,6 +12,7 @@ from support.shock_forms import half_sine_spectrum, integrated_spectrum, sawtoot
 import wroll_fem as wf
 from wroll_fem.errors import InputError
 from wroll_fem.signals.shock.pulses import HalfSine, Sawtooth, Trapezoid
+from wroll_fem.signals.shock.spectrum import INTERVALS, shock_spectra
 
 T, A = 0.011, 200.0
 
@@ -112,6 +113,14 @@ def test_maximax_is_the_larger_of_primary_and_residual():
     assert np.array_equal(whole, np.maximum(*parts))
     assert (parts[0] < parts[1]).any()
     assert (parts[0] > parts[1]).any()
+
+
+def test_all_spectra_at_once_are_those_of_single_calls():
+    record, f = np.random.default_rng(8).normal(size=300), np.geomspace(3.0, 90.0, 12)
+    for quantity, values in shock_spectra(record, 1e-3, f, 17.0).items():
+        for interval, row in zip(INTERVALS, values, strict=True):
+            one = wf.signals.shock_spectrum(record, 1e-3, f, 17.0, quantity=quantity, interval=interval)
+            np.testing.assert_allclose(row, one, rtol=1e-14)
 
 
 def test_a_coarse_record_is_warned_about_or_resampled():

@@ -25,6 +25,9 @@ below are up to 4 % too high, those above up to 30 % (`tests/analyses/test_excit
 LEAST_SHARE = 0.02
 """Tip participation of a mode, relative to that of the main mode, above which it has to be in the reduced basis."""
 
+LARGEST_TURN = 2.0
+"""Angle (rad) of a frequency in a time step, above which the steps do not follow it."""
+
 WITHIN = 0.5
 """Part of a mode (of its modal mass) that a basis must contain."""
 
@@ -43,7 +46,7 @@ def excited_to(case: HistoryCase) -> float:
 def period_error(case: HistoryCase, frequency: float) -> float:
     """Relative lengthening, by the time step, of a period of a frequency in Hz; infinite without oscillation."""
     turn = 2.0 * np.pi * frequency * time_step(case)
-    if turn > 2.0:
+    if turn > LARGEST_TURN:
         return np.inf
     return numerical_damping(Scheme.named(case.integrator.scheme, case.integrator.alpha), turn)[1]
 
@@ -91,7 +94,14 @@ def basis_remark(case: HistoryCase, stepper: Stepper) -> str:
 
 def step_words(case: HistoryCase, frequency: float) -> str:
     """What the time step does to a frequency, Hz."""
-    error = period_error(case, frequency)
-    if not np.isfinite(error):
+    scheme = Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    turn = 2.0 * np.pi * frequency * time_step(case)
+    if scheme.exact_modes:
+        return "the time step is exact for linear modes there"
+    if turn > LARGEST_TURN:
         return f"the time step does not follow {frequency:.4g} Hz"
-    return f"the time step lengthens periods there by {100 * error:.2g} %"
+    damping, longer = numerical_damping(scheme, turn)
+    return (
+        f"the time step lengthens periods there by {100 * longer:.2g} % and adds a damping ratio of "
+        f"{100 * damping:.2g} %"
+    )

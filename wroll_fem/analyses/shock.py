@@ -16,7 +16,7 @@ from wroll_fem.analyses.shared.figures import figure
 from wroll_fem.analyses.shock_plan import planned
 from wroll_fem.results.dataset import annotate
 from wroll_fem.signals.decay import Decay, free_decay
-from wroll_fem.signals.shock.spectrum import GOOD_SAMPLES, shock_spectrum
+from wroll_fem.signals.shock.spectrum import GOOD_SAMPLES, INTERVALS, shock_spectra
 from wroll_fem.signals.tip import absolute_tip
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def run_shock(
 
 
 def _spectra(history: xr.Dataset) -> xr.Dataset:
-    """Shock response spectra of base and tip: absolute acceleration, maximax."""
+    """Shock response spectra of base and tip: three quantities, during and after the record, and the largest."""
     time, q = history["time"].values, float(history.attrs["srs_q"])
     dt = float(time[1] - time[0])
     lowest = 0.25 / max(float(history.attrs["shock_end_s"]), dt)
@@ -88,9 +88,17 @@ def _spectra(history: xr.Dataset) -> xr.Dataset:
     count = int(np.ceil(LINES_PER_OCTAVE * np.log2(highest / lowest))) + 1
     lines = np.geomspace(lowest, highest, count)
     lines[-1] = highest
-    records = {"base": history["base_acceleration"].values, "tip": _faded(absolute_tip(history))}
-    data = {f"srs_{name}": ("natural_frequency", shock_spectrum(a, dt, lines, q)) for name, a in records.items()}
-    return xr.Dataset(data, coords={"natural_frequency": lines})
+    base = history["base_acceleration"].values
+    last = int(np.ceil(float(history.attrs["shock_end_s"]) / dt - 1e-6))
+    jumps = abs(base[min(last, len(base) - 1)]) > 1e-9 * np.abs(base).max()  # to zero, along the next step
+    shaken = base[: last + 1 + int(jumps)]
+    dims = "interval", "natural_frequency"
+    data: dict[str, tuple[Any, FloatArray]] = {}
+    for name, record in {"base": shaken, "tip": _faded(absolute_tip(history))}.items():
+        found = shock_spectra(record, dt, lines, q)
+        data[f"srs_{name}"] = ("natural_frequency", found["absolute_acceleration"][INTERVALS.index("maximax")])
+        data |= {f"srs_{name}_{quantity}": (dims, values) for quantity, values in found.items()}
+    return xr.Dataset(data, coords={"natural_frequency": lines, "interval": list(INTERVALS)})
 
 
 def _faded(record: FloatArray) -> FloatArray:
@@ -166,10 +174,14 @@ ANALYSIS = Analysis(
     variables=VARIABLES
     | {
         "natural_frequency": ("srs_base", "srs_tip"),
+        "interval, natural_frequency": tuple(
+            f"srs_{name}_{quantity}" for name in ("base", "tip")
+            for quantity in ("absolute_acceleration", "relative_displacement", "pseudo_velocity")
+        ),
         "decay_amplitude": ("decay_frequency", "decay_damping", "decay_time"),
     },
     plots=("shock", *PLOTS),
     preflight=preflight.CHECKS["shock"],
     estimate=estimate_shock,
     resumable=True,
-)
+)  # fmt: skip

@@ -91,6 +91,15 @@ FIELDS: dict[str, Field] = {
     "natural_frequency": Field("Hz", "natural frequency of the system with one degree of freedom"),
     "srs_base": Field(_ACCELERATION, "shock response spectrum of the base (absolute acceleration, maximax)"),
     "srs_tip": Field(_ACCELERATION, "shock response spectrum of the tip (absolute acceleration, maximax)"),
+    "interval": Field("1", "during the record (primary), after it (residual), or the larger of both (maximax)"),
+    "srs_base_absolute_acceleration": Field(
+        _ACCELERATION, "shock response spectrum of the base, absolute acceleration"
+    ),
+    "srs_base_relative_displacement": Field("m", "shock response spectrum of the base, relative displacement"),
+    "srs_base_pseudo_velocity": Field("m s-1", "shock response spectrum of the base, pseudo velocity"),
+    "srs_tip_absolute_acceleration": Field(_ACCELERATION, "shock response spectrum of the tip, absolute acceleration"),
+    "srs_tip_relative_displacement": Field("m", "shock response spectrum of the tip, relative displacement"),
+    "srs_tip_pseudo_velocity": Field("m s-1", "shock response spectrum of the tip, pseudo velocity"),
     "decay_amplitude": Field("m", "amplitude of the tip displacement in the decay (0-peak)"),
     "decay_frequency": Field("Hz", "frequency of the decay at this amplitude"),
     "decay_damping": Field("1", "damping ratio of the decay at this amplitude"),

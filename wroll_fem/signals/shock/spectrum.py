@@ -35,6 +35,7 @@ from wroll_fem.typing import FloatArray
 
 Quantity = Literal["absolute_acceleration", "relative_displacement", "pseudo_velocity"]
 Interval = Literal["maximax", "primary", "residual"]
+INTERVALS: tuple[Interval, ...] = get_args(Interval)
 
 FEWEST_SAMPLES = 10
 """Samples of the record per cycle of a natural frequency below which the spectrum is doubtful."""
@@ -103,23 +104,58 @@ def shock_spectrum(
     error              12 %   3.3 %  0.8 %  0.2 %  0.03 %
     =================  =====  =====  =====  =====  =====
     """
-    record, frequencies = _checked(acceleration, dt, natural_frequencies, q, quantity, interval)
-    highest = float(frequencies.max())
+    if quantity not in get_args(Quantity):
+        raise InputError(f"quantity = {quantity!r}", remedy=f"use one of: {', '.join(get_args(Quantity))}")
+    if interval not in INTERVALS:
+        raise InputError(f"interval = {interval!r}", remedy=f"use one of: {', '.join(INTERVALS)}")
+    record, frequencies = _checked(acceleration, dt, natural_frequencies, q)
+    record, dt = _sampled(record, dt, float(frequencies.max()), resample=resample)
+    return _spectra(record, dt, frequencies, q, quantity)[INTERVALS.index(interval)]
+
+
+def shock_spectra(
+    acceleration: npt.ArrayLike, dt: float, natural_frequencies: npt.ArrayLike, q: float = 10.0
+) -> dict[Quantity, FloatArray]:
+    """All shock response spectra of a base acceleration: each quantity, in each interval.
+
+    Parameters, errors and warnings are those of `shock_spectrum`.
+
+    Returns
+    -------
+    dict
+        Quantity -> (3, m) largest absolute values, in the order of `INTERVALS`.
+    """
+    record, frequencies = _checked(acceleration, dt, natural_frequencies, q)
+    record, dt = _sampled(record, dt, float(frequencies.max()), resample=False)
+    found: dict[Quantity, FloatArray] = {
+        name: _spectra(record, dt, frequencies, q, name) for name in ("absolute_acceleration", "relative_displacement")
+    }
+    found["pseudo_velocity"] = 2.0 * pi * frequencies * found["relative_displacement"]
+    return found
+
+
+def _sampled(record: FloatArray, dt: float, highest: float, *, resample: bool) -> tuple[FloatArray, float]:
+    """Record and time step for natural frequencies up to ``highest``, Hz."""
     samples = 1.0 / (highest * dt)
     if resample and samples < GOOD_SAMPLES:
         factor = ceil(GOOD_SAMPLES / samples - 1e-9)
-        record, dt = upsampled(record, factor), dt / factor
-    elif samples < FEWEST_SAMPLES:
+        return upsampled(record, factor), dt / factor
+    if samples < FEWEST_SAMPLES:
         warnings.warn(
             f"the record has {samples:.3g} samples per cycle at {highest:g} Hz, fewer than {FEWEST_SAMPLES}: straight "
             f"lines between them lower a sine of this frequency by {100 * (1 - np.sinc(1 / samples) ** 2):.2g} %; "
             "sample faster, or set resample=True for a record without jumps",
-            UserWarning, stacklevel=2,
+            UserWarning, stacklevel=3,
         )  # fmt: skip
+    return record, dt
+
+
+def _spectra(record: FloatArray, dt: float, frequencies: FloatArray, q: float, quantity: Quantity) -> FloatArray:
+    """Largest responses (3, m) in the intervals."""
     zeta = 0.0 if q == inf else 0.5 / q
     of_displacement = quantity != "absolute_acceleration"
     extremes = np.array([_extremes(record, dt, f, zeta, of_displacement) for f in frequencies])
-    found = extremes.max(axis=1) if interval == "maximax" else extremes[:, int(interval == "residual")]
+    found = np.array([extremes.max(axis=1), extremes[:, 0], extremes[:, 1]])
     omega = 2.0 * pi * frequencies
     if quantity == "relative_displacement":
         found = found / omega**2
@@ -214,7 +250,7 @@ def _residual(z: float, v: float, zeta: float, of_displacement: bool) -> float:
 
 
 def _checked(
-    acceleration: npt.ArrayLike, dt: float, natural_frequencies: npt.ArrayLike, q: float, quantity: str, interval: str
+    acceleration: npt.ArrayLike, dt: float, natural_frequencies: npt.ArrayLike, q: float
 ) -> tuple[FloatArray, FloatArray]:
     record = np.ascontiguousarray(acceleration, dtype=np.float64)
     frequencies = np.asarray(natural_frequencies, dtype=np.float64)
@@ -229,7 +265,4 @@ def _checked(
         raise InputError("natural_frequencies must be a series of positive numbers", remedy="give frequencies in Hz")
     if not q > 0.5:
         raise InputError(f"q = {q:g}", remedy="give Q = 1 / (2 zeta) above 0.5, for example 10 for zeta = 5 %")
-    for name, value, known in (("quantity", quantity, Quantity), ("interval", interval, Interval)):
-        if value not in get_args(known):
-            raise InputError(f"{name} = {value!r}", remedy=f"use one of: {', '.join(get_args(known))}")
     return record, frequencies
