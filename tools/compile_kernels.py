@@ -25,7 +25,7 @@ PERIODIC = [*COARSE, "harmonic={harmonics: 1, samples: 32, reduction_tolerance: 
 RUNS: list[tuple[str, list[str]]] = [
     ("lab_dwell", [*SHORT, "solver.method=condensed"]),
     ("lab_dwell", [*SHORT, "solver.method=reduced"]),
-    ("lab_dwell", [*SHORT, "solver.method=reduced", "integrator.scheme=trigonometric"]),
+    ("lab_dwell", [*SHORT, "solver.method=reduced", "integrator={scheme: trigonometric, steps_per_cycle: 20}"]),
     ("lab_dwell", [*SHORT, "solver.method=full"]),
     ("lab_harmonic", [*PERIODIC, "excitation.f_start=150", "excitation.f_end=152"]),
     ("lab_backbone", [*PERIODIC, "backbone.tip_largest=3e-5"]),
