@@ -130,20 +130,16 @@ def test_a_resonance_outside_the_psd_is_told():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pressure", "level", "scheme"), [(1e5, 0.0, "trigonometric"), (3e4, 5.0, "hht")])
-def test_the_lab_roll_has_the_response_of_its_time_history(pressure: float, level: float, scheme: str):
-    """One record of 30 s: rms 5 % (its standard error is 2 %), f_n 0.5 %, zeta 10 %.
-
-    By HHT with 24 steps per cycle of 300 Hz f_n is 0.16 % too low; the other scheme has no period error, and refuses
-    the wide slip at 30 kPa.
-    """
-    overrides = [
-        "mesh.circumferential=12", "mesh.axial=4", "damping.modal=0.003", f"preload.pressure={pressure}",
+@pytest.mark.parametrize(("pressure", "level"), [(1e5, 0.0), (3e4, 5.0)])
+def test_the_lab_roll_has_the_response_of_its_time_history(pressure: float, level: float):
+    """One record of 30 s: rms 5 % (its standard error is 2 %), f_n 0.5 % (period error 0.16 %), zeta 10 %."""
+    overrides = [  # the shipped meshes of the two analyses differ
+        "mesh={circumferential: 12, axial: 4, grading: 40}", "damping.modal=0.003", f"preload.pressure={pressure}",
         f"excitation.level_db={level}",
     ]  # fmt: skip
     averaged = [*overrides, "output.damping=rational_fraction", "backbone.tip_largest=1.5e-3", "random_response={}"]
     found = wf.run(wf.load_case(CONFIGS / "lab_random_response.yaml", averaged), progress=SilentProgress()).attrs
-    timed = [*overrides, "excitation.duration=30", f"integrator={{scheme: {scheme}}}"]
+    timed = [*overrides, "excitation.duration=30"]
     history = wf.run(wf.load_case(CONFIGS / "lab_random.yaml", timed), progress=SilentProgress()).attrs
     for name, tolerance in (("tip_displacement_rms_m", 0.05), ("tip_rms_m_s2", 0.05), ("f_n_hz", 5e-3), ("zeta", 0.1)):
         assert found[name] == pytest.approx(history[name], rel=tolerance)

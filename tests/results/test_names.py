@@ -68,6 +68,13 @@ CASES: dict[str, tuple[str, list[str]]] = {
             PROBE, "coil.material={E_1: 2.8e9, E_2: 2.8e9, nu_12: 0.35, G_12: 1e9, G_23: 1e9, rho: 2000}",
         ],
     ),
+    "harmonic on a subset of points": (
+        "lab_harmonic",
+        [
+            "mesh={circumferential: 16, axial: 8}", "excitation.f_start=148", "excitation.f_end=158",
+            "harmonic={harmonics: 1, samples: 32, hyper_reduction: true, reduction_tolerance: 0.1}",
+        ],
+    ),
     "harmonic of wraps that slide": (
         "slipping_harmonic",
         [
