@@ -119,7 +119,7 @@ def files(folder: Path) -> dict[str, tuple[Path, str]]:
     np.savez_compressed(folder / "compression.npz", **oscillator())
     packed = (folder / "compression.npz").read_bytes()
     # method 8 (deflate), after version and flags, in both headers of every member
-    unknown = re.sub(rb"(PK(?:\x03\x04|\x01\x02..)..\0\0)\x08\0", rb"\1\x63\0", packed, flags=re.DOTALL)
+    unknown = re.sub(rb"(PK(?:\x03\x04|\x01\x02..)..\0\0)\x08\0", b"\\1\x63\0", packed, flags=re.DOTALL)
     assert unknown != packed
     (folder / "compression.npz").write_bytes(unknown)
     np.savez(folder / "header.npz", **oscillator())
