@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -144,6 +146,16 @@ def cut_roll(
     return [*drawn, (edges, {"color": "#555555", "line_width": 1.5})], height
 
 
+def draw_pictures(figure: Figure, panels: list[Axes], pictures: Mapping[str, np.ndarray], dataset: xr.Dataset) -> None:
+    """Draw rendered pictures (rows, columns, colours) under their headings, and the legend of the excitation levels."""
+    for ax, (heading, picture) in zip(panels, pictures.items(), strict=True):
+        ax.imshow(picture)
+        ax.set_title(heading, fontsize=9)
+        ax.axis("off")
+    keys = [Patch(facecolor=colour, label=name) for name, colour in level_names(dataset).items()]
+    figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
+
+
 def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """Render half of the coil, in its whole length and near the root.
 
@@ -177,12 +189,7 @@ def plot_slip_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path
         pictures[heading] = _cropped([_render(meshes, np.array([0.0, 0.0, 0.5 * top]), view, extent)])[0]
     figure = Figure(figsize=(style.WIDTH, 5.4), dpi=style.DPI, layout="constrained")
     widths = [picture.shape[1] / picture.shape[0] for picture in pictures.values()]
-    for ax, (heading, picture) in zip(figure.subplots(1, 2, width_ratios=widths), pictures.items(), strict=True):
-        ax.imshow(picture)
-        ax.set_title(heading, fontsize=9)
-        ax.axis("off")
-    keys = [Patch(facecolor=colour, label=name) for name, colour in level_names(dataset).items()]
-    figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
+    draw_pictures(figure, list(figure.subplots(1, 2, width_ratios=widths)), pictures, dataset)
     figure.suptitle(
         _finding(float(dataset["slip_onset"].min()), float(dataset["amplitude_g"][-1]), dataset), fontsize=10
     )

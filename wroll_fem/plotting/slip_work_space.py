@@ -12,10 +12,9 @@ import xarray as xr
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from wroll_fem.plotting import style
-from wroll_fem.plotting.coil_slip_space import STUCK, cut_coil, cut_roll, level_names
+from wroll_fem.plotting.coil_slip_space import STUCK, cut_coil, cut_roll, draw_pictures
 from wroll_fem.plotting.mode_shapes import _cropped, _render
 from wroll_fem.plotting.slip_work import DECADES, whole_coil
 from wroll_fem.typing import FloatArray
@@ -65,15 +64,12 @@ def plot_slip_work_in_coil(dataset: xr.Dataset, path: str | os.PathLike[str]) ->
         f"slip work, cut {headings[1]}": _picture(*cut_roll(whole, top, across, shown, options), _VIEWS[across], outer),
     }
     figure = Figure(figsize=(1.55 * style.WIDTH, 4.6), dpi=style.DPI, layout="constrained")
-    panels = figure.subplots(1, 3)
-    for ax, (heading, picture) in zip(panels, pictures.items(), strict=True):
-        ax.imshow(picture)
-        ax.set_title(f"{heading}, lowest {1e3 * top:.0f} mm", fontsize=9)
-        ax.axis("off")
+    panels = list(figure.subplots(1, 3))
+    draw_pictures(
+        figure, panels, {f"{name}, lowest {1e3 * top:.0f} mm": shot for name, shot in pictures.items()}, whole
+    )
     scale = ScalarMappable(LogNorm(10.0**-DECADES * most, most), "magma_r")
-    figure.colorbar(scale, ax=list(panels), pad=0.01, shrink=0.8).set_label("Slip work (J/m³ per cycle)")
-    keys = [Patch(facecolor=colour, label=name) for name, colour in level_names(whole).items()]
-    figure.legend(handles=keys, loc="outside lower center", ncol=4, fontsize=8, frameon=False)
+    figure.colorbar(scale, ax=panels, pad=0.01, shrink=0.8).set_label("Slip work (J/m³ per cycle)")
     figure.suptitle(_finding(whole, slid), fontsize=10)
     return style.write_figure(figure, path)
 
