@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,24 @@ def test_numbers_beyond_all_quantities_are_refused(text: str) -> None:
     line = refused(dry(text))
     assert "preload.pressure: is beyond all quantities of a roll, got " in line
     assert line.endswith("; write 0, or a number between 1e-30 and 1e+30 in SI units\n")
+
+
+def keys_of(data: dict[str, Any], section: str = "") -> Iterator[str]:
+    for key, value in data.items():
+        yield section + key
+        if isinstance(value, dict):
+            yield from keys_of(value, f"{section}{key}.")
+
+
+def test_no_key_of_any_shipped_case_takes_infinity_or_nan() -> None:
+    """An infinite count raised OverflowError in a validator; every key is tried in the first case that has it."""
+    cases = {path: load_case(path).model_dump(mode="json") for path in sorted(CONFIGS.glob("*.yaml"))}
+    owners = {key: path for path in reversed(cases) for key in keys_of(cases[path])}
+    assert len(owners) > 200
+    for key, path in owners.items():
+        for value in (".inf", ".nan"):
+            with pytest.raises(InputError, match=re.escape(key.rpartition(".")[2])):
+                load_case(path, [f"{key}={value}"])
 
 
 @pytest.mark.parametrize(

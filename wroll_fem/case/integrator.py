@@ -61,7 +61,7 @@ class Integrator(Section):
         if value == "auto":
             return value
         number = _number(value)
-        if not isinstance(number, int | float) or number != int(number) or not 2 <= number <= MOST_STEPS_PER_CYCLE:
+        if not isinstance(number, int | float) or not 2 <= number <= MOST_STEPS_PER_CYCLE or number != int(number):
             problem = f"must be auto or a whole number from 2 to {MOST_STEPS_PER_CYCLE}"
             raise validation_error(problem, remedy="write for example 80", value=value)
         return int(number)
