@@ -10,7 +10,7 @@ import pytest
 from support.paths import ROOT
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
+from wroll_fem.analyses.forecasts.closed_forms import buckling_pressure, interface_pressures
 from wroll_fem.analyses.registry import MODULES, find_analysis
 from wroll_fem.analyses.shared.preflight import CHECKS
 from wroll_fem.case import load_case
@@ -31,6 +31,15 @@ def test_an_interface_that_would_be_pulled_apart_has_no_pressure() -> None:
     case = load_case(ROOT / "configs" / "lab_dwell_layers.yaml", ["preload.pressure=[1000.0, 0.0, 0.0, 0.0, 0.0]"])
     assert interface_pressures(case)[1:] == [0.0] * 4
     assert interface_pressures(case)[0] > 0.0
+
+
+def test_a_tube_that_is_only_a_ring_does_not_buckle() -> None:
+    """The denominator of the formula of Windenburg and Trilling has a zero at L = 0.45 sqrt(t D)."""
+    roll = ROOT / "configs" / "sspp_friction.yaml"
+    ring = ["geometry.mandrel_outer_diameter=1.5", "geometry.mandrel_thickness=0.01"]
+    limits = [buckling_pressure(load_case(roll, [*ring, f"geometry.length={L}"])) for L in (0.056, 0.054, 0.001)]
+    assert 1e8 < limits[0] < np.inf
+    assert limits[1:] == [np.inf, np.inf]
 
 
 @pytest.mark.parametrize("name", MODULES)

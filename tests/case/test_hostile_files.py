@@ -13,6 +13,7 @@ from support.paths import CONFIGS
 from typer.testing import CliRunner, Result
 
 from wroll_fem import cli, load_case
+from wroll_fem.analyses import case_warnings
 from wroll_fem.case import Case
 from wroll_fem.case.strict_yaml import MOST_CHARACTERS, dump_yaml, parse_yaml
 from wroll_fem.errors import InputError
@@ -99,7 +100,36 @@ def test_numbers_beyond_all_quantities_are_refused(text: str) -> None:
     """Products of them overflow or vanish somewhere in the forecasts."""
     line = refused(dry(text))
     assert "preload.pressure: is beyond all quantities of a roll, got " in line
-    assert line.endswith("; write 0, or a number between 1e-30 and 1e+30 in SI units\n")
+    assert line.endswith("; write 0, or a number between 1e-06 and 1e+18 in Pa\n")
+    other = refused(wroll("run", TINY, "--dry-run", "--set", f"contact.friction.mu={text.split()[0]}"))
+    assert other.endswith("; write 0, or a number between 1e-30 and 1e+30 in SI units\n")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tiny",
+        "winding_sweep",
+        "sspp_friction",
+        "slipping_coil",
+        "design_map",
+        "lab_random",
+    ],
+)
+def test_extreme_numbers_are_refused_or_have_a_forecast(name: str) -> None:
+    """Ends of the ranges, and a tube that is only a ring: divisions by zero and singular matrices in forecasts."""
+    keys = ["length", "mandrel_thickness", "mandrel_outer_diameter"]
+    sections = [f"geometry.{key}" for key in keys] + ["mandrel.material.E", "coil.material.E", "coil.total_thickness"]
+    outcomes = []
+    for key in sections:
+        for value in ("1e-15", "1 mm", "1 km", "1e18"):
+            try:
+                case_warnings(load_case(CONFIGS / f"{name}.yaml", [f"{key}={value}"]))
+                outcomes.append("valid")
+            except InputError as error:
+                outcomes.append(str(error))
+    assert "valid" in outcomes
+    assert any("is beyond all quantities of a roll" in text for text in outcomes)
 
 
 def keys_of(data: dict[str, Any], section: str = "") -> Iterator[str]:

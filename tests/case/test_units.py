@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
@@ -153,3 +154,14 @@ def test_angles_of_plies_are_degrees() -> None:
     ply = "{material: kapton, thickness: 1.25e-3, angle: 0.5 rad}"
     case = load_case(CONFIGS / "lab_sweep.yaml", [f"coil.material={{plies: [{ply}]}}"])
     assert case.coil.material.plies[0].angle == pytest.approx(28.6478897565)
+
+
+def test_no_text_of_a_unit_stops_the_reading() -> None:
+    """pint raises TokenError for an open bracket, AssertionError for a bracket alone, KeyError for nepers."""
+    chance, found = random.Random(3), set()
+    for _ in range(2000):
+        text = list("1 " + chance.choice(["mm", "GPa", "kg/m^3", "N s/m", "(m", "1/s", "rpm", "Np"]))
+        for _ in range(chance.choice((1, 2, 4))):
+            text.insert(chance.randrange(2, len(text) + 1), chance.choice("mkgPaNs()*^/ .12-µ°%[]{},'#@!=<:;|&~`"))
+        found.add(type(in_si("".join(text), chance.choice(list(KINDS)))))
+    assert found == {str, float, WrongQuantity}

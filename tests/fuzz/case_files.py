@@ -119,15 +119,15 @@ def changed(data: dict[str, Any], chance: random.Random, donor: dict[str, Any]) 
     elif what < 0.65:
         here[key] = chance.choice(TEXTS)
     elif what < 0.72:
-        here[key] = chance.choice(ODD)
+        here[key] = copy.deepcopy(chance.choice(ODD))
     elif what < 0.8:
         del here[key]
     elif what < 0.85 and isinstance(here, list):
-        here.extend([here[key]] * chance.choice((1, 3, 300)))
+        here.extend(copy.deepcopy([here[key]] * chance.choice((1, 3, 300))))
     elif what < 0.92:
         other = chance.choice(places(donor))
         name = other[0]
-        data[name] = donor[name]
+        data[name] = copy.deepcopy(donor[name])
     elif isinstance(here, dict):
         here[chance.choice((*TEXTS, *NUMBERS, str(key) + "x", str(key)[:-1], None))] = here.pop(key)
 

@@ -40,11 +40,15 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _in_si(cls, data: Any) -> Any:
-        """Convert texts with units to numbers in SI."""
+        """Convert texts with units to numbers in SI; mark numbers beyond the range of their unit."""
         if not isinstance(data, Mapping):
             return data
-        texts = {key: value for key, value in data.items() if _has_text(value) and key in cls.model_fields}
-        return {**data, **{key: _converted(value, cls.unit_of(key)) for key, value in texts.items()}}
+        units = {
+            key: cls.unit_of(key)
+            for key, value in data.items()
+            if key in cls.model_fields and isinstance(value, str | int | float | list | tuple)
+        }
+        return {**data, **{key: _converted(data[key], unit) for key, unit in units.items()}}
 
     @classmethod
     def unit_of(cls, key: str) -> str:
@@ -111,15 +115,17 @@ def validation_error(
     return PydanticCustomError("wroll", "{problem}; {remedy}", context)
 
 
-def _has_text(value: Any) -> bool:
-    return isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value))
-
-
 def _converted(value: Any, unit: str) -> Any:
-    """Text with a unit, or a list with such texts, in the SI unit ``unit``; anything else is returned unchanged."""
+    """Text with a unit, or a list with such texts, in the SI unit ``unit``; anything else is returned unchanged.
+
+    A number beyond the range of its unit (`RANGES`) is returned as `WrongQuantity`.
+    """
     if isinstance(value, list | tuple):
         return [_converted(entry, unit) for entry in value]
-    return in_si(value, unit) if isinstance(value, str) else value
+    number = in_si(value, unit) if isinstance(value, str) else value
+    if unit in RANGES and isinstance(number, int | float) and _beyond(number, *RANGES[unit]):
+        return WrongQuantity(str(value), BEYOND, _between(*RANGES[unit], f"in {unit}"))
+    return number
 
 
 _OF_THE_KEY = ("title", "description", "default", "examples", "deprecated")
@@ -146,6 +152,19 @@ def _or_quantity(schema: JsonSchemaValue) -> JsonSchemaValue:
 SMALLEST, LARGEST = 1e-30, 1e30
 """Range of the numbers of a case, in SI units: products of several of them neither overflow nor vanish."""
 
+RANGES = {"m": (1e-15, 1e6), "Pa": (1e-6, 1e18), "kg/m^3": (1e-15, 1e12)}
+"""Unit -> range of the numbers with this unit. A roll of atoms or planets has no frequencies that can be computed."""
+
+BEYOND = "is beyond all quantities of a roll"
+
+
+def _beyond(value: float, smallest: float, largest: float) -> bool:
+    return bool(value) and not smallest <= abs(value) <= largest and abs(value) < math.inf
+
+
+def _between(smallest: float, largest: float, where: str) -> str:
+    return f"write 0, or a number between {smallest:g} and {largest:g} {where}"
+
 
 def _number(value: Any) -> Any:
     """Convert a number that PyYAML reads as text, such as '1e-3', to a float; refuse booleans and other text."""
@@ -158,9 +177,8 @@ def _number(value: Any) -> Any:
             return _number(float(value))
         remedy = "write a plain number in SI units, for example 1.5e-3"
         raise validation_error("must be a number", remedy=remedy, value=value)
-    if isinstance(value, int | float) and value and not SMALLEST <= abs(value) <= LARGEST and abs(value) < math.inf:
-        remedy = f"write 0, or a number between {SMALLEST:g} and {LARGEST:g} in SI units"
-        raise validation_error("is beyond all quantities of a roll", remedy=remedy, value=value)
+    if isinstance(value, int | float) and _beyond(value, SMALLEST, LARGEST):
+        raise validation_error(BEYOND, remedy=_between(SMALLEST, LARGEST, "in SI units"), value=value)
     return value
 
 

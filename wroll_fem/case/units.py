@@ -120,13 +120,13 @@ def _registry() -> pint.UnitRegistry:
 
 
 def _parsed(written: str, *, exact: bool = True) -> pint.Unit | None:
-    import pint
-
+    """Unit of a text; None if pint cannot read it."""
     if not _simple(written):
         return None
     try:
-        return _registry().parse_units(written, case_sensitive=exact)
-    except (pint.PintError, AttributeError, TypeError, ValueError):
+        found = _registry().parse_units(written, case_sensitive=exact)
+        return found if found.dimensionality is not None else None  # of the logarithmic units it raises KeyError
+    except Exception:  # also what Python's tokenizer and pint's own parser raise: TokenError, AssertionError, ...
         return None
 
 

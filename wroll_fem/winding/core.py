@@ -20,8 +20,8 @@ def tube_stiffness(E: float, nu: float, outer_radius: float, wall: float) -> flo
     outer_radius, wall
         Outer radius and wall thickness, m.
     """
-    hollow = (1.0 - wall / outer_radius) ** 2  # (r_i / r_m)^2
-    return E / ((1.0 + hollow) / (1.0 - hollow) - nu)
+    solid = wall / outer_radius * (2.0 - wall / outer_radius)  # 1 - (r_i / r_m)^2
+    return E / ((2.0 - solid) / solid - nu)
 
 
 def mandrel_stiffness(section: WindingMandrel) -> float:

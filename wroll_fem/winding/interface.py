@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from wroll_fem.case.roll import RollSections
     from wroll_fem.case.winding import Winding
 
+LARGEST_POWER = 300.0
+"""Logarithm of a ratio of displacements through a solid coil above which no pressure reaches the mandrel."""
+
 
 def target_pressures(winding: Winding, layers: int) -> FloatArray:
     """(layers,) pressure of the wound roll at the radius of each interface, innermost first, Pa.
@@ -78,19 +81,21 @@ def transmitted_pressure(roll: RollSections) -> float:
     """
     g, coil, web = roll.geometry, roll.coil, roll.coil.solid()
     inner = 0.5 * g.mandrel_outer_diameter
-    outer, k = inner + coil.total_thickness, math.sqrt(web.E_theta / web.E_r)
+    outer, k = 1.0 + coil.total_thickness / inner, math.sqrt(web.E_theta / web.E_r)  # radii relative to the inner one
+    if k * math.log(outer) > LARGEST_POWER:  # the hoops of the outer turns carry all of it
+        return 0.0
     coupling = web.nu_theta_r * web.E_r / web.E_theta  # strain along theta per strain along r, under stress along r
     factor = web.E_r / (1.0 - coupling * web.nu_theta_r)
 
     def stress(power: float, r: float) -> float:  # radial stress of the displacement r^power
         return factor * (power + web.nu_theta_r) * r ** (power - 1.0)
 
-    core = roll.mandrel.material.in_plane.E_theta * g.mandrel_thickness / inner**2
-    at_core = [stress(p, inner) - core * inner**p for p in (k, -k)]  # zero: sigma_r = core u
+    core = roll.mandrel.material.in_plane.E_theta * g.mandrel_thickness / inner
+    at_core = [stress(p, 1.0) - core for p in (k, -k)]  # zero: sigma_r = core u
     at_edge = [stress(p, outer) for p in (k, -k)]  # sigma_r = -1
     shares = [-at_core[1], at_core[0]]
     scale = -1.0 / (at_edge[0] * shares[0] + at_edge[1] * shares[1])
-    return -scale * core * (shares[0] * inner**k + shares[1] * inner**-k)
+    return -scale * core * (shares[0] + shares[1])
 
 
 def external_pressures(roll: RollSections, preload: Preload, winding: Winding | None = None) -> list[float]:

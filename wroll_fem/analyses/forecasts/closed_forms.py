@@ -180,6 +180,7 @@ def buckling_pressure(roll: RollSections) -> float:
     Of a roll with a solid coil it is that of the mandrel.
 
     Windenburg and Trilling's formula for a tube is p = 2.42 E (t/D)^2.5 / ((1 - nu^2)^0.75 (L/D - 0.45 (t/D)^0.5)).
+    It is infinite for a tube so short that its ends keep all of it round, L/D <= 0.45 (t/D)^0.5.
     """
     g, coil = roll.geometry, roll.coil
     tubes = [(roll.mandrel.material, g.mandrel_outer_diameter - g.mandrel_thickness, g.mandrel_thickness, 1)]
@@ -191,9 +192,10 @@ def buckling_pressure(roll: RollSections) -> float:
     for material, diameter, thickness, count in tubes:
         slender = thickness / diameter
         length = g.length / diameter - 0.45 * math.sqrt(slender)
-        if length > 0:
-            E, nu = material.in_plane.E_theta, material.in_plane.nu_theta_z
-            total += count * 2.42 * E * slender**2.5 / ((1 - nu**2) ** 0.75 * length)
+        if length <= 0:
+            return math.inf
+        E, nu = material.in_plane.E_theta, material.in_plane.nu_theta_z
+        total += count * 2.42 * E * slender**2.5 / ((1 - nu**2) ** 0.75 * length)
     return total
 
 
