@@ -4,29 +4,35 @@ from __future__ import annotations
 
 import json
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from wroll_fem.analyses import write_figures
+from wroll_fem.analyses.shared import figures
 from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.mesh.point_grid import coil_grid
+from wroll_fem.plotting import names
 from wroll_fem.plotting.coil_slip import points_of
+from wroll_fem.plotting.style import figure_of
 from wroll_fem.results.dataset import load_dataset
 
 COARSE = [
-    "mesh.circumferential=10", "mesh.axial=12", "mesh.grading=12", "mesh.radial=3", "mesh.radial_grading=8",
-    "modal.count=5",
+    "mesh.circumferential=8", "mesh.axial=8", "mesh.grading=12", "mesh.radial=3", "mesh.radial_grading=8",
+    "modal.count=3",
 ]  # fmt: skip
+FIGURES = {"steady_response", "shear_distribution", "root_section", "slip_zone", "modes"}
 
 
 @pytest.fixture(scope="module")
 def runs(root, tmp_path_factory):
-    """Finished runs of both discretisations: summaries and results."""
+    """Finished runs of both discretisations without figures: summaries and results."""
     folder, found = tmp_path_factory.mktemp("case_study"), {}
-    for name, more in (("three_dimensional", ["output.figures=false"]), ("fourier", [])):
-        case = load_case(root / "configs" / "case_study.yaml", [*COARSE, f"mesh.discretisation={name}", *more])
-        run = run_case(case, folder / name)
+    for name in ("three_dimensional", "fourier"):
+        words = [*COARSE, f"mesh.discretisation={name}", "output.figures=false"]
+        run = run_case(load_case(root / "configs" / "case_study.yaml", words), folder / name)
         found[name] = run, load_dataset(run.folder.results_file)
     return found
 
@@ -62,7 +68,7 @@ def test_slip_starts_on_the_face_and_stress_has_its_symmetry(runs):
     assert data["shear_resultant"].values[grid.numbers].max(axis=(1, 2)).argmax() == 0  # innermost
 
 
-def test_summary_files_and_figures_of_a_run(runs):
+def test_summary_and_files_of_a_run(runs):
     run = runs["fourier"][0]
     summary = json.loads(run.folder.summary_file.read_text(encoding="utf-8"))
     assert summary["analysis"] == "modal_transient"
@@ -72,10 +78,22 @@ def test_summary_files_and_figures_of_a_run(runs):
     assert fraction == sorted(fraction)
     assert summary["slip_statement"].startswith("slip starts above")
     assert summary["capacity_mandrel_pa"] > 1e6
-    assert {path.stem for path in run.figures} >= {
-        "steady_response", "shear_distribution", "root_section", "slip_zone", "modes"
-    }  # fmt: skip
     assert (run.folder.fields / "coil_slip.vtu").is_file()
+
+
+def test_a_run_makes_its_figures(runs, tmp_path, monkeypatch):
+    """All but those in space, without writing them, which takes most of the time."""
+    monkeypatch.setattr(names, "save", lambda ax, path: (plt.close(figure_of(ax)), path)[1])
+    monkeypatch.setattr(figures, "find_spec", lambda name: None)
+    paths = write_figures(runs["fourier"][1], tmp_path)
+    assert {path.stem for path in paths} >= FIGURES
+
+
+@pytest.mark.slow
+def test_a_run_writes_its_figures(runs, tmp_path):
+    paths = write_figures(runs["fourier"][1], tmp_path)
+    assert {path.stem for path in paths} >= FIGURES
+    assert all(path.is_file() for path in paths)
 
 
 @pytest.mark.parametrize(
