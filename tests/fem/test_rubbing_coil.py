@@ -48,7 +48,8 @@ def springs_of(system: System) -> np.ndarray:
 
 def first_bending(interface: str, mu: float = 0.25, pressure: float = 1e5) -> float:
     """First bending frequency, Hz, of a coil that presses uniformly on its mandrel."""
-    case = roll("modal", modal={"interface": interface, "count": 2 if mu > 1.0 else 6},
+    few = {"circumferential": 8, "axial": 4} if mu == 0.0 or interface == "frictionless" else {}
+    case = roll("modal", modal={"interface": interface, "count": 2 if mu > 1.0 else 6}, mesh=few,
                 preload={"kind": "winding_stress", "pressure": pressure},
                 contact={"friction": {"law": "penalty_coulomb", "mu": mu, "elastic_slip": 1e-6}})  # fmt: skip
     modes = run_analysis(case, progress=SilentProgress())
@@ -144,9 +145,9 @@ def test_no_friction_is_the_frictionless_eigenproblem() -> None:
 
 
 def test_a_thin_solid_is_the_layer_of_the_lab_roll() -> None:
-    mesh = {"circumferential": 16, "axial": 6, "radial": 1, "grading": 8}
+    mesh = {"circumferential": 12, "axial": 6, "radial": 1, "grading": 8}
     thin = {"total_thickness": 1.25e-3, "material": {"E": 2.8e9, "nu": 0.35, "rho": 2000.0}}
-    band = {"f_start": 140, "f_end": 165}
+    band = {"f_start": 143, "f_end": 162}
     solid = roll(coil=thin, mesh=mesh, excitation=band)
     data = solid.resolved()
     data["coil"] = {"model": "layers", "layers": 1, **thin}

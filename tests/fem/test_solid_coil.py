@@ -84,7 +84,9 @@ def test_half_of_the_roll_has_the_modes_of_the_whole_that_bend_along_x():
 
 
 def test_bases_are_ordered_and_the_inner_edge_is_the_mandrels():
-    free, edge, clamped = (lowest(body(f"coil.base={base}"))[0] for base in ("free", "inner_edge", "clamped"))
+    free, edge, clamped = (
+        lowest(body(f"coil.base={base}", symmetric=True))[0] for base in ("free", "inner_edge", "clamped")
+    )
     assert edge == free  # bonded to a clamped mandrel, the inner edge does not move
     assert clamped > 1.05 * free
     with pytest.raises(InputError, match=r"coil\.base: the base of the coil is clamped .* base of the mandrel is free"):
@@ -96,7 +98,7 @@ def test_bases_are_ordered_and_the_inner_edge_is_the_mandrels():
 
 def test_thin_isotropic_coil_is_the_bonded_layer():
     # bases clamped: a free layer is tied at points, near the base less than a solid all along (0.3 % at 40 x 40 cells)
-    lab = ["mesh.circumferential=16", "mesh.axial=8", "mesh.grading=4", "modal.count=5"]
+    lab = ["mesh.circumferential=12", "mesh.axial=8", "mesh.grading=4", "modal.count=5"]
     solid = load_case(KAPTON, [*lab, "coil.base=clamped", "coil.material={E: 4e9, nu: 0.35, rho: 1400}"])
     text = solid.resolved()
     text["coil"] = text["coil"] | {"model": "bonded"}
@@ -193,7 +195,7 @@ def test_mesh_files_hold_the_coil(tmp_path):
 
 
 def test_shear_of_the_bending_mode_agrees_with_the_fourier_model():
-    mesh = ("mesh.axial=12", "mesh.radial=3", "modal.count=2")
+    mesh = ("mesh.circumferential=8", "mesh.axial=8", "mesh.radial=2", "modal.count=2")
     ours = shear_modes(stiff(*mesh))
     other = shear_modes(stiff(*mesh, "mesh.discretisation=fourier"))
     assert ours.kinds == ("bending", "bending")
@@ -223,11 +225,12 @@ def test_shear_of_the_bending_mode_agrees_with_the_fourier_model():
 @pytest.mark.parametrize("direction", ["x", "y"])
 def test_half_a_pair_at_the_end_of_the_list_is_along_the_excitation(direction):
     shaken = f"excitation={{kind: sine, frequency: resonance, amplitude_g: 1, direction: {direction}}}"
-    one, two = (shear_modes(stiff(f"modal.count={n}", shaken)) for n in (1, 2))
+    few = ("mesh.circumferential=8", "mesh.axial=4", "mesh.radial=1")
+    one, two = (shear_modes(stiff(*few, f"modal.count={n}", shaken)) for n in (1, 2))
     assert len(one.frequencies_hz) == 2
     np.testing.assert_allclose(np.abs(one.participation), np.abs(two.participation), rtol=1e-6, atol=1e-6)
     if direction == "x":
-        runs = [run_modal(stiff(f"modal.count={n}"), progress=SilentProgress()) for n in (1, 2)]
+        runs = [run_modal(stiff(*few, f"modal.count={n}"), progress=SilentProgress()) for n in (1, 2)]
         assert runs[0].sizes["mode"] == 1
         fractions = [run["effective_mass_fraction"].values[0] for run in runs]
         np.testing.assert_allclose(fractions[0], fractions[1], atol=1e-6)

@@ -20,7 +20,8 @@ def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -
     """A basis that may not grow ends the training; a chirp for shapes would start it anew, and might find nothing."""
     monkeypatch.setattr(training, "LARGEST_BASIS", 45)
     monkeypatch.setattr(harmonic, "snapshots_of_chirp", lambda *words, **options: pytest.fail("a new training"))
-    found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}), progress=SilentProgress())
+    coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
+    found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}, mesh=coarse), progress=SilentProgress())
     assert 1e-9 < found.attrs["reduction_error_estimate"] < training.DOUBTFUL
 
 
