@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -354,17 +355,18 @@ def friction_of(path: Path, *overrides: str) -> float:
 
 def test_contact_in_the_case_replaces_the_laws_of_the_file(tmp_path: Path) -> None:
     """The same friction written in the case changes nothing; another one is that of a file that holds it."""
-    own = friction_of(write_case(tmp_path, oscillator()))
+    write = partial(write_case, tmp_path, excitation=DWELL | {"cycles": 8.0})
+    own = friction_of(write(oscillator()))
     same = {"friction": {"mu": MU, "elastic_slip": GAMMA}}
-    assert friction_of(write_case(tmp_path, oscillator(), contact=same)) == own
-    weak = friction_of(write_case(tmp_path, oscillator(interface_1_friction_mu=0.1)))
+    assert friction_of(write(oscillator(), contact=same)) == own
+    weak = friction_of(write(oscillator(interface_1_friction_mu=0.1)))
     written = {"friction": {"mu": 0.1, "elastic_slip": GAMMA}, "normal": {"penalty": "auto"}}
-    path = write_case(tmp_path, oscillator(), contact=written)
+    path = write(oscillator(), contact=written)
     assert friction_of(path) == weak != own
     lawless = oscillator(**{name: None for name in oscillator() if "friction" in name})
-    assert friction_of(write_case(tmp_path, lawless, contact=same)) == own
-    stiff = friction_of(write_case(tmp_path, oscillator(interface_1_normal_stiffness=2.0e8)))
-    path = write_case(tmp_path, oscillator(), contact=same | {"normal": {"penalty": 2.0e8}})
+    assert friction_of(write(lawless, contact=same)) == own
+    stiff = friction_of(write(oscillator(interface_1_normal_stiffness=2.0e8)))
+    path = write(oscillator(), contact=same | {"normal": {"penalty": 2.0e8}})
     assert friction_of(path) == stiff
 
 

@@ -21,7 +21,7 @@ from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 
-SMALL = ["mesh={circumferential: 8, axial: 4, grading: 2}", "output.figures=false"]
+SMALL = ["mesh={circumferential: 8, axial: 3, grading: 1}", "output.figures=false", "harmonic.harmonics=3"]
 
 
 def interrupt_after(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
