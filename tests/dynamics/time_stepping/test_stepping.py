@@ -196,8 +196,8 @@ def test_full_newton_does_not_alternate_at_an_impact():
     point = contact_point([0, 0, 1], [-1, 1, 0], [0, 0, 0], mu=0.3, gamma=2.0e-6, kn=1.0e8)
     system = dense_system(k, np.diag([1.0, 0.5, 0.5]), [1, 1, 0], point, tip=[0, 1, 0], preload=[0, 0, -20.0])
     dt = 1.0 / 2000.0
-    run = stepper("full", system, solve_preload(system), Scheme.hht(0.0), dt)
-    records = run.advance(40.0 * np.sin(2 * np.pi * 20.0 * dt * np.arange(1501)), dt, 0.0)
+    run = stepper("full", system, solve_preload(system), Scheme.hht(0.0), dt, NewtonOptions(max_cuts=0))
+    records = run.advance(40.0 * np.sin(2 * np.pi * 20.0 * dt * np.arange(401)), dt, 0.0)
     assert records[:, OPEN].max() == 1.0
     assert np.all(np.isfinite(records))
 
