@@ -89,7 +89,7 @@ def test_the_key_is_off_by_default_and_then_no_part_of_the_hash():
 
 @pytest.mark.parametrize("load", [["preload.pressure=2e5", ON], WOUND], ids=["external pressure", "winding tension"])
 def test_half_of_the_roll_has_the_modes_of_the_whole(load):
-    case = lab("modal.interface=stuck", *load)
+    case = lab("modal.interface=stuck", "mesh.circumferential=8", "mesh.axial=4", *load)
     whole = run(case)
     system, state = prepare(case, SilentProgress())
     half = solve_modes(system.with_interface_springs(stick_springs(system, state)), system.mass, 2)[0]
@@ -124,19 +124,19 @@ def test_a_preload_above_the_buckling_load_is_refused():
 
 def test_buckling_of_the_mandrel_alone_is_that_of_the_modal_analysis():
     """The frequency of the buckling mode falls to zero at the buckling pressure: f^2 is linear in the pressure."""
-    alone = ["coil={model: none}", "mesh.circumferential=16", "mesh.axial=8"]
+    alone = ["coil={model: none}", "mesh.circumferential=12", "mesh.axial=6"]
     found = run(lab("analysis=buckling", "preload.pressure=1e4", *alone))
     summary = summarise(found)
     assert summary["buckling_pressure_pa"] == pytest.approx(1e4 * summary["buckling_load_factor"])
     waves = summary["buckling_wave_number"]
     squares = []
-    for share in (0.3, 0.6, 0.9):
+    for share in (0.6, 0.9):
         pressure = share * summary["buckling_pressure_pa"]
         modes = run(lab("modal.count=6", f"preload.pressure={pressure}", ON, *alone))
         of_waves = modes["mode_frequency"].where(modes["mode_harmonic"] == waves, drop=True)
         squares.append(float(of_waves[0]) ** 2)
         assert modes.attrs["buckling_load_factor"] == pytest.approx(1 / share, rel=1e-6)
-    zero = 0.9 + 0.3 * squares[2] / (squares[1] - squares[2])
+    zero = 0.9 + 0.3 * squares[1] / (squares[0] - squares[1])
     assert zero == pytest.approx(1.0, abs=0.01)
 
 

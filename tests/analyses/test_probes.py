@@ -25,7 +25,7 @@ def case(name: str, *overrides: str, probes: dict | None = None) -> wf.Case:
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
-@pytest.mark.parametrize("method", ["condensed", "reduced", "full"])
+@pytest.mark.parametrize("method", ["condensed", "reduced", pytest.param("full", marks=pytest.mark.slow)])
 def test_a_history_holds_the_motion_of_every_probe(method: str) -> None:
     length = ["excitation.cycles=2"] if method == "full" else ["excitation.cycles=4"]
     result = wf.run(case("tiny", f"solver.method={method}", *length), progress=False)

@@ -46,7 +46,10 @@ def closed_form(f_n: float, zeta: float) -> tuple[float, float]:
     return acceleration, displacement
 
 
-@pytest.mark.parametrize(("f_n", "zeta", "seed", "duration"), [(20.0, 0.02, 1, 60.0), (16.3, 0.034, 7, 40.0)])
+@pytest.mark.parametrize(
+    ("f_n", "zeta", "seed", "duration"),
+    [pytest.param(20.0, 0.02, 1, 60.0, marks=pytest.mark.slow), (16.3, 0.034, 7, 40.0)],
+)
 def test_a_linear_structure_has_rms_h1_and_zeta_of_the_closed_form(
     f_n: float, zeta: float, seed: int, duration: float
 ) -> None:

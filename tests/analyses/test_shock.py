@@ -23,7 +23,7 @@ from wroll_fem.progress import SilentProgress
 
 F_N, ZETA = 10.0, 0.01
 PULSE = {"kind": "half_sine", "amplitude": 30.0, "duration": 0.04, "decay": 1.6}
-METHODS = ["full", "condensed", "reduced"]
+METHODS = [pytest.param("full", marks=pytest.mark.slow), "condensed", "reduced"]
 
 
 class Warned(SilentProgress):

@@ -19,7 +19,7 @@ SWEEP = CONFIGS / "lab_sweep.yaml"
     "words",
     [
         [],
-        ["preload.pressure=2e5", "contact.friction.mu=0.5"],
+        pytest.param(["preload.pressure=2e5", "contact.friction.mu=0.5"], marks=pytest.mark.slow),
         pytest.param(["coil.layers=3", "coil.base=inner_edge"], marks=pytest.mark.slow),
     ],
 )

@@ -7,17 +7,17 @@ import pytest
 
 import wroll_fem as wf
 
-LOW, HIGH, SECONDS = 9.0, 12.0, 160.0
-RINGING = 0.25
+LOW, HIGH, SECONDS = 7.5, 15.0, 45.0
+RINGING = 0.75
 """Distance to a fold, Hz, within which the jump of a sweep rings."""
 
 
 @pytest.fixture(scope="module")
 def duffing() -> wf.OwnStructure:
-    """Oscillator of 10 Hz with a hardening spring and 1 % damping."""
+    """Oscillator of 10 Hz with a hardening spring and 3 % damping."""
     stiffness = (2.0 * np.pi * 10.0) ** 2
-    spring = wf.joints.Spring(at=0, coefficients=(0.0, 0.0, 2e7), length=5e-3)
-    return wf.structure(np.array([[stiffness]]), np.eye(1), [spring], damping=0.01)
+    spring = wf.joints.Spring(at=0, coefficients=(0.0, 0.0, 6e7), length=5e-3)
+    return wf.structure(np.array([[stiffness]]), np.eye(1), [spring], damping=0.03)
 
 
 def magnitude(result: wf.Result) -> tuple[np.ndarray, np.ndarray]:
@@ -32,14 +32,14 @@ def test_sweeps_follow_their_branches_of_a_fold(duffing, linear):
     rate = {"ramp_cycles": 20, "rate_hz_per_s": (HIGH - LOW) / SECONDS}
     if not linear:
         rate = {"ramp_cycles": 20, "rate_oct_per_min": 60.0 * np.log2(HIGH / LOW) / SECONDS}
-    f, T = magnitude(duffing.run_harmonic(wf.Chirp(f_start=LOW, f_end=HIGH, amplitude=0.5, **rate)))
+    f, T = magnitude(duffing.run_harmonic(wf.Chirp(f_start=LOW, f_end=HIGH, amplitude=1.5, **rate)))
     upper = int(np.flatnonzero(np.diff(f) < 0.0)[0])
     lower = int(np.flatnonzero(np.diff(f) < 0.0)[-1]) + 1
     folds = f[lower], f[upper]
     assert folds[1] - folds[0] > 0.1
     steps = wf.Integrator(steps_per_cycle=80)
     up, down = (
-        magnitude(duffing.run_sweep(wf.Chirp(f_start=a, f_end=b, amplitude=0.5, **rate), integrator=steps))
+        magnitude(duffing.run_sweep(wf.Chirp(f_start=a, f_end=b, amplitude=1.5, **rate), integrator=steps))
         for a, b in ((LOW, HIGH), (HIGH, LOW))
     )
     for frequency, size in (up, down):

@@ -51,8 +51,13 @@ def linear() -> wf.OwnStructure:
     return wf.structure(np.array([[STIFFNESS]]), np.eye(1), damping=ZETA)
 
 
-@pytest.mark.parametrize("law", ["geometric", "linear"])
-@pytest.mark.parametrize("notched", [False, True])
+@pytest.mark.parametrize(
+    ("law", "notched"),
+    [
+        ("geometric", False), ("linear", True),
+        pytest.param("linear", False, marks=pytest.mark.slow), pytest.param("geometric", True, marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
 def test_the_branches_of_a_linear_structure_mirror(law: str, notched: bool) -> None:
     """The lag, of a fifth of the half-width, has the same size and the other sign; so have the deviations of |T|."""
     profile = {"profile": NOTCH} if notched else {}
@@ -80,19 +85,21 @@ def test_the_branches_of_a_linear_structure_mirror(law: str, notched: bool) -> N
 
 
 def test_the_upward_branch_is_an_upward_sweep_and_the_downward_one_a_downward_sweep() -> None:
-    both = linear().run_sweep(chirp())
+    twice, steps = {"rate_oct_per_min": 2.0 * BANDS["geometric"]["rate_oct_per_min"]}, wf.Integrator(steps_per_cycle=40)
+    both = linear().run_sweep(chirp(**twice), integrator=steps)
     f, up, down = sizes(both)
     for keys, size in (
         ({"sweep_direction": "up"}, up),
         ({"f_start": 13.0, "f_end": 7.0, "sweep_direction": "down", "ramp_cycles": 0}, down),
     ):
-        alone = linear().run_sweep(chirp(**keys))
+        alone = linear().run_sweep(chirp(**twice, **keys), integrator=steps)
         other = np.hypot(alone.data["transmissibility_real"], alone.data["transmissibility_imag"]).values
         inside = np.interp(f, alone.data["frequency"].values, other)[5:-5]
         outside = np.abs(f - alone.data.attrs["f_start_hz"])[5:-5] > 1.0  # the transient of its start
         np.testing.assert_allclose(size[5:-5][outside], inside[outside], atol=1e-3 * size.max())
 
 
+@pytest.mark.slow
 def test_both_branches_of_a_friction_oscillator_agree_with_harmonic_balance() -> None:
     """A softening resonance without folds, slow enough for its steep flank: 2 % of the peak."""
     structure = wf.structure(
