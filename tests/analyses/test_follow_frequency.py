@@ -61,7 +61,7 @@ def test_steps_are_halved_where_the_frequency_has_doubled(seed):
     assert all(np.ptp(piece) == 0.0 for piece in pieces)
 
 
-@pytest.fixture(scope="module", params=["reduced", "condensed"])
+@pytest.fixture(scope="module", params=["reduced", pytest.param("condensed", marks=pytest.mark.slow)])
 def histories(request) -> tuple[xr.Dataset, xr.Dataset]:
     """Sweep through the resonance of a small roll, with equal steps and with steps that follow the frequency."""
     method = f"solver.method={request.param}"

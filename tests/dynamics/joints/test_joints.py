@@ -208,7 +208,7 @@ def test_one_harmonic_is_the_describing_function(
     joint: Joint, harmonic: Callable[[float], complex], tolerance: float
 ) -> None:
     """(k - m w^2 + i w c) X + F_1(X) = m A at every point of the curve, relative to the force at the peak."""
-    curve = response(joint, 1024 if joint is IWAN else 4096)
+    curve = response(joint, 512 if joint is IWAN else 4096)
     x = np.abs(curve.fundamental(curve.balance.model.tip))
     w = curve.frequencies
     force = np.array([harmonic(float(reach)) for reach in x])
@@ -220,7 +220,7 @@ def test_one_harmonic_is_the_describing_function(
 def test_a_bouc_wen_joint_in_harmonic_balance_has_the_harmonic_of_its_steady_loop() -> None:
     """One harmonic of the loop that `joint_force` reaches under the same cosine: 1e-5 of the limit."""
     joint = BoucWen(at=0, stiffness=STIFFNESS, limit=LIMIT, exponent=1.5, unloading=0.7)
-    curve = response(joint)
+    curve = response(joint, 2048)
     motion, w = curve.fundamental(curve.balance.model.tip), curve.frequencies
     peak = int(np.argmax(np.abs(motion)))
     phase = 2.0 * np.pi * np.arange(1, 6 * 2048 + 1) / 2048

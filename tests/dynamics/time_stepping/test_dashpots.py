@@ -50,7 +50,7 @@ def roll() -> tuple[System, ContactState]:
     return system, solve_preload(system)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param("full", marks=pytest.mark.slow), *METHODS[1:]])
 def test_the_steady_peak_of_sticking_layers_is_that_of_the_damping_ratio(method: str) -> None:
     """At the natural frequency of a mode T = participation / (2 zeta), plus the small motion of the other modes."""
     zeta = 0.05

@@ -45,7 +45,7 @@ def case_of(name: str) -> Case:
     return load_case(CONFIGS / f"{name}.yaml", SMALL)
 
 
-@pytest.mark.parametrize("name", ["lab_harmonic", "lab_backbone"])
+@pytest.mark.parametrize("name", ["lab_harmonic", pytest.param("lab_backbone", marks=pytest.mark.slow)])
 def test_a_resumed_run_is_bitwise_the_uninterrupted_one(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
