@@ -170,7 +170,7 @@ def test_the_transient_of_the_start_is_left_out() -> None:
 def test_a_resumed_run_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from wroll_fem.dynamics.time_stepping import simulate
 
-    case = rubbing_case(duration=4.5).changed("solver.checkpoint_seconds=0.001")
+    case = rubbing_case(duration=4.5).changed("solver.checkpoint_seconds=0.001", "output.figures=false")
     whole = wf.run(case, progress=SILENT)
     advance, calls = simulate._Run.advance, []
 

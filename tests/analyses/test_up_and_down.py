@@ -12,6 +12,7 @@ from support.paths import CONFIGS
 
 import wroll_fem as wf
 from wroll_fem.analyses.shared.time_step import time_grid
+from wroll_fem.dynamics.time_stepping import simulate
 from wroll_fem.dynamics.time_stepping.hht import Scheme, numerical_damping
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.errors import InputError
@@ -161,9 +162,10 @@ def test_steps_follow_the_frequency_up_and_down() -> None:
 
 
 def test_a_resumed_run_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulate, "CHUNK", 400)  # fewer checkpoints
     case = wf.load_case(CONFIGS / "lab_sweep.yaml", [*ROLL, "integrator.follow_frequency=true"])
     whole = wf.run(case, progress=SILENT)
-    with interrupted(monkeypatch, ReducedStepper, 12):
+    with interrupted(monkeypatch, ReducedStepper, 6):
         wf.run(case, out=tmp_path / "run", progress=SILENT)
     run_case(case, tmp_path / "run", resume=True, progress=SILENT)
     again = load_dataset(tmp_path / "run" / "results.nc")
