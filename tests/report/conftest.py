@@ -14,12 +14,12 @@ from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import Member
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a batch: two finished cases, one that failed, one figure."""
     out = tmp_path_factory.mktemp("batch")
