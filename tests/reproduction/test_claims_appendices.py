@@ -24,7 +24,7 @@ QUICK = {
 """Verdicts of claims that need no run."""
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n == "C117" else []) for n in QUICK])
 def test_what_needs_no_run_is_judged_on_the_spot(name: str, evidence: Evidence) -> None:
     verdict = judges("ch5", "appendices")[name](evidence)
     assert verdict.word == QUICK[name], verdict.value
