@@ -34,7 +34,7 @@ from wroll_fem.results.summary import SUMMARY
 def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("examples")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slip_example, "FRAMES", 120)  # its numbers are looked at in test_slip_command.py
+        patch.setattr(slip_example, "FRAMES", 150)  # its numbers are looked at in test_slip_command.py
         return {name: example_files(name, folder / name) for name in KINDS}
 
 

@@ -143,7 +143,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> list[wf.lab.LabResult]
     found = []
     for kind in KINDS:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(slip_example, "FRAMES", 120)
+            patch.setattr(slip_example, "FRAMES", 150)
             files = example_files(kind, folder / kind)
         settings = folder / kind / "settings.yaml"
         found.append(wf.lab.evaluate(kind, files, settings_file=settings if settings.is_file() else None))
