@@ -15,7 +15,7 @@ from support.coil_modes import MASS, SHAPE, beam, coil_points
 
 from wroll_fem.analyses import modal_transient, slip_model
 from wroll_fem.analyses.modal_transient import slip_statement, slip_summary
-from wroll_fem.analyses.slip_dataset import remarks, transient_dataset
+from wroll_fem.analyses.transient_results import remarks, transient_dataset
 from wroll_fem.bodies.levels import levels
 from wroll_fem.case import load_case
 from wroll_fem.coiled_stiff.modal_response import Oscillators

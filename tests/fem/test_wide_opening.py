@@ -10,7 +10,7 @@ from wroll_fem.case import Case
 from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.reduction import snapshots
 from wroll_fem.dynamics.reduction.snapshots import WholeSlip
-from wroll_fem.dynamics.training import training
+from wroll_fem.dynamics.training import course
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress
 
@@ -18,10 +18,10 @@ from wroll_fem.progress import SilentProgress
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
 def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """A basis that may not grow ends the training; a chirp for shapes would start it anew, and might find nothing."""
-    monkeypatch.setattr(training, "LARGEST_BASIS", 45)
+    monkeypatch.setattr(course, "LARGEST_BASIS", 45)
     monkeypatch.setattr(harmonic, "snapshots_of_chirp", lambda *words, **options: pytest.fail("a new training"))
     found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}), progress=SilentProgress())
-    assert 1e-9 < found.attrs["reduction_error_estimate"] < training.DOUBTFUL
+    assert 1e-9 < found.attrs["reduction_error_estimate"] < course.DOUBTFUL
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")

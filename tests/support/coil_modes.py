@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.analyses.slip_dataset import CoilShape
+from wroll_fem.analyses.transient_results import CoilShape
 from wroll_fem.coiled_stiff.stress_modes import ShearModes
 
 SHAPE = CoilShape(mandrel_radius=0.010, outer_radius=0.025, length=0.300)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def run_modal_transient(case: ModalTransientCase, *, progress: Progress) -> xr.Dataset:
-    """Compute modes, their stress, winding pressure, steady response and slip; see `slip_dataset.transient_dataset`."""
+    """Compute modes, their stress, winding pressure, steady response and slip; see `transient_dataset`."""
     return SlipModel.of(case, progress=progress).run(progress=progress)
 
 

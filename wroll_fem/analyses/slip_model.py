@@ -10,7 +10,7 @@ import xarray as xr
 
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies, named_probes
 from wroll_fem.analyses.shared.resolution import fourier_remark, frequency_remark
-from wroll_fem.analyses.slip_dataset import CoilShape, remarks, transient_dataset
+from wroll_fem.analyses.transient_results import CoilShape, remarks, transient_dataset
 from wroll_fem.case.kinds import ModalTransientCase
 from wroll_fem.coiled_stiff.stress_modes import ShearModes, needs_solid_coil
 from wroll_fem.errors import InputError

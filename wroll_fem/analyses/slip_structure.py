@@ -10,8 +10,8 @@ import scipy.sparse as sp
 
 from wroll_fem.analyses.shared.assembly import DIRECTIONS, build_bodies, build_system, with_base_loads, with_probes
 from wroll_fem.analyses.shared.material_damping import with_damping
-from wroll_fem.analyses.slip_dataset import CoilShape
 from wroll_fem.analyses.slip_model import in_wound_roll
+from wroll_fem.analyses.transient_results import CoilShape
 from wroll_fem.bodies.base_loads import axial_rotation
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.materials import CylindricalOrthotropic

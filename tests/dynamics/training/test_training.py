@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,8 +21,9 @@ from wroll_fem.dynamics.training import enrichment
 from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.growth import enriched
 from wroll_fem.dynamics.training.structure import Structure
-from wroll_fem.dynamics.training.training import Training, _enriched
+from wroll_fem.dynamics.training.training import Training
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
 
@@ -103,9 +105,8 @@ def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
         for k in range(2)
     ]
     nothing = HarmonicCurve.of_points(points.problem, [])
-    larger = _enriched(
-        structure, Training(tolerance=1e-9), points, found, lambda *_: [], lambda *_: nothing, anew=True
-    )  # fmt: skip
+    nowhere = SimpleNamespace(check=lambda *_: [], again=lambda *_: nothing)
+    larger = enriched(structure, Training(tolerance=1e-9), points, found, nowhere, anew=True)
     assert larger.size > model.size
 
 

@@ -14,7 +14,7 @@ from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.training_progress import Passes
 from wroll_fem.case import Case, load_case
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.training import training
+from wroll_fem.dynamics.training import course, training
 from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.dynamics.training.training_state import TrainingFile, arrays_of, curve_of
 from wroll_fem.errors import ConvergenceError, InputError
@@ -66,7 +66,7 @@ def test_a_resumed_run_is_bitwise_the_uninterrupted_one(
 def test_every_state_of_a_training_continues_to_the_same_curve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Curves that were moved to a larger basis included: here every curve is, from the first."""
     monkeypatch.setattr(training, "COARSE", 1.0)
-    monkeypatch.setattr(training, "MOVABLE", 1e9)
+    monkeypatch.setattr(course, "MOVABLE", 1e9)
     case, path = load_case(CONFIGS / "lab_backbone.yaml", [*SMALL, "harmonic.reduction_tolerance=1e-4"]), tmp_path / "x"
     states: list[bytes] = []
     keep = TrainingFile.keep

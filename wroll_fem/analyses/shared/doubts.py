@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 ENERGY_ERROR = 0.005
 """Energy balance error, relative to the largest input work, above which the results of a run are doubtful."""
 
-OPENED = 0.2
+WIDELY_OPEN = 0.2
 """Share of the area of an interface that opens at some time, above which a time history warns. Half-sines of 3 ms open
 0, 1.4 and 24 % of the lab roll at 20, 120 and 500 g."""
 
@@ -61,11 +61,11 @@ def _opening(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> lis
     share = (area.where(dataset["open_time_fraction"] > 0.0, 0.0).sum("point") / area.sum("point")).fillna(0.0)
     at = ""
     if "level" in share.dims:
-        wide = (share > OPENED).any("interface").values
+        wide = (share > WIDELY_OPEN).any("interface").values
         first = int(wide.argmax())
         at, share = f"from {float(dataset['level_db'][first]):.3g} dB on ", share.isel(level=first)
     worst = int(share.values.argmax())
-    if not share.values[worst] > OPENED:
+    if not share.values[worst] > WIDELY_OPEN:
         return []
     return [
         f"{at}interface {worst} (0: innermost) opens over {100 * share.values[worst]:.0f} % of its area: such a motion "

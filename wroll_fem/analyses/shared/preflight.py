@@ -105,7 +105,7 @@ def structure_warnings(case: StructuralCase) -> list[str]:
     return warnings
 
 
-OPENED = 0.7
+LOWERED_BY_OPENING = 0.7
 """Lowest resonance of a coil that rubs, relative to that of the beams without friction: a thick coil opens and rocks.
 The flight rolls come down to 0.77."""
 
@@ -120,7 +120,7 @@ def missed_resonance(case: SweepCase | HarmonicCase) -> list[str]:
     """Warn about a chirp whose band does not contain the expected resonance of the roll."""
     if not isinstance(case, OnRoll):
         return []
-    low = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
+    low = beam_frequency(case, bonded=False) * (LOWERED_BY_OPENING if case.coil.rubs else 1.0)
     high, state = _highest_resonance(case)
     start, end = sorted((case.excitation.f_start, case.excitation.f_end))
     if start < 1.05 * high and end > 0.95 * low:
@@ -157,7 +157,7 @@ def random_warnings(case: RandomCase) -> list[str]:
     low, high = excitation.psd.table.band
     highest = excitation.highest_frequency_hz
     if isinstance(case, OnRoll):
-        first = beam_frequency(case, bonded=False) * (OPENED if case.coil.rubs else 1.0)
+        first = beam_frequency(case, bonded=False) * (LOWERED_BY_OPENING if case.coil.rubs else 1.0)
         last, state = _highest_resonance(case)
         if not (low < 1.05 * last and high > 0.95 * first):
             lowest = "open" if case.coil.rubs else "frictionless"

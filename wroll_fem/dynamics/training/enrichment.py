@@ -3,7 +3,7 @@ r"""Response curves and backbones in bases that are trained on these curves them
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,9 +19,10 @@ from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, correction
+from wroll_fem.dynamics.training.course import trained
 from wroll_fem.dynamics.training.point_sampling import PointSampling
 from wroll_fem.dynamics.training.structure import Structure
-from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Trained, Training, trained
+from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Trained, Training
 from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
@@ -50,6 +51,131 @@ def checked_motions(curve: BackboneCurve) -> list[int]:
     last = len(curve.frequencies) - 1
     points = {int(k) for k in np.linspace(0, last - curve.beyond, BACKBONE_POINTS)}
     return sorted(points | {last})
+
+
+@dataclass(frozen=True)
+class _ResponseTask:
+    """Response curve that is trained; see `Task`."""
+
+    structure: Structure
+    harmonics: int
+    amplitude: float
+    frequencies: tuple[float, float]
+    steps: StepControl
+    subsets: PointSampling
+    on_point: Callable[[float, int], None] | None
+
+    def solve(self, model: ReducedModel, factor: float) -> HarmonicCurve:
+        """Curve in a reduced model, with steps longer by a factor."""
+        level = self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
+        return self.subsets.curve(level, model, self._followed, factor, self.steps, checked_points)
+
+    def _followed(self, contact: HarmonicContact, factor: float) -> HarmonicCurve:
+        return response_curve(
+            contact, amplitude=self.amplitude, frequencies=self.frequencies, control=self.steps.longer(factor),
+            on_point=self.on_point,
+        )  # fmt: skip
+
+    def chosen(self, curve: HarmonicCurve) -> list[int]:
+        """Indices of the points that are checked."""
+        return checked_points(curve)
+
+    def check(self, points: HarmonicCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
+        """Corrections of the motions at points of a curve."""
+        self.subsets.seen(points)
+        return [
+            correction(points.balance, q, w, points.direction(k)[None], tolerance=residual)
+            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
+        ]
+
+    def again(self, points: HarmonicCurve, model: ReducedModel, starts: FloatArray | None = None) -> HarmonicCurve:
+        """Points of a curve in another model."""
+        level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
+        return self.subsets.moved(points, level, model, self.steps, starts)
+
+    def shortened(self, curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
+        """Curve with a wider gap, if all its inaccurate points lie around the gap."""
+        if curve.gap is None:
+            return None
+        below = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w <= curve.gap[0]]
+        above = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w >= curve.gap[1]]
+        bad = [w for w, kept in zip(points.frequencies, good, strict=True) if not kept]
+        if not below or not above or any(w < max(below) or w > min(above) for w in bad):
+            return None
+        return curve.with_gap(max(below), min(above))
+
+    def restored(self, model: ReducedModel, arrays: dict[str, np.ndarray]) -> HarmonicCurve:
+        """Curve of a checkpoint."""
+        found = curve_of(HarmonicBalance(self.structure.contact(model), self.amplitude), arrays)
+        assert isinstance(found, HarmonicCurve)
+        return found
+
+
+@dataclass(frozen=True)
+class _BackboneTask:
+    """Backbone that is trained; see `Task`."""
+
+    structure: Structure
+    harmonics: int
+    tip_amplitudes: tuple[float, float]
+    steps: StepControl
+    subsets: PointSampling
+    on_point: Callable[[float, int], None] | None
+
+    def solve(self, model: ReducedModel, factor: float) -> BackboneCurve:
+        """Backbone in a reduced model, with steps longer by a factor; up to its end, if it ends early."""
+        level = self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
+        try:
+            return self.subsets.curve(level, model, self._followed, factor, self.steps, checked_motions)
+        except ConvergenceError as stop:
+            part = stop.partial
+            if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
+                raise
+            part = part.cut_off(end_of_backbone(part))
+            if len(part.frequencies) - part.beyond < FEWEST_POINTS:
+                raise
+            return part
+
+    def _followed(self, contact: HarmonicContact, factor: float) -> BackboneCurve:
+        control = self.steps.longer(factor)
+        return backbone_curve(contact, tip_amplitudes=self.tip_amplitudes, control=control, on_point=self.on_point)
+
+    def chosen(self, curve: BackboneCurve) -> list[int]:
+        """Indices of the points that are checked."""
+        return checked_motions(curve)
+
+    def check(self, points: BackboneCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
+        """Corrections of the motions at points of a backbone."""
+        self.subsets.seen(points)
+        return [
+            correction(points.balance, q, w, _free_of(points, k), points.damping[k], tolerance=residual)
+            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
+        ]
+
+    def again(self, points: BackboneCurve, model: ReducedModel, starts: FloatArray | None = None) -> BackboneCurve:
+        """Points of a backbone in another model."""
+        level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
+        return self.subsets.moved(points, level, model, self.steps, starts)
+
+    def shortened(self, curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
+        """Backbone up to the first inaccurate motion, if all later ones are inaccurate."""
+        count = good.index(False) if False in good else len(good)
+        part = curve.take(list(range(len(curve.frequencies) - curve.beyond)))
+        part = part.up_to(float(points.places[:count].max(initial=-1.0)), end_of_backbone(points))
+        return part if len(part.frequencies) >= FEWEST_POINTS and not any(good[count:]) else None
+
+    def restored(self, model: ReducedModel, arrays: dict[str, np.ndarray]) -> BackboneCurve:
+        """Backbone of a checkpoint."""
+        found = curve_of(HarmonicBalance(self.structure.contact(model), 0.0), arrays)
+        assert isinstance(found, BackboneCurve)
+        return found
+
+
+def _free_of(curve: BackboneCurve, k: int) -> FloatArray:
+    """(3, R, m) directions that no correction has: along the backbone, of the amplitude and of the phase."""
+    q = curve.coefficients[k]
+    size = np.linalg.norm(q)
+    return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
 
 
 def trained_response(
@@ -97,44 +223,9 @@ def trained_response(
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)
-
-    def follow(contact: HarmonicContact, factor: float) -> HarmonicCurve:
-        return response_curve(
-            contact, amplitude=amplitude, frequencies=frequencies, control=steps.longer(factor), on_point=on_point
-        )
-
-    def solve(model: ReducedModel, factor: float) -> HarmonicCurve:
-        level = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics)
-        return subsets.curve(level, model, follow, factor, steps, checked_points)
-
-    def check(points: HarmonicCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
-        subsets.seen(points)
-        return [
-            correction(points.balance, q, w, points.direction(k)[None], tolerance=residual)
-            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
-        ]
-
-    def again(points: HarmonicCurve, model: ReducedModel, starts: FloatArray | None = None) -> HarmonicCurve:
-        level = structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return subsets.moved(points, level, model, steps, starts)
-
-    def shortened(curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
-        if curve.gap is None:
-            return None
-        below = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w <= curve.gap[0]]
-        above = [w for w, kept in zip(points.frequencies, good, strict=True) if kept and w >= curve.gap[1]]
-        bad = [w for w, kept in zip(points.frequencies, good, strict=True) if not kept]
-        if not below or not above or any(w < max(below) or w > min(above) for w in bad):
-            return None
-        return curve.with_gap(max(below), min(above))
-
-    def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> HarmonicCurve:
-        found = curve_of(HarmonicBalance(structure.contact(model), amplitude), arrays)
-        assert isinstance(found, HarmonicCurve)
-        return found
-
+    task = _ResponseTask(structure, harmonics, amplitude, frequencies, steps, subsets, on_point)
     training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots))
-    found = trained(structure, training, solve, checked_points, check, again, shortened, restored)
+    found = trained(structure, training, task)
     return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
 
 
@@ -161,50 +252,6 @@ def trained_backbone(
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or BACKBONE_STEPS, PointSampling(wanted=hyper_reduction)
-
-    def follow(contact: HarmonicContact, factor: float) -> BackboneCurve:
-        return backbone_curve(contact, tip_amplitudes=tip_amplitudes, control=steps.longer(factor), on_point=on_point)
-
-    def solve(model: ReducedModel, factor: float) -> BackboneCurve:
-        level = structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else harmonics)
-        try:
-            return subsets.curve(level, model, follow, factor, steps, checked_motions)
-        except ConvergenceError as stop:
-            part = stop.partial
-            if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
-                raise
-            part = part.cut_off(end_of_backbone(part))
-            if len(part.frequencies) - part.beyond < FEWEST_POINTS:
-                raise
-            return part
-
-    def shortened(curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
-        count = good.index(False) if False in good else len(good)
-        part = curve.take(list(range(len(curve.frequencies) - curve.beyond)))
-        part = part.up_to(float(points.places[:count].max(initial=-1.0)), end_of_backbone(points))
-        return part if len(part.frequencies) >= FEWEST_POINTS and not any(good[count:]) else None
-
-    def free_of(curve: BackboneCurve, k: int) -> FloatArray:
-        q = curve.coefficients[k]
-        size = np.linalg.norm(q)
-        return np.array([curve.direction(k), q / size, curve.balance.velocity(q, 1.0) / size])
-
-    def check(points: BackboneCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
-        subsets.seen(points)
-        return [
-            correction(points.balance, q, w, free_of(points, k), points.damping[k], tolerance=residual)
-            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
-        ]
-
-    def again(points: BackboneCurve, model: ReducedModel, starts: FloatArray | None = None) -> BackboneCurve:
-        level = structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return subsets.moved(points, level, model, steps, starts)
-
-    def restored(model: ReducedModel, arrays: dict[str, np.ndarray]) -> BackboneCurve:
-        found = curve_of(HarmonicBalance(structure.contact(model), 0.0), arrays)
-        assert isinstance(found, BackboneCurve)
-        return found
-
+    task = _BackboneTask(structure, harmonics, tip_amplitudes, steps, subsets, on_point)
     training = subsets.quicker(Training(tolerance, max_rounds, on_round, file))
-    found = trained(structure, training, solve, checked_motions, check, again, shortened, restored)
-    return replace(found, sample=subsets.error)
+    return replace(trained(structure, training, task), sample=subsets.error)

@@ -1,0 +1,258 @@
+"""Course of a training: one curve after the other, each in a larger basis, until its corrections are small."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Generic
+
+import numpy as np
+
+from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.training.basis import SMALL
+from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction
+from wroll_fem.dynamics.training.growth import LINEAR, enriched, joined, loosened, watched
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import COARSE, TRAINING_HARMONICS, Curve, Task, Trained, Training
+from wroll_fem.dynamics.training.training_state import TrainingState, arrays_of
+from wroll_fem.errors import ConvergenceError
+
+MOVABLE = 20.0
+"""Largest error, relative to the tolerance, at which the points of a curve are recomputed in the next basis. Above it
+a new curve is computed."""
+
+HOPELESS, HOPELESS_ROUNDS = 3.0, 3
+"""Relative correction above which the training ends if two curves in a row exceed it, and number of curves from which
+this limit applies. Corrections from linearised equations do not converge if they are this large."""
+
+LARGEST_BASIS = 250
+"""Number of basis vectors above which the training ends: a curve would take minutes."""
+
+CUT_ROUNDS, CUT_ERROR = 3, 100.0
+"""From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
+tolerance."""
+
+UNSURE, SURE_ROUNDS = 0.1, 5
+"""Largest relative correction of the motions beyond the end of a backbone at which this end is accepted. If corrections
+are larger, an insufficient basis may have caused it. From curve number `SURE_ROUNDS` on, any end is accepted."""
+
+DOUBTFUL = 0.01
+"""Largest error of a curve that is returned above the tolerance, with a warning. Above it the training fails."""
+
+
+@dataclass(frozen=True)
+class _Checked(Generic[Curve]):
+    """Curve in one basis, with the corrections at its checked points.
+
+    Attributes
+    ----------
+    number : number of the curve, from 1
+    curve : the curve, or what there is of it
+    stopped : error that ended the curve; None if it is complete
+    coarse : whether it was computed with longer steps
+    richer : the curve with as many harmonics as the motions of which the next basis is built
+    points : the checked points of ``richer``
+    found : index of a checked point -> its correction
+    held : corrections that count, without those of motions beyond the end of a backbone
+    beyond : largest correction of these motions
+    """
+
+    number: int
+    curve: Curve
+    stopped: ConvergenceError | None
+    coarse: bool
+    richer: Curve
+    points: Curve
+    found: dict[int, Correction]
+    held: list[Correction]
+    beyond: float
+
+    @property
+    def error(self) -> float:
+        """Largest correction that counts, relative to the motion."""
+        return max(one.energy for one in self.held)
+
+    @property
+    def unsure(self) -> bool:
+        """Whether an insufficient basis may have ended this backbone."""
+        return self.beyond > UNSURE and self.number < SURE_ROUNDS
+
+    def accepted(self) -> Trained[Curve]:
+        """The curve, without what is beyond its end, as the result of the training."""
+        return Trained(self.curve.without_beyond(), self.error, max(one.tip for one in self.held), self.number)
+
+
+def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trained[Curve]:
+    """Response curve or backbone in a basis that is enriched until the corrections of its motions meet the tolerance.
+
+    Raises
+    ------
+    ConvergenceError
+        If the curve ends in every basis, or no basis reaches the tolerance; ``partial`` holds the last curve.
+    """
+    course = _Course(structure, training, task)
+    for number in range(course.first, training.max_rounds + 1):
+        checked = course.next_curve(number)
+        part = course.accurate_part(checked)
+        if part is not None:
+            return part
+        ends = course.ends(checked)
+        if course.watches(checked, ends):
+            continue
+        if ends:
+            break
+        if checked.error <= course.tolerance and not checked.coarse and not checked.unsure:
+            if checked.stopped is not None:
+                raise checked.stopped
+            return checked.accepted()
+        course.enrich(checked)
+    if checked.stopped is None and checked.error <= DOUBTFUL:
+        return checked.accepted()
+    failure = ConvergenceError(
+        "the reduced model does not reach harmonic.reduction_tolerance",
+        time_s=None,
+        iterations=checked.number,
+        residual_history=[checked.error],
+        advice="use a larger harmonic.reduction_tolerance",
+    )
+    failure.partial = checked.curve
+    raise failure
+
+
+class _Course(Generic[Curve]):
+    """State of a training between its curves.
+
+    Attributes
+    ----------
+    first : number of the first curve to compute
+    tolerance : largest correction that is accepted
+    """
+
+    def __init__(self, structure: Structure, training: Training, task: Task[Curve]):
+        state = training.start(structure)
+        self._structure = structure
+        self._task: Task[Curve] = task
+        self._small = len(structure.condensation.eigenvalues) <= SMALL
+        self._model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
+        self._factor, self._stuck, self._used, self._watched = state.factor, state.stuck, set(state.used), state.watched
+        self._moved: Curve | None = None if state.curve is None else task.restored(self._model, state.curve)
+        self._stopped_before: Curve | None = None
+        self._error, self._previous = state.error, np.inf
+        self._training, self.tolerance = loosened(training) if state.watched else (training, training.tolerance)
+        self.first = state.number
+
+    def next_curve(self, number: int) -> _Checked[Curve]:
+        """Compute the next curve, unless its points were moved to the present basis already, and check it.
+
+        Raises
+        ------
+        ConvergenceError
+            If fewer than three points can be computed, or the curve ends in every basis.
+        """
+        stopped: ConvergenceError | None = None
+        try:
+            curve = self._task.solve(self._model, self._factor) if self._moved is None else self._moved
+        except ConvergenceError as stop:
+            if len(getattr(stop.partial, "frequencies", ())) < 3:
+                raise
+            curve, stopped = stop.partial, stop
+        count, coarse, richer = len(curve.frequencies), self._factor > 1.0, curve
+        if coarse:
+            contact = self._structure.with_harmonics(TRAINING_HARMONICS).contact(self._model)
+            richer = curve.extended(contact)
+        picked = _others(self._task.chosen(curve), self._used, count)
+        points = richer.take(picked)
+        corrections = self._task.check(points, self._training.rough if coarse else KRYLOV_TOLERANCE)
+        found = dict(zip(picked, corrections, strict=True))
+        held = [found[k] for k in picked if k < count - curve.beyond]
+        beyond = max((found[k].energy for k in picked if k >= count - curve.beyond), default=0.0)
+        checked = _Checked(number, curve, stopped, coarse, richer, points, found, held, beyond)
+        self._previous, self._error = self._error, checked.error
+        if self._training.on_round is not None:
+            self._training.on_round(number, self._model, checked.error)
+        cut = stopped is not None and not coarse
+        if stopped is not None and cut and ends_in_every_basis(curve, self._stopped_before, checked.error):
+            raise stopped
+        self._stopped_before = curve if cut else None
+        return checked
+
+    def accurate_part(self, checked: _Checked[Curve]) -> Trained[Curve] | None:
+        """Accurate part of a curve that becomes no better; None if it may, or if no such part exists."""
+        number, error = checked.number, checked.error
+        late = number >= CUT_ROUNDS and error > CUT_ERROR * self.tolerance
+        final = self._hopeless(checked) or late or self._stuck or number == self._training.max_rounds
+        if error <= self.tolerance or not final:
+            return None
+        good = [one.energy <= self.tolerance for one in checked.held]
+        part = self._task.shortened(checked.curve, checked.points, good)
+        if part is None or checked.coarse:
+            return None
+        held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
+        return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
+
+    def ends(self, checked: _Checked[Curve]) -> bool:
+        """Whether no further curve is worth its time."""
+        beyond = beyond_training(checked.curve, checked.number, checked.error)
+        return self._hopeless(checked) or self._stuck or beyond
+
+    def watches(self, checked: _Checked[Curve], ends: bool) -> bool:
+        """Begin anew with shapes of motions in time, if interfaces open widely and there are such motions."""
+        lost = (ends and checked.error > DOUBTFUL) or opens_widely(checked.curve, checked.error)
+        if self._training.snapshots is None or self._watched or not lost:
+            return False
+        shapes, self._training = self._training.snapshots(), replace(self._training, snapshots=None)
+        if shapes is None:
+            return False
+        self._training, self.tolerance = loosened(self._training)
+        self._model = watched(self._structure, self._training, shapes)
+        self._factor, self._stuck, self._error, self._used = COARSE, False, np.inf, set()
+        self._stopped_before, self._moved, self._watched = None, None, True
+        return True
+
+    def enrich(self, checked: _Checked[Curve]) -> None:
+        """Enrich the basis by the corrections of the curve, and keep the state before the next curve."""
+        structure, training, task, count = self._structure, self._training, self._task, len(checked.curve.frequencies)
+        found, size, complete = dict(checked.found), self._model.size, checked.stopped is None
+        close = checked.error <= MOVABLE * self.tolerance
+        movable = not checked.coarse and complete and checked.curve.beyond == 0 and close
+        used = set(found)
+        if movable or (checked.coarse and checked.error < LINEAR):
+            used |= _spread(count, training.most)
+        rest = sorted(used - set(found))
+        if rest:
+            found |= dict(zip(rest, task.check(checked.richer.take(rest), training.rough), strict=True))
+        self._moved = None
+        if movable:
+            self._model = joined(structure, training, self._model, list(found.values()))
+            moved = task.again(checked.curve, self._model)
+            self._moved = moved if len(moved.frequencies) == count else None
+        else:
+            points, anew = checked.richer.take(sorted(used)), not self._small and checked.coarse
+            corrections = [found[k] for k in sorted(used)]
+            self._model = enriched(structure, training, points, corrections, task, anew=anew)
+        self._used = set() if self._moved is None else used
+        self._stuck, self._factor = self._model.size == size and not checked.coarse, 1.0
+        if training.file is not None:
+            training.file.keep(structure.condensation.eigenvalues, self._state(checked.number + 1))
+
+    def _state(self, number: int) -> TrainingState:
+        curve = None if self._moved is None else arrays_of(self._moved)
+        return TrainingState(
+            number, self._model.vectors, self._model.eigenvalues, self._factor, self._stuck, self._error,
+            tuple(sorted(self._used)), curve, self._watched,
+        )  # fmt: skip
+
+    def _hopeless(self, checked: _Checked[Curve]) -> bool:
+        diverges = checked.number >= HOPELESS_ROUNDS and min(self._previous, checked.error) > HOPELESS
+        return diverges or self._model.size > LARGEST_BASIS
+
+
+def _spread(count: int, most: int) -> set[int]:
+    """Indices of at most ``most`` of ``count`` points, evenly spaced and with both ends."""
+    return {int(k) for k in np.linspace(0, count - 1, min(count, most))}
+
+
+def _others(picked: list[int], used: set[int], count: int) -> list[int]:
+    """Indices ``picked`` from ``count`` points; each one in ``used`` is replaced by an unused neighbour, if any."""
+    free = [next((j for j in (k, k + 1, k - 1) if 0 <= j < count and j not in used), k) for k in picked]
+    return sorted(set(free))

@@ -1,0 +1,96 @@
+"""Growth of a basis during a training: shapes of corrections and of motions in time join it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.training.basis import COMPRESSION, principal_span, with_shapes, with_snapshots
+from wroll_fem.dynamics.training.correction import Correction
+from wroll_fem.dynamics.training.structure import Structure
+from wroll_fem.dynamics.training.training import TRAINING_HARMONICS, Curve, Task, Training
+from wroll_fem.typing import FloatArray
+
+POINT_ROUNDS, POINT_SHARE = 4, 0.5
+"""Largest number of times that the motion at a point of a curve is corrected and the basis enriched. A point is left
+earlier once its correction is at most `POINT_SHARE` times the tolerance."""
+
+LINEAR = 0.5
+"""Largest relative correction at which the corrected motion is more accurate than the uncorrected motion."""
+
+OPEN_TOLERANCE, SNAPSHOT_SHARE = 5e-3, 2.0
+"""Smallest tolerance where interfaces open widely: a smaller one asks for hundreds of basis vectors, and neglected
+harmonics weigh as much. Energy norm, relative to it, above which a principal shape of motions in time is added."""
+
+
+def enriched(
+    structure: Structure,
+    training: Training,
+    points: Curve,
+    found: list[Correction],
+    task: Task[Curve],
+    *,
+    anew: bool,
+) -> ReducedModel:
+    """Reduced model with a basis enriched until the motions at ``points`` need only small corrections.
+
+    ``found`` are the corrections of these motions in the present basis. The shapes of large corrections are added to
+    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. With ``anew``, a basis of the corrected
+    motions first replaces the given one, and finally a basis of the recomputed motions replaces the enriched one.
+    Neither replacement is made if a point does not converge.
+    """
+    model, condensation, symmetry = points.balance.model, structure.condensation, structure.symmetry
+    wanted, settled = len(points.frequencies), []
+    negligible = COMPRESSION * training.tolerance
+    if anew and max(f.energy for f in found) < LINEAR:
+        motions = _modal(points) + np.array([f.modal.T for f in found])
+        corrected = principal_span(condensation, motions, POINT_SHARE * training.tolerance, symmetry)
+        moved = task.again(points, corrected, motions)
+        if len(moved.frequencies) == wanted:
+            model, points, found = corrected, moved, task.check(moved, training.rough)
+    for number in range(POINT_ROUNDS + 1):
+        large = [
+            k for k, f in enumerate(found) if f.energy > POINT_SHARE * training.tolerance and number < POINT_ROUNDS
+        ]
+        small = sorted(set(range(len(found))) - set(large))
+        settled.append(points.take(small))
+        if not large:
+            break
+        model = joined(structure, training, model, [found[k] for k in large])
+        starts = _modal(points) + np.array([f.modal.T if f.energy < LINEAR else 0.0 * f.modal.T for f in found])
+        points = task.again(points.take(large), model, starts[large])
+        if not len(points.frequencies):
+            break
+        found = task.check(points, training.rough)
+    if not anew or sum(len(part.frequencies) for part in settled) < wanted:
+        return model
+    motions = np.concatenate([_modal(part) for part in settled if len(part.frequencies)])
+    return principal_span(condensation, motions, negligible, symmetry)
+
+
+def joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:
+    """Reduced model whose basis is extended by the shapes of the large corrections in ``found``.
+
+    A correction is large if its energy norm, relative to the motion, exceeds `POINT_SHARE` times the tolerance.
+    """
+    large = [f.shapes for f in found if f.energy > POINT_SHARE * training.tolerance]
+    return with_shapes(model, np.column_stack(large), 0.2 * training.tolerance, structure.symmetry)
+
+
+def loosened(training: Training) -> tuple[Training, float]:
+    """Training of a roll whose interfaces open widely, and its tolerance."""
+    tolerance = max(training.tolerance, OPEN_TOLERANCE)
+    return replace(training, tolerance=tolerance), tolerance
+
+
+def watched(structure: Structure, training: Training, snapshots: FloatArray) -> ReducedModel:
+    """First model with the shapes of motions in time."""
+    first = structure.with_harmonics(TRAINING_HARMONICS).first_model()
+    return with_snapshots(first, snapshots, SNAPSHOT_SHARE * training.tolerance, structure.symmetry)
+
+
+def _modal(points: Curve) -> FloatArray:
+    """(p, R, r) Fourier coefficients of the motions at p ``points``, in modal coordinates of the condensation."""
+    return np.asarray(points.coefficients @ points.balance.model.vectors.T)
