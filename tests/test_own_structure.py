@@ -105,6 +105,7 @@ def test_forces_with_phase_are_for_harmonic_balance_and_need_its_harmonics(tmp_p
         np.testing.assert_array_equal(found.sine, given.sine)
 
 
+@pytest.mark.slow
 def test_dwell_sweep_and_harmonic_of_a_force_agree() -> None:
     chain = wf.structure(K, M, JOINTS, damping=0.02, force={1: 1.0})
     curve = wf.transmissibility(chain.run_harmonic(BAND, harmonic={"harmonics": 5}).data)

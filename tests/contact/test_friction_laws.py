@@ -275,7 +275,12 @@ SYSTEM_LAWS = {
     "bouc_wen": BoucWen(0.3, 5e-5, 1.5, 0.7),
     "elastic": ElasticCoulomb(0.3, 2e-6, 1.5e6),
 }
-EVERY_LAW = pytest.mark.parametrize("name", ["penalty", "rate", "falling", "smoothed", "bouc_wen", "elastic"])
+LAWS = ["penalty", "rate", "falling", "smoothed", "bouc_wen", "elastic"]
+
+
+def slow_if(repeated, name):
+    """Mark of a second test of the law that takes the most iterations."""
+    return pytest.mark.slow if repeated and name == "bouc_wen" else []
 
 
 def shaken(method, name, *, pair=True, steps=900, options=None):
@@ -293,8 +298,14 @@ def unbalanced(records):
     return records[:, INPUT] - records[:, KINETIC : NUMERICAL + 1].sum(axis=1)
 
 
-@EVERY_LAW
-@pytest.mark.parametrize("pair", [True, False], ids=["pair", "orbit"])
+@pytest.mark.parametrize(
+    ("pair", "name"),
+    [
+        pytest.param(pair, name, id=f"{'pair' if pair else 'orbit'}-{name}", marks=slow_if(not pair, name))
+        for pair in (True, False)
+        for name in LAWS
+    ],
+)
 def test_steppers_agree_for_every_law(name, pair):
     """Full and condensed to 1e-8, in one direction with varying pressure and in two with turning traction."""
     exact = NewtonOptions(tolerance=1e-10)
@@ -305,8 +316,10 @@ def test_steppers_agree_for_every_law(name, pair):
         np.testing.assert_allclose(condensed[:, column], full[:, column], rtol=0.0, atol=1e-8 * scale)
 
 
-@BOTH
-@EVERY_LAW
+@pytest.mark.parametrize(
+    ("method", "name"),
+    [pytest.param(m, name, marks=slow_if(m == "full", name)) for name in LAWS for m in STEPPERS],
+)
 def test_the_ledger_closes_for_every_law(method, name):
     """Input = kinetic + strain + contact + friction + modulation + numerical at every step."""
     run, records = shaken(method, name)

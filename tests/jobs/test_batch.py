@@ -55,7 +55,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Resu
         f"grid: {{solver.max_iterations: [30, 1], solver.max_cuts: [1], preload.pressure: [1.0e5, 3e4], {QUICK}}}\n"
     )
     path = grid_file(folder, text)
-    return path, folder / "out", wroll("batch", path, "--out", folder / "out", "--workers", "2")
+    return path, folder / "out", wroll("batch", path, "--out", folder / "out", "--workers", "1")
 
 
 # ---- what a grid file expands to ------------------------------------------------------------------

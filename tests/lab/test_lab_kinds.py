@@ -24,6 +24,7 @@ from wroll_fem.errors import InputError
 from wroll_fem.lab.examples import example_files
 from wroll_fem.lab.kinds import KINDS, find_kind
 from wroll_fem.lab.settings import read_settings
+from wroll_fem.lab.slip_images import example as slip_example
 from wroll_fem.report.lab import CAPTIONS
 from wroll_fem.results.dataset import FIELDS, load_dataset
 from wroll_fem.results.summary import SUMMARY
@@ -32,7 +33,9 @@ from wroll_fem.results.summary import SUMMARY
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("examples")
-    return {name: example_files(name, folder / name) for name in KINDS}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(slip_example, "FRAMES", 150)  # its numbers are looked at in test_slip_command.py
+        return {name: example_files(name, folder / name) for name in KINDS}
 
 
 def settings_of(files: list[Path]) -> list[str]:

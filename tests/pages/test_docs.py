@@ -170,7 +170,9 @@ PYTHON_OF_PAGES: dict[str, Callable[..., bool]] = {
 
 
 @pytest.mark.filterwarnings("ignore:the mesh does not resolve")  # the example is coarse, and says so
-@pytest.mark.parametrize("page", PYTHON_OF_PAGES)
+@pytest.mark.parametrize(
+    "page", [pytest.param(p, marks=pytest.mark.slow if p == "laboratory.md" else []) for p in PYTHON_OF_PAGES]
+)
 def test_the_python_of_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert PYTHON_OF_PAGES[page](*names_of_python(page))

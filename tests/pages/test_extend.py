@@ -155,7 +155,7 @@ def run_in(copy: Path, code: str, *, compiled: bool = False) -> str:
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    shutil.copytree(ROOT / "wroll_fem", tmp_path / "wroll_fem", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "wroll_fem", tmp_path / "wroll_fem")  # with its bytecode: seconds of compiling
     return tmp_path
 
 

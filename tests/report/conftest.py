@@ -12,14 +12,15 @@ from wroll_fem import load_case
 from wroll_fem.jobs.batch import Outcome, write_tables
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import Member
+from wroll_fem.report import write_report
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a batch: two finished cases, one that failed, one figure."""
     out = tmp_path_factory.mktemp("batch")
@@ -41,3 +42,15 @@ def batch(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (out / "figures").mkdir()
     shutil.copy(run.figures / "transmissibility.png", out / "figures" / "damping_over_frequency.png")
     return out
+
+
+@pytest.fixture(scope="session")
+def run_file(run: RunFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Report of the run."""
+    return write_report(run.path, tmp_path_factory.mktemp("run_file") / "r.html")
+
+
+@pytest.fixture(scope="session")
+def batch_file(batch: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Report of the batch."""
+    return write_report(batch, tmp_path_factory.mktemp("batch_file") / "r.html")

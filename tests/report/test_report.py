@@ -45,8 +45,8 @@ def test_report_of_a_run_holds_everything(run: RunFolder, tmp_path: Path) -> Non
     assert {p.name for p in run.path.iterdir() if p.is_file()} - {".lock"} <= set(rows(section(root, "Files")))
 
 
-def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, tmp_path: Path) -> None:
-    found = rows(section(parsed(write_report(run.path, tmp_path / "r.html")), "Metrics"))
+def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, run_file: Path) -> None:
+    found = rows(section(parsed(run_file), "Metrics"))
     assert found["Resonance frequency f_n"] == ["148.25 Hz", "f_n_hz"]
     assert found["Damping ratio zeta"] == ["1.23 %", "zeta"]
     summary = run.summary()
@@ -59,16 +59,16 @@ def test_metrics_are_those_of_the_summary_with_units(run: RunFolder, tmp_path: P
     assert [found[str(k + 1)][0] for k in range(2)] == ["50 kPa", "50 kPa"]  # interfaces
 
 
-def test_figures_are_the_runs_own_and_complete(run: RunFolder, tmp_path: Path) -> None:
-    root = parsed(write_report(run.path, tmp_path / "r.html"))
+def test_figures_are_the_runs_own_and_complete(run: RunFolder, run_file: Path) -> None:
+    root = parsed(run_file)
     shown_pictures = [image.get("src", "") for image in root.iter("img")]
     held = {p.read_bytes() for p in run.figures.glob("*.png")}
     assert {base64.b64decode(src.removeprefix("data:image/png;base64,")) for src in shown_pictures} == held
     assert all(image.get("alt") for image in root.iter("img"))
 
 
-def test_energy_ledger_adds_up(run: RunFolder, tmp_path: Path) -> None:
-    found = rows(section(parsed(write_report(run.path, tmp_path / "r.html")), "Energy ledger"))
+def test_energy_ledger_adds_up(run_file: Path) -> None:
+    found = rows(section(parsed(run_file), "Energy ledger"))
     shares = {name: float(cells[1].removesuffix(" %")) for name, cells in found.items()}
     assert shares.pop("Work put in by the base motion") == 100.0
     assert shares["Energy dissipated by friction"] > 1.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import pytest
 from support.report_pages import NASTY, parsed, rows, section, words
@@ -31,8 +32,13 @@ def shear(tmp_path_factory: pytest.TempPathFactory) -> LabFolder:
     return LabFolder(place / "result")
 
 
-def test_the_report_holds_settings_inputs_numbers_and_figures(shear: LabFolder, tmp_path: Path) -> None:
-    root = parsed(write_report(shear.path, tmp_path / "r.html"))
+@pytest.fixture(scope="module")
+def page(shear: LabFolder, tmp_path_factory: pytest.TempPathFactory) -> Element:
+    return parsed(write_report(shear.path, tmp_path_factory.mktemp("page") / "r.html"))
+
+
+def test_the_report_holds_settings_inputs_numbers_and_figures(shear: LabFolder, page: Element) -> None:
+    root = page
     assert [h.text for h in root.iter("h2")] == [
         "What was evaluated", "Warnings", "Metrics", "Figures", "Versions and provenance", "Files",
     ]  # fmt: skip
@@ -46,20 +52,20 @@ def test_the_report_holds_settings_inputs_numbers_and_figures(shear: LabFolder, 
     assert not shear.figures.exists()
 
 
-def test_the_interval_of_one_number_is_not_spread_over_a_series(shear: LabFolder, tmp_path: Path) -> None:
-    found = rows(section(parsed(write_report(shear.path, tmp_path / "r.html")), "Metrics"))
+def test_the_interval_of_one_number_is_not_spread_over_a_series(shear: LabFolder, page: Element) -> None:
+    found = rows(section(page, "Metrics"))
     low, high = shear.summary()["capacity_coefficient_interval"]
     assert found["Interval of this coefficient"] == [f"{low:.4g}, {high:.4g}", "capacity_coefficient_interval"]
 
 
-def test_a_results_file_alone_gives_the_numbers_of_its_folder(shear: LabFolder, tmp_path: Path) -> None:
+def test_a_results_file_alone_gives_the_numbers_of_its_folder(shear: LabFolder, page: Element, tmp_path: Path) -> None:
     alone = tmp_path / "taken.nc"
     shutil.copy(shear.results_file, alone)
-    whole = section(parsed(write_report(shear.path, tmp_path / "whole.html")), "Metrics")
-    page = parsed(write_report(alone))
+    whole = section(page, "Metrics")
+    taken = parsed(write_report(alone))
     assert (tmp_path / "taken.html").is_file()
-    assert words(section(page, "Metrics")) == words(whole)
-    assert "area" in words(section(page, "What was evaluated"))
+    assert words(section(taken, "Metrics")) == words(whole)
+    assert "area" in words(section(taken, "What was evaluated"))
     done = CliRunner().invoke(cli.app, ["plot", str(alone)])
     assert done.exit_code == 0, done.output
     assert sorted(path.stem for path in (tmp_path / "figures").iterdir()) == [

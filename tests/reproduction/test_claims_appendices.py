@@ -22,9 +22,11 @@ QUICK = {
     "C118": MET, "C121": THESIS_ERROR, "C122": THESIS_ERROR, "C123": EXPERIMENT, "C124": MET, "C126": THESIS_ERROR,
 }  # fmt: skip
 """Verdicts of claims that need no run."""
+LONG = ("C117", "C118")
+"""They share the Gaussian fits of every method to thirteen curves."""
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in LONG else []) for n in QUICK])
 def test_what_needs_no_run_is_judged_on_the_spot(name: str, evidence: Evidence) -> None:
     verdict = judges("ch5", "appendices")[name](evidence)
     assert verdict.word == QUICK[name], verdict.value

@@ -10,6 +10,7 @@ import pytest
 from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import half_power
 from wroll_fem.signals.estimators import (
+    ESTIMATORS,
     choose,
     cubic_spring_transmissibility,
     curve_shape,
@@ -259,6 +260,15 @@ def test_a_leaning_curve_is_not_taken_for_a_linear_one(lean):
     assert found.method == "Gaussian fit"
     assert "rational fraction rejected: its largest misfit" in found.reason
     assert found.zeta == pytest.approx(0.02, rel=0.2)
+
+
+def test_a_choice_among_known_fits_is_that_of_fits_of_its_own():
+    leaning = cubic_spring_transmissibility(NEAR, 150.0, 0.02, 0.1)
+    for f, T, method in ((WIDE, dof(0.45), "rational fraction"), (NEAR, leaning, "Gaussian fit")):
+        fits = {name: ESTIMATORS[name](f, T) for name in ("half_power", "gaussian_fit", "rational_fraction")}
+        alone, known = choose(f, T), choose(f, T, fits=fits)
+        assert known.method == method
+        assert (known.zeta, known.f_n, known.reason) == (alone.zeta, alone.f_n, alone.reason)
 
 
 def test_leaning_curve_without_lean_is_the_linear_one():

@@ -18,8 +18,9 @@ from wroll_fem.results.dataset import load_dataset
 
 CONFIG = CONFIGS / "two_dof.yaml"
 SMALL = ("two_dof.friction_capacity=[2, 5, 20]", "two_dof.omega.points=60")
+FEW = ("two_dof.friction_capacity=[2, 3]", "two_dof.omega.points=20")
 SPACE = (
-    "two_dof.design_space={m2: {start: 0.5, stop: 1.0, points: 2}, k2: {start: 0.8, stop: 1.6, points: 3}, points: 24}"
+    "two_dof.design_space={m2: {start: 0.5, stop: 1.0, points: 2}, k2: {start: 0.8, stop: 1.6, points: 2}, points: 24}"
 )
 
 
@@ -68,13 +69,13 @@ def test_curves_cut_off_are_said_to_be_unreadable(tmp_path: Path) -> None:
 def test_figures_show_every_capacity_and_arrangement() -> None:
     data = {
         name: run_analysis(
-            load_case(CONFIG, (*SMALL, f"two_dof.arrangement={name}")), progress=SilentProgress()
+            load_case(CONFIG, (*FEW, f"two_dof.arrangement={name}")), progress=SilentProgress()
         )
         for name in ("both_on_base", "secondary_isolated", "secondary_on_primary")
     }  # fmt: skip
     ax = plot_two_dof(data["both_on_base"])
     texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert texts == ["2 N", "5 N", "20 N"]
+    assert texts == ["2 N", "3 N"]
     tops = [line.get_ydata().max() for line in ax.get_lines() if len(line.get_ydata()) > 1]
     np.testing.assert_allclose(tops, data["both_on_base"]["peak_transmissibility"])
     assert plot_two_dof_arrangements(data).get_title(loc="left") == "both_on_base"

@@ -183,6 +183,17 @@ def small(*overrides: str) -> Case:
     return load_case(SWEEP, [*SMALL, *overrides])
 
 
+def test_kept_pressures_follow_every_change_of_the_section() -> None:
+    section = load_case(LAB).winding
+    assert section is not None
+    assert section.mandrel is not None
+    firm = section.mandrel.model_copy(update={"outer_radius": 0.05})
+    other = [section.model_copy(update=change) for change in ({"wraps": 20}, {"mandrel": firm})]
+    for one in (section, *other, section):
+        radii = one.core.outer_radius + np.arange(2) / 2 * one.build_up
+        np.testing.assert_array_equal(target_pressures(one, 2), wound_roll(one).pressure_at(radii))
+
+
 @pytest.mark.parametrize("layers", [1, 3])
 def test_the_mean_pressure_of_every_interface_is_the_wound_roll_s(layers: int) -> None:
     case = small(f"coil.layers={layers}")

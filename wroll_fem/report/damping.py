@@ -33,8 +33,8 @@ def damping_table(dataset: xr.Dataset) -> Markup:
     if frequency.size < 8 or np.any(np.diff(frequency) <= 0.0):
         return Markup()
     T = dataset["transmissibility_real"].values + 1j * dataset["transmissibility_imag"].values
-    found = {name: ESTIMATORS[method](frequency, T) for method, name in _METHODS.items()}
-    chosen = choose(frequency, T)
+    found = {method: ESTIMATORS[method](frequency, T) for method in _METHODS}
+    chosen = choose(frequency, T, fits=found)
     choice = f"From the shape of the peak: {chosen.method}; {chosen.reason}." if chosen.found else ""
     limits = (
         "Standard errors come from the scatter of the curve alone. The misfit is the distance between fit and "
@@ -44,7 +44,7 @@ def damping_table(dataset: xr.Dataset) -> Markup:
         f"{str(dataset.attrs.get('zeta_method', 'half power')).split(',')[0]} "
         "(output.damping)."
     )
-    rows = [(name, *_cells(estimate)) for name, estimate in found.items()]
+    rows = [(_METHODS[method], *_cells(estimate)) for method, estimate in found.items()]
     return (
         table(_HEAD, rows, numbers=range(1, len(_HEAD)))
         + (paragraph(choice) if choice else Markup())

@@ -10,7 +10,7 @@ import numpy as np
 
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
-from wroll_fem.winding.stress import wound_roll
+from wroll_fem.winding.stress import WoundRoll, wound_roll
 
 if TYPE_CHECKING:
     from wroll_fem.case.preload import Preload
@@ -29,8 +29,15 @@ def target_pressures(winding: Winding, layers: int) -> FloatArray:
     InputError
         If the section `winding` has no mandrel.
     """
+    global _last
+    if _last is None or _last[0] != winding:
+        _last = winding, wound_roll(winding)
     radii = winding.core.outer_radius + np.arange(layers) / layers * winding.build_up
-    return wound_roll(winding).pressure_at(radii)
+    return _last[1].pressure_at(radii)
+
+
+_last: tuple[Winding, WoundRoll] | None = None
+"""Last section and its roll: warnings, assembly, preload and results of one run ask for the same pressures."""
 
 
 def prescribed_pressures(roll: RollSections, preload: Preload, winding: Winding | None) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -76,6 +77,7 @@ def choose(
     otherwise: Alternative = "rational_fraction",
     prominence: float = PROMINENCE,
     symmetry: float = SYMMETRY,
+    fits: Mapping[str, DampingEstimate] | None = None,
 ) -> DampingEstimate:
     """Damping from half power if the peak is prominent and symmetric, otherwise from a fit (thesis, algorithm 1).
 
@@ -92,6 +94,8 @@ def choose(
     prominence, symmetry
         Thresholds, 0 to 1; the thesis does not specify them. With 0.5, the peak is at least twice as high as its feet
         and neither side is more than twice as wide as the other (skewness -0.5 to 1).
+    fits
+        Estimates of `ESTIMATORS` for this curve that are known already, by name; they are not computed again.
 
     Returns
     -------
@@ -124,7 +128,8 @@ def choose(
         return _because(half_power_estimate(f, magnitude), shape_text)
     if otherwise == "gaussian":
         return _because(gaussian_fit(f, magnitude), shape_text)
-    fitted = rational_fraction(f, magnitude if values is None else values)
+    known = {} if fits is None else fits
+    fitted = known.get("rational_fraction") or rational_fraction(f, magnitude if values is None else values)
     if not fitted.found:
         why = fitted.reason
     else:
@@ -132,10 +137,8 @@ def choose(
         if largest <= MISFIT + 5.0 * noise_level(f, magnitude) / float(magnitude.max()):
             return _because(fitted, shape_text)
         why = f"its largest misfit is {largest:.0%} of the peak"
-    return _because(
-        gaussian_fit(f, magnitude, centre="free", window="narrowest"),
-        f"{shape_text}; rational fraction rejected: {why}",
-    )
+    bell = known.get("gaussian_fit") or gaussian_fit(f, magnitude, centre="free", window="narrowest")
+    return _because(bell, f"{shape_text}; rational fraction rejected: {why}")
 
 
 def _because(estimate: DampingEstimate, why: str) -> DampingEstimate:
