@@ -10,7 +10,7 @@ import pytest
 from support.paths import ROOT
 
 from wroll_fem.analyses import run_analysis
-from wroll_fem.analyses.forecasts.closed_forms import buckling_pressure, interface_pressures
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, buckling_pressure, interface_pressures
 from wroll_fem.analyses.registry import MODULES, find_analysis
 from wroll_fem.analyses.shared.preflight import CHECKS
 from wroll_fem.case import load_case
@@ -40,6 +40,15 @@ def test_a_tube_that_is_only_a_ring_does_not_buckle() -> None:
     limits = [buckling_pressure(load_case(roll, [*ring, f"geometry.length={L}"])) for L in (0.056, 0.054, 0.001)]
     assert 1e8 < limits[0] < np.inf
     assert limits[1:] == [np.inf, np.inf]
+
+
+@pytest.mark.parametrize(
+    ("name", "share", "state"), [("lab_sweep", 1.0, "frictionless"), ("sspp_friction", 0.7, "open")]
+)
+def test_a_band_below_the_resonance_names_both_ends_of_its_range(name: str, share: float, state: str) -> None:
+    case = load_case(ROOT / "configs" / f"{name}.yaml", ["excitation.f_start=1", "excitation.f_end=2"])
+    (line,) = (text for text in CHECKS["sweep"][0](case))
+    assert f"between {share * beam_frequency(case, bonded=False):.0f} Hz ({state}) and " in line
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -211,6 +211,7 @@ def test_modulus_pressure_and_limit_of_a_case_belong_together() -> None:
     limit = laws.mu * start.pressure
     strain = laws.gamma / (points.volumes / laws.area)
     np.testing.assert_allclose(strain, limit / WEB + 2e-6 / THICKNESS, rtol=1e-9)
+    np.testing.assert_allclose(1.0 / at.shear_modulus, 1.0 / WEB + 2e-6 / (MU * at.pressure * THICKNESS), rtol=1e-9)
     np.testing.assert_allclose(at.radial_modulus, 40.0 * (1e3 + at.pressure), rtol=1e-12)
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 from wroll_fem.errors import InputError
+from wroll_fem.signals.records.columns import _damaged
 from wroll_fem.signals.records.mat_columns import mat_matrices
 from wroll_fem.signals.records.motion import RecordedMotion
 from wroll_fem.signals.records.record import Record, read_record
@@ -378,3 +379,12 @@ def test_ends_taper_scale_and_pauses():
 def test_wrong_conditioning_is_refused(options, text):
     with pytest.raises(InputError, match=text):
         RecordedMotion(Record(BASE, 1 / RATE), **options)
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(ValueError("no  header\n here"), "no header here"), (OSError(), "OSError")]
+)
+def test_a_damaged_file_is_refused_with_the_words_of_its_reader(error: Exception, said: str) -> None:
+    refusal = _damaged(Path("record.npz"), error)
+    assert f"({said})" in str(refusal)
+    assert refusal.file == "record.npz"

@@ -144,7 +144,7 @@ class _Runs:
         begun = self.resume and _holds_history(self.checkpoint)
         self.resume = False
         found = time_history(case, progress=self.progress, checkpoint=self.checkpoint, resume=begun, shared=self.shared)
-        if file is not None and self.checkpoint is not None:
+        if file is not None:
             self._between()
             file.parent.mkdir(exist_ok=True)
             save_dataset(found.assign_attrs(analysis="random"), file)
