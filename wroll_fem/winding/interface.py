@@ -30,10 +30,11 @@ def target_pressures(winding: Winding, layers: int) -> FloatArray:
         If the section `winding` has no mandrel.
     """
     global _last
-    if _last is None or _last[0] != winding:
-        _last = winding, wound_roll(winding)
+    kept = _last
+    if kept is None or kept[0] != winding:
+        _last = kept = winding, wound_roll(winding)
     radii = winding.core.outer_radius + np.arange(layers) / layers * winding.build_up
-    return _last[1].pressure_at(radii)
+    return kept[1].pressure_at(radii)
 
 
 _last: tuple[Winding, WoundRoll] | None = None
