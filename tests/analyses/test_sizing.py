@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from support.paths import CONFIGS
 from support.structures import wroll
 
 import wroll_fem as wf
-from wroll_fem.analyses.margins.mandrel_wall import READINGS, MandrelStress, unreachable, wall_for_margin
+from wroll_fem.analyses.margins.mandrel_wall import READINGS, MandrelStress, tube_of, unreachable, wall_for_margin
 from wroll_fem.bodies.stress import largest_von_mises
 from wroll_fem.case import Case, load_case
 from wroll_fem.errors import InputError, WrollError
+from wroll_fem.fem.fourier_shell.mandrel import ClampedMandrel, graded_heights
+from wroll_fem.fem.fourier_shell.model import FourierShellModel
 from wroll_fem.plotting.margin import plot_margin
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset, save_dataset
@@ -101,6 +104,11 @@ def test_ratios_and_masses_of_a_mission_are_those_of_the_definitions(mission):
     kappa, shear_modulus = 2.0 * (1.0 + s.nu) / (4.0 + 3.0 * s.nu), 70e9 / (2.0 * (1.0 + s.nu))  # thin tube
     softness = s.length**3 / (3.0 * 70e9 * inertia) + s.length / (kappa * shear_modulus * area)
     assert summary["tip_stiffness_n_per_m"] == pytest.approx(1.0 / softness, rel=0.02)
+    tube, cap = replace(tube_of(s, summary["design_wall_m"]), extra_mass=0.0), summary["end_cap_mass_kg"]
+    axial = case.mesh.axial
+    alone = ClampedMandrel(FourierShellModel(axial), tube, graded_heights(tube, axial), cap)
+    disc = cap * outer**2 / 4.0  # about a diameter
+    assert summary["mandrel_hz"] == pytest.approx(alone.bending_frequency(disc), rel=1e-9)
     assert summary["mandrel_with_coil_hz"] < summary["mandrel_hz"]
     assert summary["buckling_factor_combined"] <= min(
         summary["buckling_factor_pressure"], summary["buckling_factor_transverse"]

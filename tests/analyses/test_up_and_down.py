@@ -140,6 +140,9 @@ def test_phase_and_motion_are_continuous_at_the_turn(law: str, seed: int) -> Non
     np.testing.assert_allclose(motion.frequency(t), motion.frequency(t[::-1]), rtol=1e-9)
     ramp = motion.up.ramp_cycles / motion.up.f_start
     later = (t > ramp) & (t < motion.duration - ramp)
+    times, values = motion.samples(motion.duration / 100.5)
+    assert len(times) == 102  # the last one just beyond the end
+    np.testing.assert_array_equal(values, motion.acceleration(times))
     factor = motion.amplitude * motion.up.profile(motion.frequency(t))
     np.testing.assert_allclose(motion.acceleration(t)[later], (factor * np.sin(motion.phase(t)))[later], atol=1e-6)
 

@@ -15,6 +15,7 @@ from hypothesis.extra.numpy import arrays
 from support.structures import oscillator
 
 from wroll_fem.dynamics.system.io import load_system, save_system
+from wroll_fem.dynamics.system.matrix_checks import symmetry_problem
 from wroll_fem.errors import InputError
 
 SAME = settings(
@@ -86,3 +87,13 @@ def test_no_entry_of_a_matrix_may_be_infinite(row: int, column: int, wrong: floa
     stiffness[row, column] = wrong
     with pytest.raises(InputError, match=r"K: .*(finite|nan|inf)"):
         load_system(written(tmp_path / "s.npz", oscillator(K=stiffness)))
+
+
+def test_rounding_is_symmetric_and_a_difference_above_it_is_located() -> None:
+    """Sums in another order differ in their last digits."""
+    matrix = sp.csr_matrix(np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 2.0], [0.0, 2.0, 5.0]]))
+    rounded, wrong = matrix.copy(), matrix.copy()
+    rounded[1, 2] *= 1.0 + 1e-15
+    wrong[1, 2] *= 1.01
+    assert symmetry_problem(matrix) == symmetry_problem(rounded) == ("", "")
+    assert "entries (1, 2) and (2, 1), counted from 0, differ by 0.02" in symmetry_problem(wrong)[0]
