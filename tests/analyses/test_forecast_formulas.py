@@ -1,0 +1,99 @@
+"""Formulas behind the words before a run, written out once more: shear lag, slip, sweeps, computing time, pressures."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from support.paths import CONFIGS
+
+from wroll_fem.analyses.forecasts import computing_time
+from wroll_fem.analyses.forecasts.closed_forms import beam_frequency, shear_lag_length
+from wroll_fem.analyses.forecasts.slip import slip_forecast
+from wroll_fem.analyses.shared import resolution
+from wroll_fem.analyses.shared.preflight import fast_sweeps
+from wroll_fem.case import load_case
+from wroll_fem.dynamics.joints.force import Force
+from wroll_fem.errors import InputError
+from wroll_fem.winding.interface import prescribed_pressures
+from wroll_fem.winding.stress import tension_stress, wound_roll
+
+
+def test_the_shear_lag_is_that_of_two_bars_on_the_stick_stiffness() -> None:
+    case = load_case(CONFIGS / "lab_sweep.yaml")
+    bars = [
+        case.mandrel.material.E * case.geometry.mandrel_thickness, case.coil.material.E * case.coil.total_thickness
+    ]  # fmt: skip
+    stick = case.friction.mu * 5e4 / case.friction.elastic_slip
+    found = shear_lag_length(case, case.interface_laws[0], 5e4)
+    assert found == pytest.approx(math.sqrt(bars[0] * bars[1] / sum(bars) / stick), rel=1e-12)
+
+
+def test_slip_begins_at_the_second_interface_of_an_inner_edge() -> None:
+    """Bars inside and outside of the second of three layers; the third interface has a higher pressure."""
+    pressures = "[1 kPa, 2 kPa, 100 kPa]"
+    words = [
+        "coil.layers=3",
+        "coil.base=inner_edge",
+        "preload.kind=interface_pressure",
+        f"preload.pressure={pressures}",
+    ]
+    case = load_case(CONFIGS / "lab_sweep.yaml", words)
+    found = slip_forecast(case)
+    g, layer = case.geometry, case.coil.material.E * case.coil.total_thickness / 3.0
+    inside, outside = case.mandrel.material.E * g.mandrel_thickness + layer, 2.0 * layer
+    limit = case.friction.mu * 2e3
+    lag = math.sqrt(inside * outside / (inside + outside) * case.friction.elastic_slip / limit)
+    radius = 0.5 * g.mandrel_outer_diameter + case.coil.total_thickness / 3.0
+    per_tip = outside * radius * 3.0 / g.length**2
+    assert found is not None
+    assert found[0] == pytest.approx(limit * lag / math.tanh(g.length / lag) / per_tip, rel=1e-9)
+
+
+def test_a_fast_sweep_is_judged_at_the_resonance_without_friction() -> None:
+    case = load_case(CONFIGS / "lab_sweep.yaml", ["excitation.rate_oct_per_min=2000", "excitation.f_start=50"])
+    (line,) = fast_sweeps(case)
+    assert f"a resonance at {beam_frequency(case, bonded=False):.0f} Hz" in line
+    assert f"{beam_frequency(case, bonded=False):.0f}" != f"{beam_frequency(case, bonded=True):.0f}"
+
+
+def test_modes_of_a_whole_roll_take_the_seconds_of_all_their_dofs() -> None:
+    case = load_case(CONFIGS / "lab_sweep.yaml", ["analysis=modal"])
+    found = computing_time.estimate_modes(case)
+    assert found["estimated_seconds"] > computing_time.SECONDS_PER_DOF_OF_MODES * found["dofs"]
+
+
+def test_the_mesh_of_a_fourier_roll_is_compared_with_twice_as_many_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[dict[str, float]] = []
+    real = resolution.finer
+    monkeypatch.setattr(resolution, "finer", lambda roll, least: asked.append(dict(least)) or real(roll, least))
+    words = ["mesh.discretisation=fourier", "mesh.radial=2", "mesh.axial=3", "mesh.grading=1"]
+    assert resolution.fourier_remark(load_case(CONFIGS / "case_study.yaml", words)) == ""
+    assert asked == [{"axial": 6, "radial": 4}]
+
+
+def test_a_given_pressure_counts_although_the_winding_is_known() -> None:
+    words = ["preload.kind=interface_pressure", "preload.pressure=1234"]
+    case = load_case(CONFIGS / "winding_sweep.yaml", words)
+    assert case.preload is not None
+    assert prescribed_pressures(case, case.preload, case.wound).tolist() == [1234.0]
+    winding = load_case(CONFIGS / "winding_sweep.yaml")
+    assert winding.preload is not None
+    assert prescribed_pressures(winding, winding.preload, winding.wound)[0] > 1e4
+
+
+def test_the_last_turn_of_a_growing_roll_keeps_its_tension_alone() -> None:
+    section = load_case(CONFIGS / "winding_lab.yaml", ["winding.growth=continuous"]).wound
+    assert section is not None
+    roll = wound_roll(section)
+    tension = tension_stress(section, roll.radius)
+    assert roll.hoop_stress[-1] == pytest.approx(tension[-1], rel=1e-12)
+    assert not np.isclose(roll.hoop_stress[1], tension[-1], rtol=1e-3)
+
+
+def test_a_force_may_have_a_higher_harmonic_but_no_zeroth_one() -> None:
+    assert Force(at=0, amplitude=1.0, harmonic=3).harmonic == 3
+    for wrong in (0, -1, 1.5):
+        with pytest.raises(InputError, match="harmonic"):
+            Force(at=0, amplitude=1.0, harmonic=wrong)
