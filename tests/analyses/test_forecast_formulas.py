@@ -97,3 +97,17 @@ def test_a_force_may_have_a_higher_harmonic_but_no_zeroth_one() -> None:
     for wrong in (0, -1, 1.5):
         with pytest.raises(InputError, match="harmonic"):
             Force(at=0, amplitude=1.0, harmonic=wrong)
+
+
+def test_a_curve_takes_the_seconds_of_its_contact_points_on_top_of_the_roll() -> None:
+    case = load_case(CONFIGS / "lab_harmonic.yaml")
+    roll, curve = computing_time.estimate_roll(case), computing_time.estimate_curve(case)
+    more = computing_time.SECONDS_PER_CURVE_POINT * roll["interface_points"]
+    assert curve["estimated_seconds"] == pytest.approx(roll["estimated_seconds"] + more, rel=1e-12)
+
+
+def test_a_coil_on_springs_has_no_forecast_of_slip_and_a_guided_one_has() -> None:
+    guided = load_case(CONFIGS / "lab_sweep.yaml", ["coil.base=guided"])
+    sprung = load_case(CONFIGS / "lab_sweep.yaml", ["coil.base=guided", "coil.base_stiffness=1e6"])
+    assert slip_forecast(guided) is not None
+    assert slip_forecast(sprung) is None
