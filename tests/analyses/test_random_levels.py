@@ -13,13 +13,14 @@ import wroll_fem as wf
 from wroll_fem.analyses import summarise, write_figures
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.analyses.random import estimate_random
-from wroll_fem.analyses.random_levels import seeds_of
+from wroll_fem.analyses.random_levels import _holds_history, seeds_of
 from wroll_fem.analyses.random_plan import planned
 from wroll_fem.dynamics.time_stepping import simulate
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
+from wroll_fem.results.storage.checkpoint import write_checkpoint
 
 SILENT = SilentProgress()
 
@@ -233,3 +234,15 @@ def test_a_case_without_levels_keeps_its_hash() -> None:
     empty = "excitation={kind: random, psd: {frequency: [20, 300], g2_per_hz: 0.01}, duration: 30, levels: null}"
     plain = "excitation={kind: random, psd: {frequency: [20, 300], g2_per_hz: 0.01}, duration: 30}"
     assert roll(empty).hash() == roll(plain).hash() != roll("excitation.levels=[1]").hash()
+
+
+def test_a_checkpoint_holds_a_history_unless_it_says_that_one_is_complete(tmp_path: Path) -> None:
+    begun, between = tmp_path / "begun.npz", tmp_path / "between.npz"
+    write_checkpoint(begun, {"step": np.array(7)})
+    write_checkpoint(between, {"completed": np.array(True)})
+    assert [_holds_history(path) for path in (begun, between, tmp_path / "none.npz", None)] == [
+        True,
+        False,
+        False,
+        False,
+    ]
