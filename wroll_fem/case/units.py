@@ -100,7 +100,11 @@ def in_si(text: str, unit: str) -> float | str:
         return WrongQuantity(text, f"must be {_article(kind.name)}, not {_what(given)}", _remedy(kind, unit))
     if kind.unit.startswith(("turn", "rad/")) and not _has_angle(given):
         given = given * registry.turn
-    return float(f"{registry.Quantity(number, given).to(wanted).magnitude:.{_DIGITS}g}")
+    try:
+        value = registry.Quantity(number, given).to(wanted).magnitude
+    except Exception:  # products with logarithmic units or with an offset, by the version of pint
+        return WrongQuantity(text, f"unit without a value {written!r}", _remedy(kind, unit))
+    return float(f"{value:.{_DIGITS}g}")
 
 
 _POWER = re.compile(r"(?:\^|\*\*)\s*\(?\s*[+-]?\s*[0-9](?:\.[0-9])?\s*\)?")
