@@ -1,10 +1,9 @@
-"""Formulas behind the words before a run, written out once more: shear lag, slip, sweeps, computing time, pressures."""
+"""Formulas behind the words before a run, written out once more: shear lag, slip, sweeps, computing time."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from support.paths import CONFIGS
 
@@ -14,10 +13,6 @@ from wroll_fem.analyses.forecasts.slip import slip_forecast
 from wroll_fem.analyses.shared import resolution
 from wroll_fem.analyses.shared.preflight import fast_sweeps
 from wroll_fem.case import load_case
-from wroll_fem.dynamics.joints.force import Force
-from wroll_fem.errors import InputError
-from wroll_fem.winding.interface import prescribed_pressures
-from wroll_fem.winding.stress import tension_stress, wound_roll
 
 
 def test_the_shear_lag_is_that_of_two_bars_on_the_stick_stiffness() -> None:
@@ -71,32 +66,6 @@ def test_the_mesh_of_a_fourier_roll_is_compared_with_twice_as_many_elements(monk
     words = ["mesh.discretisation=fourier", "mesh.radial=2", "mesh.axial=3", "mesh.grading=1"]
     assert resolution.fourier_remark(load_case(CONFIGS / "case_study.yaml", words)) == ""
     assert asked == [{"axial": 6, "radial": 4}]
-
-
-def test_a_given_pressure_counts_although_the_winding_is_known() -> None:
-    words = ["preload.kind=interface_pressure", "preload.pressure=1234"]
-    case = load_case(CONFIGS / "winding_sweep.yaml", words)
-    assert case.preload is not None
-    assert prescribed_pressures(case, case.preload, case.wound).tolist() == [1234.0]
-    winding = load_case(CONFIGS / "winding_sweep.yaml")
-    assert winding.preload is not None
-    assert prescribed_pressures(winding, winding.preload, winding.wound)[0] > 1e4
-
-
-def test_the_last_turn_of_a_growing_roll_keeps_its_tension_alone() -> None:
-    section = load_case(CONFIGS / "winding_lab.yaml", ["winding.growth=continuous"]).wound
-    assert section is not None
-    roll = wound_roll(section)
-    tension = tension_stress(section, roll.radius)
-    assert roll.hoop_stress[-1] == pytest.approx(tension[-1], rel=1e-12)
-    assert not np.isclose(roll.hoop_stress[1], tension[-1], rtol=1e-3)
-
-
-def test_a_force_may_have_a_higher_harmonic_but_no_zeroth_one() -> None:
-    assert Force(at=0, amplitude=1.0, harmonic=3).harmonic == 3
-    for wrong in (0, -1, 1.5):
-        with pytest.raises(InputError, match="harmonic"):
-            Force(at=0, amplitude=1.0, harmonic=wrong)
 
 
 def test_a_curve_takes_the_seconds_of_its_contact_points_on_top_of_the_roll() -> None:

@@ -105,17 +105,10 @@ def test_numbers_beyond_all_quantities_are_refused(text: str) -> None:
     assert other.endswith("; write 0, or a number between 1e-30 and 1e+30 in SI units\n")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "tiny",
-        "winding_sweep",
-        "sspp_friction",
-        "slipping_coil",
-        "design_map",
-        "lab_random",
-    ],
-)
+ROLLS = ["tiny", "sspp_friction", "slipping_coil", "design_map", "lab_random"]
+
+
+@pytest.mark.parametrize("name", [*ROLLS, pytest.param("winding_sweep", marks=pytest.mark.slow)])
 def test_extreme_numbers_are_refused_or_have_a_forecast(name: str) -> None:
     """Ends of the ranges, and a tube that is only a ring: divisions by zero and singular matrices in forecasts."""
     keys = ["length", "mandrel_thickness", "mandrel_outer_diameter"]

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 LARGEST_POWER = 300.0
 """Logarithm of a ratio of displacements through a solid coil above which no pressure reaches the mandrel."""
 
+_last: tuple[Winding, WoundRoll] | None = None
+"""Last section and its roll: warnings, assembly, preload and results of one run ask for the same pressures."""
+
 
 def target_pressures(winding: Winding, layers: int) -> FloatArray:
     """(layers,) pressure of the wound roll at the radius of each interface, innermost first, Pa.
@@ -35,10 +38,6 @@ def target_pressures(winding: Winding, layers: int) -> FloatArray:
         _last = kept = winding, wound_roll(winding)
     radii = winding.core.outer_radius + np.arange(layers) / layers * winding.build_up
     return kept[1].pressure_at(radii)
-
-
-_last: tuple[Winding, WoundRoll] | None = None
-"""Last section and its roll: warnings, assembly, preload and results of one run ask for the same pressures."""
 
 
 def prescribed_pressures(roll: RollSections, preload: Preload, winding: Winding | None) -> FloatArray:

@@ -22,7 +22,7 @@ from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction,
 from wroll_fem.dynamics.training.course import trained
 from wroll_fem.dynamics.training.point_sampling import PointSampling
 from wroll_fem.dynamics.training.structure import Structure
-from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Trained, Training
+from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Curve, Trained, Training
 from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl
@@ -54,21 +54,35 @@ def checked_motions(curve: BackboneCurve) -> list[int]:
 
 
 @dataclass(frozen=True)
-class _ResponseTask:
-    """Response curve that is trained; see `Task`."""
+class _CurveTask:
+    """What a response curve and a backbone that are trained have in common; see `Task`."""
 
     structure: Structure
     harmonics: int
-    amplitude: float
-    frequencies: tuple[float, float]
     steps: StepControl
     subsets: PointSampling
     on_point: Callable[[float, int], None] | None
 
+    def _level(self, factor: float) -> Structure:
+        """Structure with the harmonics of a curve whose steps are longer by a factor."""
+        return self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
+
+    def again(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
+        """Points of a curve in another model."""
+        level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
+        return self.subsets.moved(points, level, model, self.steps, starts)
+
+
+@dataclass(frozen=True)
+class _ResponseTask(_CurveTask):
+    """Response curve that is trained; see `Task`."""
+
+    amplitude: float
+    frequencies: tuple[float, float]
+
     def solve(self, model: ReducedModel, factor: float) -> HarmonicCurve:
         """Curve in a reduced model, with steps longer by a factor."""
-        level = self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
-        return self.subsets.curve(level, model, self._followed, factor, self.steps, checked_points)
+        return self.subsets.curve(self._level(factor), model, self._followed, factor, self.steps, checked_points)
 
     def _followed(self, contact: HarmonicContact, factor: float) -> HarmonicCurve:
         return response_curve(
@@ -87,11 +101,6 @@ class _ResponseTask:
             correction(points.balance, q, w, points.direction(k)[None], tolerance=residual)
             for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
         ]
-
-    def again(self, points: HarmonicCurve, model: ReducedModel, starts: FloatArray | None = None) -> HarmonicCurve:
-        """Points of a curve in another model."""
-        level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return self.subsets.moved(points, level, model, self.steps, starts)
 
     def shortened(self, curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
         """Curve with a wider gap, if all its inaccurate points lie around the gap."""
@@ -112,21 +121,15 @@ class _ResponseTask:
 
 
 @dataclass(frozen=True)
-class _BackboneTask:
+class _BackboneTask(_CurveTask):
     """Backbone that is trained; see `Task`."""
 
-    structure: Structure
-    harmonics: int
     tip_amplitudes: tuple[float, float]
-    steps: StepControl
-    subsets: PointSampling
-    on_point: Callable[[float, int], None] | None
 
     def solve(self, model: ReducedModel, factor: float) -> BackboneCurve:
         """Backbone in a reduced model, with steps longer by a factor; up to its end, if it ends early."""
-        level = self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
         try:
-            return self.subsets.curve(level, model, self._followed, factor, self.steps, checked_motions)
+            return self.subsets.curve(self._level(factor), model, self._followed, factor, self.steps, checked_motions)
         except ConvergenceError as stop:
             part = stop.partial
             if factor > 1.0 or not isinstance(part, BackboneCurve) or not len(part.frequencies):
@@ -151,11 +154,6 @@ class _BackboneTask:
             correction(points.balance, q, w, _free_of(points, k), points.damping[k], tolerance=residual)
             for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
         ]
-
-    def again(self, points: BackboneCurve, model: ReducedModel, starts: FloatArray | None = None) -> BackboneCurve:
-        """Points of a backbone in another model."""
-        level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return self.subsets.moved(points, level, model, self.steps, starts)
 
     def shortened(self, curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
         """Backbone up to the first inaccurate motion, if all later ones are inaccurate."""
@@ -223,7 +221,7 @@ def trained_response(
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)
-    task = _ResponseTask(structure, harmonics, amplitude, frequencies, steps, subsets, on_point)
+    task = _ResponseTask(structure, harmonics, steps, subsets, on_point, amplitude, frequencies)
     training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots))
     found = trained(structure, training, task)
     return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
@@ -252,6 +250,6 @@ def trained_backbone(
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or BACKBONE_STEPS, PointSampling(wanted=hyper_reduction)
-    task = _BackboneTask(structure, harmonics, tip_amplitudes, steps, subsets, on_point)
+    task = _BackboneTask(structure, harmonics, steps, subsets, on_point, tip_amplitudes)
     training = subsets.quicker(Training(tolerance, max_rounds, on_round, file))
     return replace(trained(structure, training, task), sample=subsets.error)
