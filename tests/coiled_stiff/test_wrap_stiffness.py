@@ -32,7 +32,8 @@ from wroll_fem.fem.solid import SolidModel, thicken
 from wroll_fem.mesh.generate import build_mesh
 
 CASE = CONFIGS / "slipping_coil.yaml"
-SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+SMALL = "mesh={circumferential: 8, axial: 4, grading: 8, radial: 2}"
+FINE = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
 WEB, MU, THICKNESS, SLIP = 1e9, 0.48, 5e-5, 1e-6
 
 
@@ -43,9 +44,9 @@ def case(*changed: str) -> SlipDampingCase:
 
 
 @cache
-def coil() -> tuple[Body, ShearPoints, np.ndarray]:
+def coil(mesh: str = SMALL) -> tuple[Body, ShearPoints, np.ndarray]:
     """Roll of the case, its points, and a pressure that falls outwards."""
-    (body,) = build_bodies(case(), symmetric=True)
+    (body,) = build_bodies(case(mesh), symmetric=True)
     assert body.solid is not None
     points = ShearPoints.of(body.solid).half()
     r = points.points[:, 2]
@@ -115,8 +116,8 @@ def test_the_stuck_stiffness_has_the_modulus_of_each_point() -> None:
 
 def test_two_layers_of_different_moduli_have_the_frequency_of_their_own_assembly() -> None:
     """Each layer assembled by itself with the rule of the elements: 0.1 %, as for the rule with one modulus."""
-    body, points, pressure = coil()
-    solid, chosen = body.solid, case()
+    body, points, pressure = coil(FINE)
+    solid, chosen = body.solid, case(FINE)
     assert solid is not None
     inner, outer, heights = 3e8, 3e7, coil_heights(chosen)
     half = len(heights) // 2
