@@ -17,7 +17,7 @@ PROBES = {
     "layer": {"z": 0.300, "body": "layer_01", "theta": 0.4},
 }
 ORDER = ["tip", "top", "opposite", "root", "axial", "layer"]
-COARSE = ["mesh.circumferential=12", "mesh.axial=4", "mesh.grading=1", "output.figures=false"]
+COARSE = ["mesh.circumferential=8", "mesh.axial=3", "mesh.grading=1", "output.figures=false"]
 
 
 def case(name: str, *overrides: str, probes: dict | None = None) -> wf.Case:

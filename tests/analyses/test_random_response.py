@@ -80,11 +80,13 @@ def test_a_limit_that_the_structure_does_not_have_is_refused():
 
 
 COARSE = ["mesh.circumferential=8", "mesh.axial=2", "harmonic.harmonics=1", "harmonic.samples=32"]
+STICKING = ["damping.modal=0.02", "backbone.tip_largest=1e-4"]
+"""Material damping, and a backbone that ends soon after the start of slip."""
 
 
 def test_a_roll_at_low_level_has_the_linear_response_with_its_material_damping():
     """Friction sticks: rms of the displacement in closed form for the main mode, H1 at its frequency and damping."""
-    overrides = [*COARSE, "damping.modal=0.02", "excitation.level_db=-60", "random_response={levels_db: [-20]}"]
+    overrides = [*COARSE, *STICKING, "excitation.level_db=-60", "random_response={levels_db: [-20]}"]
     found = wf.run(wf.load_case(CONFIGS / "lab_random_response.yaml", overrides), progress=SilentProgress())
     w, level = 2.0 * np.pi * found.attrs["f_stuck_hz"], 0.01 * STANDARD_GRAVITY**2 * 1e-6
     energy, base = (float(found[f"{name}_amplitude"][0]) for name in ("kinetic_energy", "mass_displacement"))
@@ -123,7 +125,8 @@ def test_bad_input_is_told_in_one_line():
 
 def test_a_resonance_outside_the_psd_is_told():
     """The band ends below the resonance: the grade is invalid, and the reason is given."""
-    overrides = [*COARSE, "damping.modal=0.02", "excitation.psd={frequency: [20, 60], g2_per_hz: [0.01, 0.01]}"]
+    low = ["excitation.psd={frequency: [20, 60], g2_per_hz: [0.01, 0.01]}", "random_response={levels_db: [0]}"]
+    overrides = [*COARSE, *STICKING, *low]
     found = wf.run(wf.load_case(CONFIGS / "lab_random_response.yaml", overrides), progress=SilentProgress())
     assert found.attrs["averaging_quality"] == "invalid"
     assert "outside the band of the PSD" in found.attrs["averaging_doubts"]
