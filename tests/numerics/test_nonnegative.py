@@ -32,3 +32,17 @@ def test_it_ends_at_the_tolerance_with_few_columns() -> None:
 
 def test_a_target_that_no_column_helps_has_factors_of_zero() -> None:
     assert not sparse_nonnegative(np.eye(3), -np.ones(3), 0.1).any()
+
+
+def test_it_goes_on_until_each_equation_with_a_limit_is_met() -> None:
+    """Four equations out of thirty have to be met to 1e-6, with a loose tolerance of the norm."""
+    places = np.linspace(0.0, 1.0, 300)
+    matrix = np.cos(np.outer(np.arange(30), places)) * (1.0 + places)
+    target = matrix.sum(axis=1)
+    limits = np.full(30, np.inf)
+    limits[:4] = 1e-6 * np.abs(target[:4]).max()
+    loose, close = (
+        np.abs(matrix @ sparse_nonnegative(matrix, target, 0.1, given) - target) for given in (np.inf, limits)
+    )
+    assert (close[:4] <= limits[:4]).all()
+    assert (loose[:4] > limits[:4]).any()

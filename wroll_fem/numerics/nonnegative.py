@@ -11,7 +11,9 @@ RIDGE = 1e-13
 finite factors; residuals down to some 1e-6 are not affected."""
 
 
-def sparse_nonnegative(matrix: FloatArray, target: FloatArray, tolerance: float) -> FloatArray:
+def sparse_nonnegative(
+    matrix: FloatArray, target: FloatArray, tolerance: float, limits: FloatArray | float = np.inf
+) -> FloatArray:
     """Nonnegative factors x (n,), most of them zero, with ``matrix`` (k, n) x near ``target`` (k,).
 
     The algorithm of Lawson and Hanson adds one column at a time, that with the largest component along the residual,
@@ -22,6 +24,8 @@ def sparse_nonnegative(matrix: FloatArray, target: FloatArray, tolerance: float)
     tolerance
         Norm of the residual, relative to the norm of the target, at which the algorithm ends. It also ends if no column
         reduces the residual.
+    limits
+        (k,) largest residual of each equation at which it ends; without limits the norm alone counts.
 
     References
     ----------
@@ -33,7 +37,7 @@ def sparse_nonnegative(matrix: FloatArray, target: FloatArray, tolerance: float)
     chosen: list[int] = []
     residual = target
     for _ in range(3 * count):
-        if np.linalg.norm(residual) <= tolerance * size:
+        if np.linalg.norm(residual) <= tolerance * size and (np.abs(residual) <= limits).all():
             break
         gain = residual @ matrix
         gain[chosen] = -np.inf

@@ -45,7 +45,7 @@ def roll(*overrides: str, amplitude: float = 5.0) -> Roll:
 
 
 def test_the_factors_are_positive_and_give_forces_and_work_of_the_motions() -> None:
-    """Tolerance 5e-3 of the sketched equations with weighted works: 1e-2 for the forces alone."""
+    """Tolerance 5e-3 of the sketched equations: 1e-2 for the forces alone. Works: 5e-4 of the largest, not sketched."""
     structure, _, whole, motions = roll()
     sample = sampled(whole, motions)
     assert sample is not None
@@ -62,7 +62,7 @@ def test_the_factors_are_positive_and_give_forces_and_work_of_the_motions() -> N
     largest = max(whole_work.interface for _, whole_work in works)
     for of_part, of_whole in works:
         assert of_part.friction >= -1e-12 * largest
-        assert of_part.interface == pytest.approx(of_whole.interface, abs=1e-2 * largest)
+        assert of_part.interface == pytest.approx(of_whole.interface, abs=6e-4 * largest)
 
 
 def test_a_subset_of_all_points_is_the_whole_interface() -> None:

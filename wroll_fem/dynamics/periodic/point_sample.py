@@ -31,8 +31,9 @@ from wroll_fem.typing import FloatArray
 SAMPLE_TOLERANCE = 5e-3
 """Largest error of the sampled forces and works of the training motions, relative to those of all points."""
 
-WORK = 5.0
-"""Weight of the work of a motion among its forces, since the height of a resonance is inverse to it."""
+WORK, WORK_TOLERANCE = 5.0, 5e-4
+"""Weight of the work of a motion among its forces, and largest error of each work, relative to the largest work. The
+height of a resonance is inverse to the work: with the first tolerance alone it was off by up to 0.3 %."""
 
 SKETCH = 1024
 """Number of random combinations (each equation with a random sign in one of them) that replace the equations of the
@@ -86,32 +87,37 @@ def sampled(contact: HarmonicContact, motions: Motions, tolerance: float = SAMPL
     Harmonics of the motions beyond those of the contact are left out.
     """
     shift, size = motions.vectors.T @ contact.model.vectors, contact.sampling.size
-    random, equations, total = np.random.default_rng(SEED), [], 0
+    forces, of_work = [], []
     for motion, frequency in zip(motions.coefficients, motions.frequencies, strict=True):
         own = np.zeros((size, contact.model.size))
         own[: len(motion)] = motion[:size] @ shift
         found = contributions(contact, own, float(frequency))
-        found[:, -1] *= WORK
-        equations.append(found)
-        total += found.shape[1]
-    if total > SKETCH:
-        parts = []
-        for found in equations:
-            count = found.shape[1]
-            places = random.integers(SKETCH, size=count)
-            signs = random.choice([-1.0, 1.0], size=count)
-            parts.append(sp.csr_matrix((signs, (np.arange(count), places)), (count, SKETCH)).T @ found.T)
-        matrix = np.sum(parts, axis=0)
-    else:
-        matrix = np.column_stack(equations).T
+        forces.append(found[:, :-1])
+        of_work.append(WORK * found[:, -1])
+    work = np.array(of_work)
+    matrix = np.vstack([_sketch(forces), work])
+    limits = np.full(len(matrix), np.inf)
+    limits[-len(work) :] = WORK_TOLERANCE * np.abs(work.sum(axis=1)).max()
     largest = np.linalg.norm(matrix, axis=0)
     candidates = np.flatnonzero(largest > NEGLIGIBLE * largest.max(initial=0.0))
     if not len(candidates):
         return None
     chosen = np.ascontiguousarray(matrix[:, candidates])
-    factors = sparse_nonnegative(chosen, chosen.sum(axis=1), tolerance)
+    factors = sparse_nonnegative(chosen, chosen.sum(axis=1), tolerance, limits)
     kept = np.flatnonzero(factors)
     return PointSample(candidates[kept], factors[kept])
+
+
+def _sketch(equations: list[FloatArray]) -> FloatArray:
+    """(e, n) equations of the n factors from the columns of arrays (n, k); random combinations if there are many."""
+    if sum(found.shape[1] for found in equations) <= SKETCH:
+        return np.column_stack(equations).T
+    random, out = np.random.default_rng(SEED), np.zeros((SKETCH, len(equations[0])))
+    for found in equations:
+        count = found.shape[1]
+        places, signs = random.integers(SKETCH, size=count), random.choice([-1.0, 1.0], size=count)
+        out += sp.csr_matrix((signs, (np.arange(count), places)), (count, SKETCH)).T @ found.T
+    return out
 
 
 class SampleError(NamedTuple):
