@@ -9,8 +9,15 @@ when numpy or scipy is imported for the first time.
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 VARIABLE = "OPENBLAS_CORETYPE"
 
@@ -24,6 +31,9 @@ FIRST_UNKNOWN_AMD = 26
 """Family of AMD processors (Zen 5) from which on OpenBLAS 0.3.21 knows none."""
 
 CPUINFO = Path("/proc/cpuinfo")
+
+USERS = ("numpy", "scipy.linalg", "petsc4py.PETSc")
+"""Modules that load a BLAS when they are imported."""
 
 
 def first_processor(file: Path = CPUINFO) -> dict[str, str]:
@@ -64,11 +74,26 @@ def select_kernels() -> None:
         os.environ.setdefault(VARIABLE, kernels)
 
 
+@lru_cache
+def _controller(imported: tuple[bool, ...]) -> ThreadpoolController:
+    """Thread settings of the BLAS that are loaded; the search through all libraries of the process takes 10 ms."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def _present() -> ThreadpoolController:
+    return _controller(tuple(name in sys.modules for name in USERS))
+
+
+def one_thread() -> AbstractContextManager[Any]:
+    """Context manager within which BLAS uses one thread: small matrices, and results that repeat bit by bit."""
+    return _present().limit(limits=1, user_api="blas")
+
+
 def _loaded() -> list[tuple[str, str]]:
     """Version and kernels of each OpenBLAS that is loaded in this process."""
-    from threadpoolctl import threadpool_info
-
-    found = [library for library in threadpool_info() if library.get("internal_api") == "openblas"]
+    found = [library for library in _present().info() if library.get("internal_api") == "openblas"]
     return [(str(library["version"]), str(library["architecture"])) for library in found]
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.curve_reading import memory_remark, reduction_remark, span_remark
 from wroll_fem.analyses.forecasts.computing_time import estimate_curve
@@ -19,6 +18,7 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import backbone_parts
 from wroll_fem.analyses.slip_modes import in_span, path_span, slips_inside
 from wroll_fem.analyses.training_progress import Passes, training_file
+from wroll_fem.blas import one_thread
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import (
@@ -172,7 +172,7 @@ def _trained_curve(
     settings = case.harmonic
     try:
         with (
-            threadpool_limits(1, "blas"), progress.stage("backbone", 1) as stage,
+            one_thread(), progress.stage("backbone", 1) as stage,
             training_file(case, checkpoint, resume=resume) as file,
         ):  # fmt: skip
             passes = Passes(progress, stage, settings.reduction_tolerance)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.curve_reading import (
     drift_remark,
@@ -31,6 +30,7 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.zeta_parts import parts_of_curve
 from wroll_fem.analyses.slip_modes import in_span, path_span, slips_inside
 from wroll_fem.analyses.training_progress import Passes, training_file
+from wroll_fem.blas import one_thread
 from wroll_fem.case.structural import OnRoll, OnStructure
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
@@ -170,7 +170,7 @@ def _trained_curve(
     excitation, settings = case.excitation, case.harmonic
     try:
         with (
-            threadpool_limits(1, "blas"), progress.stage("harmonic balance", 1) as stage,
+            one_thread(), progress.stage("harmonic balance", 1) as stage,
             training_file(case, checkpoint, resume=resume) as file,
         ):  # fmt: skip
             passes = Passes(progress, stage, settings.reduction_tolerance)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 from scipy.constants import g as GRAVITY
-from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.followed_mode import axisymmetric_mode, main_mode
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
@@ -18,6 +17,7 @@ from wroll_fem.analyses.slip_onset import slip_onset
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
 from wroll_fem.analyses.slip_structure import WoundCoil, slipping_structure, stress_rows
+from wroll_fem.blas import one_thread
 from wroll_fem.dynamics.statics.load_path import LoadPath
 from wroll_fem.results.dataset import annotate
 from wroll_fem.typing import FloatArray
@@ -56,7 +56,7 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
         between = WoundCoil(case).at(points.points[:, 2])
         stress = stress_rows(body, points, case.coil.solid().stiffness(), between.radial_modulus)
         stage.update(1, f"{system.n_dofs} DOFs, {system.n_points} points")
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         path = LoadPath(system, start, stress=stress if case.coil.pressure == "varying" else None)
         mode = (main_mode if case.excitation.mode == "bending" else axisymmetric_mode)(system, path)
         held = case.excitation.mode == "bending" or case.coil.base == "clamped"

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from wroll_fem.analyses.followed_mode import main_mode
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import base_acceleration
+from wroll_fem.blas import one_thread
 from wroll_fem.case.structural import OnRoll
 from wroll_fem.dynamics.path_span.periodic import periodic_motion
 from wroll_fem.dynamics.path_span.span import PathSpan
@@ -51,7 +51,7 @@ def path_span(case: StructuralCase, system: System, state: ContactState, progres
     ConvergenceError
         If the first load of the path has no equilibrium.
     """
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         path = LoadPath(system, state)
         mode = main_mode(system, path)
         ratio = damping_ratio(system, path, mode)

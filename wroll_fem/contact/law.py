@@ -8,6 +8,7 @@ case file is read without them. `laws` compiles the functions of all laws in `re
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import cache
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 from wroll_fem.errors import InputError
@@ -99,9 +100,15 @@ class FrictionLaw:
         return cls(**{name: getattr(section, name) for name in parameters(cls)})
 
 
+@cache
+def _hints(law: type[FrictionLaw]) -> dict[str, Any]:
+    """Annotations of a law; their evaluation takes a millisecond, and every set of laws of points asks for them."""
+    return get_type_hints(law, include_extras=True)
+
+
 def parameters(law: type[FrictionLaw]) -> dict[str, Parameter]:
     """Parameters of a law by name, in the order of its fields."""
-    hints = get_type_hints(law, include_extras=True)
+    hints = _hints(law)
     found = {}
     for entry in fields(law):  # type: ignore[arg-type]  # every law is a dataclass
         hint = hints[entry.name]
@@ -112,8 +119,11 @@ def parameters(law: type[FrictionLaw]) -> dict[str, Parameter]:
 
 def sequence_parameters(law: type[FrictionLaw]) -> list[str]:
     """Names of the parameters that are sequences of numbers."""
-    hints = get_type_hints(law)
-    return [name for name in parameters(law) if get_origin(hints[name]) is tuple]
+    return [name for name in parameters(law) if _is_sequence(_hints(law)[name])]
+
+
+def _is_sequence(hint: Any) -> bool:
+    return get_origin(get_args(hint)[0] if get_origin(hint) is Annotated else hint) is tuple
 
 
 def own_parameters(law: type[FrictionLaw]) -> list[str]:

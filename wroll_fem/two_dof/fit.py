@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import qmc
-from threadpoolctl import threadpool_limits
 
+from wroll_fem.blas import one_thread
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.identifiability import Uncertainty, uncertainty
 from wroll_fem.two_dof.model import TwoMasses
@@ -135,7 +135,7 @@ class _Problem:
 
     def solve(self, start: FloatArray) -> tuple[FloatArray, float, FloatArray, FloatArray]:
         """Logarithms of the best parameters from one start, root mean square residual, Jacobian and residuals."""
-        with threadpool_limits(1, "blas"):
+        with one_thread():
             done = least_squares(
                 self.residuals,
                 start,

@@ -15,8 +15,8 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
+from wroll_fem.blas import one_thread
 from wroll_fem.errors import InputError
 from wroll_fem.signals.damping import HalfPower, half_power
 from wroll_fem.two_dof.model import TwoMasses
@@ -208,7 +208,7 @@ def response(model: TwoMasses, omegas: FloatArray, method: str, capacity: float)
         none = np.zeros(len(omegas), int)
         return Response(values, half_power(omegas, values), (omegas, values), unknown, unknown, unknown, unknown, none)
     solver = PeriodicSolver(model.preloaded(capacity))
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         motions = solver.curve(omegas)
         refined = refined_curve(solver, omegas, motions)
     energies = [motion.energy() for motion in motions]
@@ -293,7 +293,7 @@ def _peak_of_design(
     solver = PeriodicSolver(changed.preloaded(capacity), accuracy=MAP_ACCURACY)
     free = solver.preloaded.free_frequencies
     band = np.geomspace(BAND[0] * free[0], BAND[1] * free[1], points)
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         read = peak_half_power(solver, band)
     return (read.zeta, read.f_n, read.peak) if read.resonant else (np.nan, np.nan, np.nan)
 

@@ -10,8 +10,8 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
-from threadpoolctl import threadpool_limits
 
+from wroll_fem.blas import one_thread
 from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.statics.contact_state import ContactState
@@ -168,7 +168,7 @@ def simulate(
         run.load(checkpoint.path, fingerprint)
     saved = clock.monotonic()
     try:
-        with threadpool_limits(1, "blas"), progress.stage("time integration", steps, "steps") as stage:
+        with one_thread(), progress.stage("time integration", steps, "steps") as stage:
             while run.done < steps:
                 run.advance(base, grid, every)
                 stage.update(run.done, _place(motion, times[run.done : run.done + 1]))
