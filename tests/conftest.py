@@ -13,7 +13,7 @@ os.environ["MPLBACKEND"] = "Agg"
 import wroll_fem  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -21,6 +21,7 @@ from support.fake_analyses import FakeAnalyses
 from typer.testing import CliRunner, Result
 
 from wroll_fem import cli
+from wroll_fem.dynamics.reduction.kept_structure import remembering_bodies
 
 gc.set_threshold(50_000, 20, 20)
 """A tenth of the time of the suite went into looks for garbage among the objects of pytest and of libraries."""
@@ -38,6 +39,13 @@ def pytest_collection_finish() -> None:
     """Leave what is there before the first test out of later looks for garbage."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _bodies_of_recent_rolls() -> Iterator[None]:
+    """Many tests run the same small rolls: their bodies are assembled once per process."""
+    with remembering_bodies():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -25,6 +25,9 @@ from wroll_fem.typing import FloatArray
 MISSED = 1e-6
 """Largest relative error of the compliance up to which turned modes are used."""
 
+RECENT = 20
+"""Number of rolls whose bodies `remembering_bodies` keeps."""
+
 
 @dataclass
 class _Kept:
@@ -37,6 +40,22 @@ class _Kept:
 
 
 _kept: ContextVar[_Kept | None] = ContextVar("kept structure", default=None)
+
+_recent: ContextVar[dict[str, list[Body]] | None] = ContextVar("recent bodies", default=None)
+"""Bodies by the sections they belong to, the latest last."""
+
+
+@contextmanager
+def remembering_bodies() -> Iterator[None]:
+    """Context manager for many short runs of few rolls, such as tests: the bodies of the last `RECENT` rolls are kept.
+
+    The modes are not, nor bodies of a mesh file, which may change.
+    """
+    token = _recent.set({})
+    try:
+        yield
+    finally:
+        _recent.reset(token)
 
 
 @contextmanager
@@ -51,13 +70,19 @@ def keeping_structure() -> Iterator[None]:
 
 def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]]) -> list[Body]:
     """Bodies of a roll from ``build``, or those that are kept for the same sections; `half`: of half the roll."""
-    kept = _kept.get()
-    if kept is None:
-        return build()
+    kept, recent = _kept.get(), _recent.get()
     sections = f"{half} {roll.structure_text}"
-    if kept.bodies is None or kept.sections != sections:
-        kept.bodies, kept.sections = build(), sections
-    return kept.bodies
+    if kept is not None:
+        if kept.bodies is None or kept.sections != sections:
+            kept.bodies, kept.sections = build(), sections
+        return kept.bodies
+    if recent is None or roll.mesh.file is not None:
+        return build()
+    bodies = recent.pop(sections, None) or build()
+    recent[sections] = bodies
+    if len(recent) > RECENT:
+        del recent[next(iter(recent))]
+    return bodies
 
 
 def kept_modes(
