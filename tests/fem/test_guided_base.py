@@ -13,7 +13,7 @@ from wroll_fem.case import load_case
 from wroll_fem.errors import InputError
 from wroll_fem.fem.body import assemble_bodies
 
-GUIDED = ("coil.base=guided", "mesh.circumferential=12", "mesh.axial=6", "mesh.grading=1")
+GUIDED = ("coil.base=guided", "mesh.circumferential=12", "mesh.axial=3", "mesh.grading=1")
 E, RHO, LENGTH = 2.8e9, 2000.0, 0.3
 
 

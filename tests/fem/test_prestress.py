@@ -164,6 +164,7 @@ def test_simply_supported_tubes_buckle_at_the_pressure_of_von_mises():
     np.testing.assert_allclose(found[0], found[1], rtol=1e-6)  # cosine and sine
 
 
+@pytest.mark.slow
 def test_a_thin_simply_supported_tube_buckles_in_five_waves():
     """Radius over thickness 78: measured +0.96 % of von Mises, +0.31 % of the Ritz solution."""
     thin = ShellSection(E=2.7e9, nu=0.35, rho=1200.0, thickness=0.5e-3)
@@ -180,7 +181,7 @@ def test_clamped_tubes_buckle_at_the_pressure_of_a_ritz_solution():
     ritz = RitzTube(LAB, RADIUS, 0.3, CLAMPED, 28)
     pressures = [ritz.critical_pressure(n) for n in (2, 3, 4)]
     assert np.argmin(pressures) == 1
-    found = buckling_pressures(LAB, 0.3, 24, 10, range(6))
+    found = buckling_pressures(LAB, 0.3, 18, 8, range(6), count=1)
     assert found[0] == pytest.approx(pressures[1], rel=0.01)
 
 
@@ -199,7 +200,7 @@ def test_frequency_under_axial_tension_is_that_of_a_stiffened_beam():
     """A dead force on the rigid tip: 28 % above and 9 % below the frequency without; measured within 0.06 %."""
     case = load_case(
         CONFIGS / "lab_mandrel.yaml",
-        ["geometry.length=0.8", "mandrel.material.nu=0.0", "mesh.circumferential=12", "mesh.axial=8"],
+        ["geometry.length=0.8", "mandrel.material.nu=0.0", "mesh.circumferential=8", "mesh.axial=8"],
     )
     bodies = assemble_bodies(case, symmetric=True)
     roll = PrestressedRoll(case, bodies, web_tension=False)
