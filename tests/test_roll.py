@@ -30,7 +30,7 @@ LAB = wf.Roll(
 """The roll of configs/lab_sweep.yaml."""
 
 GRADED = LAB.replace(mesh=wf.Mesh(circumferential=24, axial=16, grading=40))
-COARSE = LAB.replace(mesh=wf.Mesh(circumferential=12, axial=4))
+COARSE = LAB.replace(mesh=wf.Mesh(circumferential=8, axial=3))
 
 
 def test_a_sweep_is_the_case_of_the_file() -> None:
@@ -70,7 +70,7 @@ def test_a_wrong_section_is_named() -> None:
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")
 def test_a_dwell_runs_and_shows_its_result(tmp_path: Path) -> None:
-    dwell = wf.Dwell(amplitude=20.0, frequency=150.0, cycles=4.0, ramp_cycles=2.0)
+    dwell = wf.Dwell(amplitude=20.0, frequency=150.0, cycles=3.0, ramp_cycles=1.0)
     result = COARSE.run_dwell(dwell, solver=wf.Solver(method="condensed"), out=tmp_path / "dwell", progress=False)
     plain = wf.run(COARSE.case("dwell", excitation=dwell, solver={"method": "condensed"}), progress=False)
     assert result.summary["friction_energy_j"] == wf.summarise(plain)["friction_energy_j"] > 0.0
