@@ -12,8 +12,8 @@ from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
 
 WORDS = (
-    "mesh={circumferential: 8, axial: 6, grading: 20, radial: 2}", "analysis=dwell",
-    "excitation={kind: dwell, frequency: 88, amplitude_g: 10, cycles: 10, ramp_cycles: 4}",
+    "mesh={circumferential: 8, axial: 4, grading: 10, radial: 2}", "analysis=dwell",
+    "excitation={kind: dwell, frequency: 88, amplitude_g: 10, cycles: 6, ramp_cycles: 2}",
 )  # fmt: skip
 
 
