@@ -1,19 +1,24 @@
-"""Contact laws in matrix files."""
+"""Contact laws in matrix files, and laws of the case in their place."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from support.exact_systems import slipping_pair
+from support.structures import DWELL, GAMMA, MU, oscillator, write_case
 
+from wroll_fem.analyses import run_analysis
+from wroll_fem.case import load_case
 from wroll_fem.contact.interface import NormalPenalty, PenaltyCoulomb, PointwiseFriction, RateCoulomb, SmoothedCoulomb
 from wroll_fem.dynamics.system.io import load_system, save_system
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.progress import SilentProgress
 
 BOTH = pytest.mark.parametrize("suffix", [".npz", ".mat"])
 RATE = RateCoulomb(0.4, 2.0e-6, (0.0, 1.0e-3, 0.1), (0.4, 0.3, 0.2))
@@ -73,3 +78,24 @@ def test_laws_come_back_whatever_their_class(tmp_path: Path, suffix: str, law: A
     assert again.interfaces[0].friction == law
     assert state is None
     assert [np.array_equal(a, b) for a, b in zip(system.laws, again.laws, strict=True)] == [True] * len(system.laws)
+
+
+def friction_of(path: Path, *overrides: str) -> float:
+    return float(run_analysis(load_case(path, overrides), progress=SilentProgress())["friction_energy"][-1])
+
+
+def test_contact_in_the_case_replaces_the_laws_of_the_file(tmp_path: Path) -> None:
+    """The same friction written in the case changes nothing; another one is that of a file that holds it."""
+    write = partial(write_case, tmp_path, excitation=DWELL | {"cycles": 2.0, "ramp_cycles": 1.0})
+    own = friction_of(write(oscillator()))
+    same = {"friction": {"mu": MU, "elastic_slip": GAMMA}}
+    assert friction_of(write(oscillator(), contact=same)) == own
+    weak = friction_of(write(oscillator(interface_1_friction_mu=0.1)))
+    written = {"friction": {"mu": 0.1, "elastic_slip": GAMMA}, "normal": {"penalty": "auto"}}
+    path = write(oscillator(), contact=written)
+    assert friction_of(path) == weak != own
+    lawless = oscillator(**{name: None for name in oscillator() if "friction" in name})
+    assert friction_of(write(lawless, contact=same)) == own
+    stiff = friction_of(write(oscillator(interface_1_normal_stiffness=2.0e8)))
+    path = write(oscillator(), contact=same | {"normal": {"penalty": 2.0e8}})
+    assert friction_of(path) == stiff

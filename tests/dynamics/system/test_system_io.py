@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import xarray as xr
 import yaml
 from scipy.integrate import solve_ivp
+from support.drawing import touched
 from support.exact_systems import contact_point, dense_system
 from support.paths import ROOT
 from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, write_case, wroll
@@ -21,23 +22,20 @@ from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, wri
 from wroll_fem.analyses import run_analysis
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case import Case, example_case, load_case
-from wroll_fem.contact.interface import (
-    Interface,
-    NormalPenalty,
-    PenaltyCoulomb,
-    RateCoulomb,
-)
+from wroll_fem.contact.interface import Interface, NormalPenalty, PenaltyCoulomb, RateCoulomb
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system, save_system, system_size
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
+from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.signals.motions import base_motion
 
 BOTH = pytest.mark.parametrize("suffix", [".npz", ".mat"])
+SHORT = DWELL | {"cycles": 2.0, "ramp_cycles": 1.0}
 
 
 def equal(a: sp.spmatrix, b: sp.spmatrix) -> bool:
@@ -131,6 +129,12 @@ def roll() -> tuple[Case, System, ContactState]:
     return case, *prepare(case, SilentProgress())
 
 
+@pytest.fixture(scope="module")
+def moved(roll: Any) -> xr.Dataset:
+    """History of the roll."""
+    return run_analysis(roll[0], progress=SilentProgress())
+
+
 @BOTH
 def test_a_roll_comes_back_with_its_symmetry(tmp_path: Path, suffix: str, roll: Any) -> None:
     _, system, state = roll
@@ -141,7 +145,7 @@ def test_a_roll_comes_back_with_its_symmetry(tmp_path: Path, suffix: str, roll: 
 
 
 @BOTH
-def test_an_exported_roll_moves_like_the_roll_itself(tmp_path: Path, suffix: str, roll: Any) -> None:
+def test_an_exported_roll_moves_like_the_roll_itself(tmp_path: Path, suffix: str, roll: Any, moved: xr.Dataset) -> None:
     """Exported by the command line and run through `structure`: the numbers of the direct case to the last bit."""
     direct: Case = roll[0]
     (tmp_path / "roll.yaml").write_text(direct.resolved_yaml(), encoding="utf-8")
@@ -154,10 +158,10 @@ def test_an_exported_roll_moves_like_the_roll_itself(tmp_path: Path, suffix: str
     del data["excitation"]["direction"]
     case = Case.model_validate(data | {"structure": {"file": str(tmp_path / f"roll{suffix}")}})
     assert Case.model_validate(yaml.safe_load(case.resolved_yaml())) == case
-    runs = [run_analysis(c, progress=SilentProgress()) for c in (direct, case)]
-    assert float(runs[0]["friction_energy"][-1]) > 0.0
+    found = run_analysis(case, progress=SilentProgress())
+    assert float(moved["friction_energy"][-1]) > 0.0
     for name in ("tip_displacement", "tip_acceleration", "friction_energy", "cumulative_slip", "theta_rad", "z_m"):
-        np.testing.assert_array_equal(runs[1][name].values, runs[0][name].values, err_msg=name)
+        np.testing.assert_array_equal(found[name].values, moved[name].values, err_msg=name)
 
 
 # ---- matrices written by hand ----------------------------------------------------------------------------------------
@@ -214,7 +218,7 @@ def test_a_hand_written_oscillator_follows_the_exact_jenkins_element(tmp_path: P
     A steady cycle loses 4 mu N (X - gamma*).
     """
     path = write_case(
-        tmp_path, oscillator(), solver={"method": method}, excitation=DWELL | {"cycles": 16.0},
+        tmp_path, oscillator(), solver={"method": method}, excitation=DWELL | {"cycles": 10.0, "ramp_cycles": 2.0},
         integrator={"scheme": "no_damping", "steps_per_cycle": 200}, output={"figures": False},
     )  # fmt: skip
     done = wroll("run", path, "--out", tmp_path / "run")
@@ -250,7 +254,7 @@ def test_the_ten_lines_of_the_docs_make_the_example(tmp_path: Path, monkeypatch:
 def test_pressure_alone_is_a_preload_state(tmp_path: Path) -> None:
     """A known contact pressure gives the motion that solving for it gives."""
     solved, given = (
-        run_analysis(load_case(write_case(tmp_path, fields)), progress=SilentProgress())
+        run_analysis(load_case(write_case(tmp_path, fields, excitation=SHORT)), progress=SilentProgress())
         for fields in (oscillator(), oscillator(load_preload=None, interface_1_preload_pressure=FORCE))
     )
     amplitude = np.abs(solved["tip_displacement"].values).max()
@@ -276,7 +280,10 @@ def test_viscous_damping_of_a_file_acts(tmp_path: Path, method: str) -> None:
     """Without friction a steady sine answers with T = sqrt((1 + (2 zeta r)^2) / ((1 - r^2)^2 + (2 zeta r)^2))."""
     zeta, ratio = 0.1, 11.0 * 2 * np.pi / np.sqrt(K / MASS)
     fields = oscillator(C=np.diag([2 * zeta * np.sqrt(K * MASS), 0.0]), interface_1_friction_mu=0.0)
-    path = write_case(tmp_path, fields, solver={"method": method}, integrator={"scheme": "no_damping"})
+    dwell = DWELL | {"cycles": 16.0, "ramp_cycles": 3.0}
+    path = write_case(
+        tmp_path, fields, solver={"method": method}, integrator={"scheme": "no_damping"}, excitation=dwell
+    )
     history = run_analysis(load_case(path), progress=SilentProgress())
     # C relative to the base: the absolute acceleration of the tip is -(k u + c v) / m
     viscous = 2 * zeta * ratio
@@ -284,8 +291,11 @@ def test_viscous_damping_of_a_file_acts(tmp_path: Path, method: str) -> None:
     assert history.attrs["steady_magnitude"] == pytest.approx(expected, rel=5e-3)  # 40 steps per cycle: (w dt)^2 / 12
 
 
-def test_modes_of_a_structure_are_those_of_its_spring_and_contact(tmp_path: Path) -> None:
+def test_modes_of_a_structure_are_those_of_its_spring_and_contact(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Frictionless: sqrt(k / m); stuck: k + mu N / gamma* (the mass normal to the ground rides on the penalty)."""
+    monkeypatch.setattr(style, "write_figure", touched)
     for interface, stiffness in (("frictionless", K), ("stuck", K + MU * FORCE / GAMMA)):
         path = write_case(tmp_path, oscillator(), analysis="modal", modal={"count": 12, "interface": interface})
         modes = run_analysis(load_case(path), progress=SilentProgress())
@@ -297,12 +307,13 @@ def test_modes_of_a_structure_are_those_of_its_spring_and_contact(tmp_path: Path
     assert (tmp_path / "modes" / "figures" / "modes.png").is_file()
 
 
-def test_points_without_a_place_give_results_but_no_maps(tmp_path: Path) -> None:
+def test_points_without_a_place_give_results_but_no_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Interfaces of different size, without coordinates: everything but slip maps."""
+    monkeypatch.setattr(style, "write_figure", touched)
     system = replace(two_interfaces(), damping=None)
     save_system(system, tmp_path / "system.npz")
-    path = write_case(tmp_path, oscillator(), structure={"file": "system.npz"}, excitation=DWELL | {"cycles": 6.0},
-                      output={"every": 100})  # fmt: skip
+    path = write_case(tmp_path, oscillator(), structure={"file": "system.npz"}, excitation=SHORT,
+                      output={"every": 40})  # fmt: skip
     done = wroll("run", path, "--out", tmp_path / "run")
     assert done.exit_code == 0, done.output
     result = load_dataset(tmp_path / "run" / "results.nc")
@@ -312,6 +323,7 @@ def test_points_without_a_place_give_results_but_no_maps(tmp_path: Path) -> None
     assert result["relative_displacement_hoop"].shape == (2, 2, 2)
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     np.testing.assert_allclose(summary["interface_pressure_mean_pa"], _mean_pressures(system), rtol=1e-9)
+    assert list((tmp_path / "run" / "figures").iterdir())
     assert not any(name.name.startswith("slip") for name in (tmp_path / "run").rglob("*.*"))
 
 
@@ -347,27 +359,6 @@ def test_interfaces_with_places_of_their_own_are_mapped_one_by_one(roll: Any, tm
 
 
 # ---- laws of the case file -------------------------------------------------------------------------------------------
-
-
-def friction_of(path: Path, *overrides: str) -> float:
-    return float(run_analysis(load_case(path, overrides), progress=SilentProgress())["friction_energy"][-1])
-
-
-def test_contact_in_the_case_replaces_the_laws_of_the_file(tmp_path: Path) -> None:
-    """The same friction written in the case changes nothing; another one is that of a file that holds it."""
-    write = partial(write_case, tmp_path, excitation=DWELL | {"cycles": 8.0})
-    own = friction_of(write(oscillator()))
-    same = {"friction": {"mu": MU, "elastic_slip": GAMMA}}
-    assert friction_of(write(oscillator(), contact=same)) == own
-    weak = friction_of(write(oscillator(interface_1_friction_mu=0.1)))
-    written = {"friction": {"mu": 0.1, "elastic_slip": GAMMA}, "normal": {"penalty": "auto"}}
-    path = write(oscillator(), contact=written)
-    assert friction_of(path) == weak != own
-    lawless = oscillator(**{name: None for name in oscillator() if "friction" in name})
-    assert friction_of(write(lawless, contact=same)) == own
-    stiff = friction_of(write(oscillator(interface_1_normal_stiffness=2.0e8)))
-    path = write(oscillator(), contact=same | {"normal": {"penalty": 2.0e8}})
-    assert friction_of(path) == stiff
 
 
 def test_new_laws_solve_the_preload_again_or_say_that_they_cannot(roll: Any, tmp_path: Path) -> None:
