@@ -21,7 +21,7 @@ from wroll_fem.signals.base_motion import sweep_rate_limit
 from wroll_fem.signals.sweeps import Chirp
 
 ROLL = (
-    "mesh={circumferential: 8, axial: 4, grading: 4}", "output.figures=false", "preload.pressure=3.0e4",
+    "mesh={circumferential: 8, axial: 3, grading: 4}", "output.figures=false", "preload.pressure=3.0e4",
     "excitation={kind: chirp, amplitude: 20.0, f_start: 20, f_end: 240, rate_oct_per_min: 240}",
 )  # fmt: skip
 
