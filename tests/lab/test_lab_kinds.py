@@ -6,13 +6,14 @@ import base64
 import hashlib
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
 import yaml
 from pydantic import BaseModel
+from support.plain_layout import plain_layout
 from support.report_pages import parsed
 from typer.testing import CliRunner
 
@@ -30,11 +31,19 @@ from wroll_fem.results.dataset import FIELDS, load_dataset
 from wroll_fem.results.summary import SUMMARY
 
 
+@pytest.fixture(scope="module", autouse=True)
+def quick_drawings() -> Iterator[None]:
+    with plain_layout():
+        yield
+
+
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("examples")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(slip_example, "FRAMES", 150)  # its numbers are looked at in test_slip_command.py
+        patch.setattr(slip_example, "LAYERS", slip_example.LAYERS[:3])
+        patch.setattr(slip_example, "DIAMETERS", slip_example.DIAMETERS[:3])
         return {name: example_files(name, folder / name) for name in KINDS}
 
 
@@ -92,22 +101,40 @@ def test_the_example_of_a_kind_runs_into_a_complete_folder(
     assert "is not empty; choose another --out" in again.output
 
 
+def figures_of(out: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in (out / "figures").glob("*.png")}
+
+
+def check_report(out: Path, figures: dict[str, bytes]) -> None:
+    done = CliRunner().invoke(app, ["report", str(out)])
+    assert (done.exit_code, done.output) == (0, f"{out / 'report.html'}\n")
+    shown = [image.get("src", "").partition("base64,")[2] for image in parsed(out / "report.html").iter("img")]
+    assert {base64.b64decode(text) for text in shown} == set(figures.values())
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_figures_are_drawn_again_from_the_results_and_stand_in_the_report(
-    kind: str, evaluated: Callable[[str], Path]
+    kind: str, evaluated: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    out = evaluated(kind)
-    first = {path.name: path.read_bytes() for path in (out / "figures").glob("*.png")}
-    shutil.rmtree(out / "figures")
-    done = CliRunner().invoke(app, ["report", str(out)])  # draws what the folder has not
-    assert (done.exit_code, done.output) == (0, f"{out / 'report.html'}\n")
-    drawn = [image.get("src", "").partition("base64,")[2] for image in parsed(out / "report.html").iter("img")]
-    assert {base64.b64decode(text) for text in drawn} == set(first.values())
+    first, out = figures_of(evaluated(kind)), tmp_path / "out"
+    shutil.copytree(evaluated(kind), out, ignore=shutil.ignore_patterns("figures"))
     redrawn = CliRunner().invoke(app, ["plot", str(out)])
     assert redrawn.exit_code == 0, redrawn.output
-    assert {path.name: path.read_bytes() for path in (out / "figures").glob("*.png")} == first
+    assert figures_of(out) == first
     assert {line.rpartition("/")[2] for line in redrawn.output.splitlines()} == set(first)
     assert {name.removesuffix(".png") for name in first} <= set(CAPTIONS)
+    check_report(out, first)
+
+
+@pytest.mark.parametrize(
+    "kind", [kind if kind == "tension" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS]
+)
+def test_the_report_draws_the_figures_that_the_folder_has_not(
+    kind: str, evaluated: Callable[[str], Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(evaluated(kind), out, ignore=shutil.ignore_patterns("figures"))
+    check_report(out, figures_of(evaluated(kind)))
 
 
 def inner(model: type[BaseModel]) -> list[type[BaseModel]]:
