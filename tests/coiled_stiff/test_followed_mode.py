@@ -27,14 +27,17 @@ from wroll_fem.fem.fourier_modes import symmetry_class_modes
 from wroll_fem.fem.fourier_roll import AXIAL, TORSION, FourierRoll
 
 CASE = CONFIGS / "slipping_coil.yaml"
-SMALL = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+MESHES = {
+    "torsion": "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}",
+    "axial": "mesh={circumferential: 8, axial: 6, grading: 12, radial: 2}",
+}
 RIGID = ["mandrel.material.E=1e15", "coil.material.G_r_theta=1e7", "mesh={circumferential: 12, axial: 2, radial: 3}"]
 A, B, LENGTH, RHO = 0.010, 0.025, 0.3, 1600.0  # m, kg/m^3
 
 
 def case(mode: str, *changed: str, levels: str = "[1]") -> SlipDampingCase:
     motion = f"excitation={{kind: sine, frequency: resonance, amplitude_g: {levels}, mode: {mode}}}"
-    found = load_case(CASE, [SMALL, motion, *changed])
+    found = load_case(CASE, [MESHES[mode], motion, *changed])
     assert isinstance(found, SlipDampingCase)
     return found
 

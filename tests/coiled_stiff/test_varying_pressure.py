@@ -27,7 +27,7 @@ from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
 
 CASE = CONFIGS / "slipping_coil.yaml"
-SMALL = "mesh={circumferential: 8, axial: 5, grading: 12, radial: 2}"
+SMALL = "mesh={circumferential: 8, axial: 3, grading: 6, radial: 2}"
 VARYING = "coil.pressure=varying"
 SOFT = "coil.wrap_interfaces={elastic_slip: 1.0e-6}"
 
