@@ -19,7 +19,7 @@ from wroll_fem.progress import SilentProgress
 
 def test_estimated_interface_pressures_are_those_of_the_preload_step() -> None:
     """Rings without end effects: the clamped and rigid ends of the mandrel carry a few per cent more."""
-    small = ["analysis=preload", "mesh.circumferential=8", "mesh.axial=8", "preload.steps=2"]
+    small = ["analysis=preload", "mesh.circumferential=8", "mesh.axial=4", "preload.steps=1"]
     for pressures in ([200.0] * 5, [0.0, 0.0, 0.0, 0.0, 1000.0], [100.0, 150.0, 200.0, 250.0, 300.0]):
         case = load_case(ROOT / "configs" / "lab_dwell_layers.yaml", [*small, f"preload.pressure={pressures}"])
         found = run_analysis(case, progress=SilentProgress())

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from support.paths import CONFIGS
 from support.random_cases import LIMIT, linear_case, rubbing_case
 
@@ -18,6 +19,7 @@ from wroll_fem.analyses.random_plan import planned
 from wroll_fem.dynamics.time_stepping import simulate
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
+from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.results.storage.checkpoint import write_checkpoint
@@ -25,13 +27,18 @@ from wroll_fem.results.storage.checkpoint import write_checkpoint
 SILENT = SilentProgress()
 
 
+def rubbing(limit: float = LIMIT, **motion: object) -> wf.Case:
+    """Friction oscillator with 20 steps per cycle of 40 Hz, half of those of the other tests of random motions."""
+    return rubbing_case(limit, **motion).changed("integrator.steps_per_cycle=20")
+
+
 def test_every_level_is_the_history_of_that_level_alone() -> None:
     """Structure and modes are shared; the histories are those of single runs."""
-    case = rubbing_case(duration=6.0)
+    case = rubbing(duration=6.0)
     both = wf.run(case.replace({"excitation.levels_db": [-6.0, 3.0]}), progress=SILENT)
     assert both.sizes["level"] == 2
     for number, level in enumerate((-6.0, 3.0)):
-        alone = wf.run(rubbing_case(duration=6.0, level_db=level), progress=SILENT)
+        alone = wf.run(rubbing(duration=6.0, level_db=level), progress=SILENT)
         one = both.isel(level=number)
         assert float(one["level_db"]) == level
         for name in ("tip_rms", "tip_displacement_rms", "base_rms", "base_shear_rms"):
@@ -52,8 +59,8 @@ def test_every_level_is_the_history_of_that_level_alone() -> None:
 
 def test_levels_and_capacity_doubled_double_every_response() -> None:
     """The same two level factors on a structure with twice the friction limit, and twice the levels."""
-    single = wf.run(rubbing_case(duration=5.0).replace({"excitation.levels": [0.5, 1.0]}), progress=SILENT)
-    double = wf.run(rubbing_case(2.0 * LIMIT, duration=5.0).replace({"excitation.levels": [1.0, 2.0]}), progress=SILENT)
+    single = wf.run(rubbing(duration=5.0).replace({"excitation.levels": [0.5, 1.0]}), progress=SILENT)
+    double = wf.run(rubbing(2.0 * LIMIT, duration=5.0).replace({"excitation.levels": [1.0, 2.0]}), progress=SILENT)
     for name in ("tip_rms_at_level", "tip_displacement_rms_at_level", "base_rms_at_level", "max_slip"):
         np.testing.assert_allclose(double[name].values, 2.0 * single[name].values, rtol=1e-9)
     np.testing.assert_allclose(double["tip_psd"].values, 4.0 * single["tip_psd"].values, rtol=1e-7)
@@ -89,8 +96,8 @@ def test_records_are_averaged_and_their_scatter_is_that_of_the_error_bars() -> N
 
 def test_a_resumed_series_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Interrupted within the third of four histories; the first two are not computed again."""
-    monkeypatch.setattr(simulate, "CHUNK", 800)  # fewer checkpoints, whose files take most of the time
-    case = rubbing_case(duration=4.5).replace(
+    monkeypatch.setattr(simulate, "CHUNK", 1200)  # fewer checkpoints, whose files take most of the time
+    case = rubbing(duration=4.5).replace(
         {"solver.checkpoint_seconds": 0.001, "excitation.levels": [0.5, 1.0], "excitation.records": 2,
          "output.figures": False}
     )  # fmt: skip
@@ -124,10 +131,32 @@ def test_a_resumed_series_equals_one_that_was_not_interrupted(tmp_path: Path, mo
     assert load_dataset(kept[0]).sizes["time"] > 1000
 
 
-def test_a_roll_resumed_between_two_histories_keeps_its_basis(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    coarse = ("mesh.circumferential=8", "mesh.axial=2", "excitation.duration=0.7", "excitation.levels_db=[-3, 0]")
-    case = roll(*coarse, "output.figures=false")
-    whole = wf.run(case, progress=SILENT)
+def roll(*overrides: str) -> wf.Case:
+    return wf.load_case(CONFIGS / "lab_random.yaml", list(overrides))
+
+
+SHORT = ("mesh.circumferential=8", "mesh.axial=2", "excitation.duration=0.55", "integrator.steps_per_cycle=20")
+TWO_LEVELS = (*SHORT, "excitation.levels_db=[-12, 0]", "output={figures: false, fields: none}")
+
+
+@pytest.fixture(scope="module")
+def two_levels() -> tuple[xr.Dataset, int, int]:
+    """Result of a roll at two levels; how often its structure was assembled and its modes were computed."""
+    from wroll_fem.analyses import history
+
+    prepared, condensed = [], []
+    prepare, modes = history.prepare, history.modes_to_reduce
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(history, "prepare", lambda *given: (prepared.append(1), prepare(*given))[1])
+        patch.setattr(history, "modes_to_reduce", lambda *given: (condensed.append(1), modes(*given))[1])
+        found = wf.run(roll(*TWO_LEVELS), progress=SILENT)
+    return found, len(prepared), len(condensed)
+
+
+def test_a_roll_resumed_between_two_histories_keeps_its_basis(
+    two_levels: tuple[xr.Dataset, int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, whole = roll(*TWO_LEVELS), two_levels[0]
     advance, calls = simulate._Run.advance, []
     chunks = -(-whole.attrs["steps"] // 2 // simulate.CHUNK)
 
@@ -147,35 +176,26 @@ def test_a_roll_resumed_between_two_histories_keeps_its_basis(tmp_path: Path, mo
         np.testing.assert_array_equal(again[name].values, whole[name].values)
 
 
-def roll(*overrides: str) -> wf.Case:
-    return wf.load_case(CONFIGS / "lab_random.yaml", list(overrides))
-
-
 def test_a_roll_at_two_levels_draws_its_figures_and_shares_its_modes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    two_levels: tuple[xr.Dataset, int, int], tmp_path: Path
 ) -> None:
-    from wroll_fem.analyses import history
-
-    prepared, condensed = [], []
-    prepare, modes = history.prepare, history.modes_to_reduce
-    monkeypatch.setattr(history, "prepare", lambda *given: (prepared.append(1), prepare(*given))[1])
-    monkeypatch.setattr(history, "modes_to_reduce", lambda *given: (condensed.append(1), modes(*given))[1])
-    coarse = ("mesh.circumferential=8", "mesh.axial=2", "excitation.duration=1.5", "excitation.levels_db=[-12, 0]")
-    found = wf.run(roll(*coarse), progress=SILENT)
-    assert (len(prepared), len(condensed)) == (1, 1)
-    names = {path.name for path in write_figures(found, tmp_path)}
+    found, prepared, condensed = two_levels
+    assert (prepared, condensed) == (1, 1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "DPI", 30)
+        names = {path.name for path in write_figures(found, tmp_path)}
     assert {"levels.png", "slip_map_01.png"} <= names
     assert not {"spectra.png", "response.png", "energy_ledger.png"} & names
     assert found["base_shear_rms_at_level"].values[1] > found["base_shear_rms_at_level"].values[0] > 0.0
     assert found["base_moment_rms_at_level"].values[1] > found["base_moment_rms_at_level"].values[0] > 0.0
-    alone = wf.run(roll(*coarse[:3], "excitation.level_db=0"), progress=SILENT)
+    alone = wf.run(roll(*SHORT, "excitation.level_db=0"), progress=SILENT)
     rms = float(found["tip_displacement_rms_at_level"][1])
     assert rms == pytest.approx(alone.attrs["tip_displacement_rms_m"], rel=0.02)  # steady parts of other lengths
 
 
 @pytest.mark.parametrize(
     ("f_n", "zeta", "bias", "error"),
-    [pytest.param(20.0, 0.05, 0.02, 0.15, marks=pytest.mark.slow), (17.0, 0.08, 0.01, 0.2)],
+    [pytest.param(20.0, 0.05, 0.02, 0.15, marks=pytest.mark.slow), (17.0, 0.1, 0.02, 0.25)],
 )
 def test_an_automatic_length_gives_the_wanted_errors(f_n: float, zeta: float, bias: float, error: float) -> None:
     wanted = {"frequency": f_n, "zeta": zeta, "bias": bias, "random_error": error}

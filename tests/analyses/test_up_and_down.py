@@ -148,7 +148,7 @@ def test_phase_and_motion_are_continuous_at_the_turn(law: str, seed: int) -> Non
 
 
 ROLL = (
-    "mesh={circumferential: 8, axial: 3}", "output.figures=false", "solver.checkpoint_seconds=0.001",
+    "mesh={circumferential: 8, axial: 2}", "output={figures: false, fields: none}", "solver.checkpoint_seconds=0.001",
     "excitation={kind: chirp, amplitude: 20.0, f_start: 60, f_end: 240, rate_oct_per_min: 400, "
     "sweep_direction: up_down}",
 )  # fmt: skip
