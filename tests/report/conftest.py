@@ -2,22 +2,50 @@
 
 from __future__ import annotations
 
+import pickle
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import xarray as xr
+from support.plain_layout import plain_layout
 from support.report_pages import NASTY, SWEEP, synthetic_run
 
 from wroll_fem import load_case
 from wroll_fem.jobs.batch import Outcome, write_tables
 from wroll_fem.jobs.folder import RunFolder
 from wroll_fem.jobs.grid import Member
+from wroll_fem.report import run as run_report
 from wroll_fem.report import write_report
+from wroll_fem.report.damping import damping_table
+from wroll_fem.report.html import Markup
+
+DAMPING: dict[bytes, Markup] = {}
+"""Curve -> table of its damping estimates. Most pages show the same curve, and its table takes a second."""
+
+
+def known_damping_table(dataset: xr.Dataset) -> Markup:
+    names = [name for name in ("frequency", "transmissibility_real", "transmissibility_imag") if name in dataset]
+    parts = [(name, dataset[name].dims, dataset[name].values) for name in names]
+    key = pickle.dumps((parts, dataset.attrs.get("zeta_method")))
+    if key not in DAMPING:
+        DAMPING[key] = damping_table(dataset)
+    return DAMPING[key]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_damping_table() -> Iterator[None]:
+    """Estimate the damping of each curve once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run_report, "damping_table", known_damping_table)
+        yield
 
 
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
-    return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
+    with plain_layout():
+        return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
 
 
 @pytest.fixture(scope="session")

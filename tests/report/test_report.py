@@ -94,14 +94,23 @@ def test_damping_is_read_by_every_method() -> None:
     assert "no half-power point" in damping_table(data.isel(frequency=slice(0, 405)))
 
 
-def test_figures_are_drawn_when_the_run_made_none(run: RunFolder, tmp_path: Path) -> None:
-    copy = tmp_path / "copy"
+def check_drawn_figures(run: RunFolder, copy: Path) -> None:
     shutil.copytree(run.path, copy)
     shutil.rmtree(copy / "figures")
     root = parsed(write_report(copy))
-    assert len(list(root.iter("img"))) == len(list(run.figures.glob("*.png")))
+    assert len(list(root.iter("img"))) == len(list(run.figures.glob("*.png"))) > 0
     assert not (copy / "figures").exists()
     assert (copy / "report.html").is_file()
+
+
+def test_figures_are_drawn_when_the_run_made_none(tmp_path: Path) -> None:
+    case = load_case(ROOT / "configs" / "oscillator.yaml", ["analysis=modal"])
+    check_drawn_figures(run_case(case, tmp_path / "run").folder, tmp_path / "copy")
+
+
+@pytest.mark.slow
+def test_all_figures_of_a_sweep_are_drawn_when_the_run_made_none(run: RunFolder, tmp_path: Path) -> None:
+    check_drawn_figures(run, tmp_path / "copy")
 
 
 def test_what_went_wrong_stands_in_the_warnings(run: RunFolder, tmp_path: Path) -> None:
@@ -163,7 +172,7 @@ def test_lists_of_one_length_share_a_table() -> None:
     [
         (
             "two_dof.yaml",
-            ["two_dof.omega.points=20", "two_dof.friction_capacity=[3, 10]"],
+            ["two_dof.omega.points=8", "two_dof.friction_capacity=[3, 10]"],
             {"Figures", "Energy ledger"},
         ),
         ("winding_lab.yaml", [], {"Figures"}),

@@ -126,7 +126,7 @@ BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no browser: `apt-get install chromium-headless-shell` to open the report")
-@pytest.mark.parametrize("width", [1200, 700])
+@pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 700])
 def test_a_browser_shows_the_report(
     run: RunFolder, batch: Path, run_file: Path, batch_file: Path, tmp_path: Path, width: int
 ) -> None:
