@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from support.here_pool import HerePool
 from support.paths import ROOT
+from support.processes import process_and_square
 from typer.testing import CliRunner
 
 from reproduction import CHAPTERS, ClaimGroup, Evidence, Verdict, checklist, evidence, page, queue, reproduce
@@ -188,10 +190,6 @@ def test_a_computation_is_kept_under_its_inputs(tmp_path: Path) -> None:
     assert len(calls) == 2
 
 
-def process_and_square(x: int) -> tuple[int, int]:
-    return os.getpid(), x * x
-
-
 def test_map_keeps_the_order_and_leaves_this_process(tmp_path: Path) -> None:
     with Evidence(tmp_path, workers=2) as many:
         found = many.map(process_and_square, list(range(6)))
@@ -201,6 +199,7 @@ def test_map_keeps_the_order_and_leaves_this_process(tmp_path: Path) -> None:
 
 @pytest.fixture
 def coarse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Evidence:
+    monkeypatch.setattr(queue, "LocalPool", HerePool)
     found = Evidence(tmp_path, fast=True, workers=1)
     change = {"overrides": ["winding.wraps=5"], "keep": {"winding.tension_newton": [20.0, 60.0]}}
     monkeypatch.setitem(
