@@ -58,7 +58,7 @@ def test_histories_are_compared_by_their_largest_difference(bench: ModuleType, t
 
 
 def test_a_job_reports_seconds_memory_and_readings(tmp_path: Path) -> None:
-    words = ["solver.method=condensed", "analysis=dwell", "mesh={circumferential: 12, axial: 4, grading: 1}"]
+    words = ["solver.method=condensed", "analysis=dwell", "mesh={circumferential: 8, axial: 2, grading: 1}"]
     words.append("excitation={kind: dwell, amplitude: 5.0, frequency: 150, cycles: 2, ramp_cycles: 1}")
     job, case = ROOT / "benchmarks" / "job.py", ROOT / "configs" / "lab_sweep.yaml"
     subprocess.run([sys.executable, str(job), str(case), str(tmp_path / "x"), *words], check=True)
