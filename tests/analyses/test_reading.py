@@ -43,9 +43,10 @@ def test_every_estimator_reads_a_linear_curve_as_it_does_by_itself() -> None:
 
 
 def test_error_bars_are_those_of_noise() -> None:
-    noisy = LINEAR + 0.01 * np.random.default_rng(1).standard_normal((2, F.size)).T @ [1.0, 1.0j]
+    f, exact = F[::2], LINEAR[::2]
+    noisy = exact + 0.01 * np.random.default_rng(1).standard_normal((2, f.size)).T @ [1.0, 1.0j]
     for method in ("half_power", "gaussian_fit", "rational_fraction"):
-        attrs = estimate_damping(F, noisy, method).as_attrs("")
+        attrs = estimate_damping(f, noisy, method).as_attrs("")
         assert 0.0 < attrs["zeta_error"] < 0.1 * attrs["zeta"]
         assert 0.0 < attrs["zeta_lower_bound"] <= attrs["zeta"] - attrs["zeta_error"]
         assert attrs["f_n_error_hz"] > 0.0
@@ -130,7 +131,7 @@ def test_summary_of_a_sweep_holds_what_the_case_asks_for() -> None:
 
 def test_summary_of_a_harmonic_curve_holds_what_the_case_asks_for() -> None:
     words = [
-        "mesh={circumferential: 8, axial: 3, grading: 1}",
+        "mesh={circumferential: 8, axial: 2, grading: 1}",
         "harmonic={harmonics: 1, samples: 32}",
         "output.damping=gaussian_fit",
     ]

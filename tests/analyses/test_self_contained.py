@@ -17,11 +17,17 @@ import wroll_fem as wf
 from wroll_fem.analyses.shared.self_contained import described
 from wroll_fem.cli import app
 from wroll_fem.errors import InputError
+from wroll_fem.plotting import style
 
 QUICK = [
     "excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20", "solver.allow_coarse=true",
     "output.figures=false",
 ]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _few_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(style, "DPI", 30)
 
 
 @pytest.fixture(scope="module")

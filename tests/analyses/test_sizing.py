@@ -36,7 +36,7 @@ def run(case):
 
 @pytest.fixture(scope="module", params=[MISSIONS[1], *(pytest.param(m, marks=pytest.mark.slow) for m in MISSIONS[::2])])
 def mission(request):
-    case = load_case(CONFIGS / f"{request.param}.yaml", ["mesh.axial=80"])
+    case = load_case(CONFIGS / f"{request.param}.yaml", ["mesh.axial=40"])
     return case, *run(case)
 
 
@@ -78,7 +78,7 @@ def test_margin_rises_with_the_wall(mission):
 
 
 def test_a_finer_mesh_changes_the_stress_by_less_than_two_per_cent(mission):
-    """80 or 400 cells, each reading at its own wall."""
+    """40 or 400 cells, each reading at its own wall."""
     case, _, summary, _ = mission
     finer = MandrelStress(case.sizing, 400)
     for name, wall in summary["wall_thickness_m"].items():
@@ -140,7 +140,7 @@ def test_ratios_and_stiffness_are_those_of_the_definitions():
 
 def test_a_given_wall_that_buckles_is_told():
     short = SLENDER | {"length": 0.3, "wall": 4e-3, "pressure": 6.5e6}
-    _, summary, warnings = run(Case.model_validate({"analysis": "sizing", "sizing": short, "mesh": {"axial": 30}}))
+    _, summary, warnings = run(Case.model_validate({"analysis": "sizing", "sizing": short, "mesh": {"axial": 20}}))
     assert "wall_thickness_m" not in summary
     assert summary["buckling_factor_pressure"] < 1.0
     assert any("exceeds the buckling pressure" in text for text in warnings)
@@ -189,6 +189,7 @@ def test_the_search_takes_the_wall_above_which_the_margin_holds():
 def test_a_margin_out_of_reach_is_refused_with_both_ends_of_the_search(tmp_path):
     path = tmp_path / "case.yaml"
     text = (CONFIGS / "sizing_irosa.yaml").read_text(encoding="utf-8").replace("margin: 0.25", "margin: 5")
+    text += "mesh: {axial: 60}\n"
     path.write_text(text, encoding="utf-8")
     refused = wroll("run", path, "--out", tmp_path / "out")
     assert refused.exit_code == 2
@@ -211,7 +212,7 @@ def test_a_reading_without_wall_is_null_beside_the_others():
 
 def test_a_heavy_end_cap_and_a_thick_wall_are_named():
     squat = SLENDER | {"length": 0.04, "coil_mass": 0.0, "acceleration_g": 1e4, "wall": 0.03}
-    data = {"analysis": "sizing", "sizing": squat, "mesh": {"axial": 30}}
+    data = {"analysis": "sizing", "sizing": squat, "mesh": {"axial": 20}}
     _, summary, warnings = run(Case.model_validate(data))
     assert summary["mass_ratio"] is None
     assert any("is heavier than mandrel and coil" in text for text in warnings)
@@ -243,7 +244,7 @@ def test_sections_of_a_roll_are_refused():
         load_case(CONFIGS / "lab_modal.yaml", ["sizing.length=3"])
 
 
-@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("number", [0, 1, 2, pytest.param(3, marks=pytest.mark.slow), 4, 5])
 def test_random_sections_end_or_are_told_why(number):
     rng = np.random.default_rng([20241124, number])
     diameter = 10 ** rng.uniform(-2, 0.7)
@@ -255,7 +256,7 @@ def test_random_sections_end_or_are_told_why(number):
     }  # fmt: skip
     refused = ""
     try:
-        _, summary, _ = run(Case.model_validate({"analysis": "sizing", "sizing": section, "mesh": {"axial": 30}}))
+        _, summary, _ = run(Case.model_validate({"analysis": "sizing", "sizing": section, "mesh": {"axial": 20}}))
     except WrollError as error:
         refused = str(error)
     if refused:

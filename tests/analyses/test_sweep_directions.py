@@ -37,7 +37,7 @@ def test_sweeps_follow_their_branches_of_a_fold(duffing, linear):
     lower = int(np.flatnonzero(np.diff(f) < 0.0)[-1]) + 1
     folds = f[lower], f[upper]
     assert folds[1] - folds[0] > 0.1
-    steps = wf.Integrator(steps_per_cycle=80)
+    steps = wf.Integrator(steps_per_cycle=40)
     up, down = (
         magnitude(duffing.run_sweep(wf.Chirp(f_start=a, f_end=b, amplitude=1.5, **rate), integrator=steps))
         for a, b in ((LOW, HIGH), (HIGH, LOW))
