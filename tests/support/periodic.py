@@ -12,6 +12,7 @@ from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -20,6 +21,8 @@ from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.training import Trained
 
 LAB = CONFIGS / "lab_harmonic.yaml"
 TURN = 2.0 * np.pi
@@ -58,3 +61,10 @@ def small_roll(
     system = build_system(case, build_bodies(case, symmetric=mirrored))
     preload = solve_preload(system)
     return system, preload, condense(system, stick_springs(system, preload), Scheme.hht(0.0), 1e-4)
+
+
+@cache
+def trained_roll(around: int, along: int) -> Trained[HarmonicCurve]:
+    """Curve of `small_roll` at 5 m/s^2 around its resonance, with the defaults of the training."""
+    system, preload, condensation = small_roll(around, along)
+    return trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))

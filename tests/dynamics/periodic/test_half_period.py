@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.periodic import small_roll
+from support.periodic import small_roll, trained_roll
 from support.twisted_wall import TWISTED
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
@@ -14,7 +14,6 @@ from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import modal_force
 from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction
-from wroll_fem.dynamics.training.enrichment import trained_response
 
 
 def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:
@@ -69,9 +68,7 @@ def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
 
 
 def test_the_symmetric_curve_satisfies_the_balance_of_the_whole_roll() -> None:
-    system, preload, condensation = small_roll(12, 4)
-    trained = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
-    curve = trained.curve
+    curve = trained_roll(12, 4).curve
     assert curve.balance.contact.symmetry is not None
     between = [k + 1 for k in range(2, len(curve.frequencies) - 2, 7)]
     found = [
