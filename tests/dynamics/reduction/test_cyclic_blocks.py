@@ -54,7 +54,7 @@ def test_blocks_carry_the_compliance_of_the_interfaces(symmetric, layers):
 
 @pytest.mark.parametrize("layers", [1, 2])
 def test_blocks_of_angle_plies_have_both_parities(layers):
-    assert_compliance(roll(False, layers, "{circumferential: 8, axial: 3, grading: 1}", TWISTED), waves=2, error=1e-8)
+    assert_compliance(roll(False, layers, "{circumferential: 8, axial: 2, grading: 1}", TWISTED), waves=2, error=1e-8)
 
 
 def assert_compliance(system: System, waves: int, error: float) -> None:
@@ -116,7 +116,7 @@ def test_a_slipping_dwell_needs_few_inertia_corrections(monkeypatch):
     assert not np.array_equal(few["tip_displacement"].values, every["tip_displacement"].values)
 
 
-@pytest.mark.parametrize(("symmetric", "layers"), [(True, 1), (False, 2)])
+@pytest.mark.parametrize(("symmetric", "layers"), [(True, 1), pytest.param(False, 2, marks=pytest.mark.slow)])
 def test_sideways_push_with_slip_agrees_with_the_whole_structure(symmetric, layers):
     """Pressure, then a transverse acceleration of the base that makes part of the interface slip, then back."""
     system = roll(symmetric, layers, "{circumferential: 8, axial: 2, grading: 1}")

@@ -211,7 +211,7 @@ def test_random_systems_agree_with_fine_steps_of_hht(number: int) -> None:
                           preload=[0, 0, 0, *(-rng.uniform(0.5, 5.0, 2))])  # fmt: skip
     system = dataclasses.replace(system, damping=rng.uniform(0.2, 3.0) * system.mass)
     state = solve_preload(system)
-    dwell = Dwell(rng.uniform(2.0, 8.0), 12.0, 6.0, ramp_cycles=2.0)
+    dwell = Dwell(rng.uniform(2.0, 8.0), 12.0, 4.0, ramp_cycles=2.0)
     right = history(system, state, dwell, 1.0 / (12.0 * 3200), Scheme.hht(0.0))
     errors = []
     for steps in (80, 320):
