@@ -82,7 +82,7 @@ def compare(share, zeta, psd, band, records, seed):
     return law, spectra, integrate(base, DT, W0, share, 1.0, zeta, SKIP), base
 
 
-LEVELS = 0.06 * 10.0 ** np.linspace(0.0, 2.0, 5)
+LEVELS = 0.06 * 10.0 ** np.linspace(0.0, 2.0, 3)
 
 
 @pytest.mark.parametrize("power", [0.0, 2.0], ids=["broadband", "rising"])

@@ -51,6 +51,7 @@ def test_cubic_spring_gives_the_frequency_of_its_amplitude():
         t_eval=time,
         rtol=1e-9,
         atol=1e-12,
+        method="DOP853",
     ).y[0]
     found = free_decay(x, 0.1)
     s = (np.arange(400) + 0.5) * np.pi / 800  # period 4 int_0^{pi/2} of 1 / sqrt(1 + k a^2 (1 + sin^2) / 2)
