@@ -206,7 +206,7 @@ def test_no_time_left_is_told_before_a_twentieth_is_done(monkeypatch: pytest.Mon
     ]
 
 
-@pytest.mark.parametrize("config", ["lab_harmonic", "lab_backbone"])
+@pytest.mark.parametrize("config", [pytest.param("lab_harmonic", marks=pytest.mark.slow), "lab_backbone"])
 def test_adaptive_analyses_show_their_place_and_their_target(config: str) -> None:
     """Every pass covers its range in growing shares, and says which error ends the passes."""
     notes: list[tuple[float, str]] = []

@@ -337,7 +337,7 @@ def test_the_ledger_closes_for_every_law(method, name):
 
 @BOTH
 def test_a_flat_table_is_penalty_coulomb_in_motion_too_and_a_rising_one_is_not(method):
-    plain, same, rate = (shaken(method, name, steps=300)[1][:, 0] for name in ("penalty", "flat", "rate"))
+    plain, same, rate = (shaken(method, name, steps=200)[1][:, 0] for name in ("penalty", "flat", "rate"))
     np.testing.assert_array_equal(same, plain)
     assert np.abs(rate - plain).max() > 0.02 * np.abs(plain).max()
 

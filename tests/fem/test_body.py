@@ -1,6 +1,7 @@
 """Assembled bodies: constraints, symmetry, traces, loads, frequencies of the lab roll."""
 
 import itertools
+from functools import cache
 
 import numpy as np
 import pytest
@@ -29,14 +30,20 @@ def lab(*overrides):
     return load_case(TINY, ["analysis=modal", *overrides])
 
 
+@cache
+def bodies_of(*overrides, symmetric):
+    """Bodies of the lab roll, assembled once; no test changes them."""
+    return assemble_bodies(lab(*overrides), symmetric=symmetric)
+
+
 @pytest.fixture(scope="module")
 def whole():
-    return assemble_bodies(lab("coil.layers=2"), symmetric=False)
+    return bodies_of("coil.layers=2", symmetric=False)
 
 
 @pytest.fixture(scope="module")
 def half():
-    return assemble_bodies(lab("coil.layers=2"), symmetric=True)
+    return bodies_of("coil.layers=2", symmetric=True)
 
 
 def nodal_to_unknowns(body, nodal):
@@ -64,14 +71,14 @@ def test_bodies_are_named_inner_first_and_sized_by_their_constraints(whole):
 
 
 def test_lab_mandrel_alone_resonates_at_150_hz():
-    body = assemble_bodies(lab("coil.model=none", "mesh.circumferential=16", "mesh.axial=6"), symmetric=True)[0]
+    body = bodies_of("coil.model=none", "mesh.circumferential=16", "mesh.axial=6", symmetric=True)[0]
     frequencies, _ = solve_modes(body.stiffness, body.mass, 1)
     # thesis: E_m was tuned so that mandrel-only resonates at about 150 Hz; converged value of this model 150.50
     assert frequencies[0] == pytest.approx(150.50, abs=0.1)
 
 
 def test_coil_as_nonstructural_mass_lowers_the_frequency_by_its_mass():
-    alone = assemble_bodies(lab("coil.model=none"), symmetric=True)[0]
+    alone = bodies_of("coil.model=none", symmetric=True)[0]
     case = lab("coil.model=nonstructural_mass")
     loaded = assemble_bodies(case, symmetric=True)[0]
     coil = 2000.0 * np.pi * (0.04125**2 - 0.04**2) * 0.3
@@ -149,17 +156,17 @@ def test_rigid_tip_moves_as_one_and_carries_the_tip_mass(whole):
     np.testing.assert_allclose(nodal[ring, :3], y[-6:-3] + np.cross(y[-3:], arm), atol=1e-15)
     np.testing.assert_allclose(nodal[ring, 3:], np.tile(y[-3:], (ring.sum(), 1)), atol=1e-15)
     np.testing.assert_allclose(body.probes["tip"] @ y, y[-6:-3])
-    without = assemble_bodies(lab("mandrel.tip_mass=0"), symmetric=False)[0]
+    without = bodies_of("mandrel.tip_mass=0", symmetric=False)[0]
     difference = (body.mass - without.mass).tocoo()
     np.testing.assert_allclose(difference.diagonal()[-6:-3], 0.05, rtol=1e-12)
     assert abs(difference).sum() == pytest.approx(0.15, rel=1e-9)
 
 
 def test_free_tip_spreads_the_tip_mass_over_its_ring_and_probes_the_mean():
-    body = assemble_bodies(lab("mandrel.tip=free"), symmetric=False)[0]
+    body = bodies_of("mandrel.tip=free", symmetric=False)[0]
     translation = body.influence @ np.array([1.0, 2.0, 3.0])
     np.testing.assert_allclose(body.probes["tip"] @ translation, [1, 2, 3], rtol=1e-12)
-    without = assemble_bodies(lab("mandrel.tip=free", "mandrel.tip_mass=0"), symmetric=False)[0]
+    without = bodies_of("mandrel.tip=free", "mandrel.tip_mass=0", symmetric=False)[0]
     r = body.influence[:, 0]
     assert r @ (body.mass - without.mass) @ r == pytest.approx(0.05, rel=1e-9)
     touched = np.abs((body.mass - without.mass) @ r) > 1e-9
@@ -180,7 +187,7 @@ def test_ring_mean_integrates_quadratic_edges_exactly():
     ("base", "clamped"), [("free", [False, False]), ("clamped", [True, True]), ("inner_edge", [True, False])]
 )
 def test_layer_base_follows_the_case(base, clamped):
-    bodies = assemble_bodies(lab("coil.layers=2", f"coil.base={base}"), symmetric=False)[1:]
+    bodies = bodies_of("coil.layers=2", f"coil.base={base}", symmetric=False)[1:]
     for body, held in zip(bodies, clamped, strict=True):
         ring = np.flatnonzero(np.isclose(body.nodes[:, 2], 0.0))
         values = body.expand[(6 * ring[:, None] + np.arange(6)).ravel()]
@@ -188,10 +195,10 @@ def test_layer_base_follows_the_case(base, clamped):
 
 
 def test_influence_of_a_free_body_gives_its_total_mass():
-    for body in assemble_bodies(lab(*FREE), symmetric=False):
+    for body in bodies_of(*FREE, symmetric=False):
         moment = body.influence.T @ body.mass @ body.influence
         np.testing.assert_allclose(moment, body.mass_total * np.eye(3), atol=1e-12 * body.mass_total)
-    tip = assemble_bodies(lab("mandrel.base=free"), symmetric=False)[0]
+    tip = bodies_of("mandrel.base=free", symmetric=False)[0]
     np.testing.assert_allclose(
         tip.influence.T @ tip.mass @ tip.influence, tip.mass_total * np.eye(3), atol=1e-12 * tip.mass_total
     )
@@ -237,7 +244,7 @@ def test_areas_sum_to_the_contact_cylinder(whole):
 
 
 def test_trace_has_the_local_components_of_a_rigid_motion_at_its_points():
-    bodies = assemble_bodies(lab(*FREE, "mesh.circumferential=24"), symmetric=False)
+    bodies = bodies_of(*FREE, "mesh.circumferential=24", symmetric=False)
     for body in bodies:
         for trace in body.traces.values():
             theta, z, r = trace.points.T
@@ -259,7 +266,7 @@ def test_trace_has_the_local_components_of_a_rigid_motion_at_its_points():
 
 
 def test_rigid_motions_open_no_gap_and_no_slip():
-    bodies = assemble_bodies(lab(*FREE, "coil.layers=2"), symmetric=False)
+    bodies = bodies_of(*FREE, "coil.layers=2", symmetric=False)
     for inner, outer in itertools.pairwise(bodies):
         a = inner.traces["outer"].operator @ rigid_motions(inner.nodes, np.array([0.01, 0.02, 0.1]))
         b = outer.traces["inner"].operator @ rigid_motions(outer.nodes, np.array([0.01, 0.02, 0.1]))
@@ -267,7 +274,7 @@ def test_rigid_motions_open_no_gap_and_no_slip():
 
 
 def test_local_frame_is_continuous_around_the_roll():
-    body = assemble_bodies(lab(*FREE), symmetric=False)[0]
+    body = bodies_of(*FREE, symmetric=False)[0]
     swell = np.zeros((len(body.nodes), 6))
     swell[:, :2] = body.nodes[:, :2] / np.hypot(body.nodes[:, 0], body.nodes[:, 1])[:, None]
     swirl = np.zeros_like(swell)

@@ -56,10 +56,11 @@ def test_the_ends_of_the_coil_are_borders_of_elements(axial: int, grading: float
 
 
 def test_the_layers_cover_the_coil_and_match_the_mandrel() -> None:
-    case = build_case(roll(layers=2, margins={"base": "200 mm", "tip": 0.3}))
+    mesh = {"circumferential": 8, "axial": 6, "grading": 1}
+    case = build_case(roll(layers=2, margins={"base": "200 mm", "tip": 0.3}) | {"mesh": mesh})
     assert case.coil_span == pytest.approx((LOW, HIGH))
-    mesh = build_mesh(case)
-    heights = {name: mesh.part(name).nodes[:, 2] for name in mesh.parts}
+    made = build_mesh(case)
+    heights = {name: made.part(name).nodes[:, 2] for name in made.parts}
     assert (heights["mandrel"].min(), heights["mandrel"].max()) == pytest.approx((0.0, LENGTH))
     for name in ("layer_01", "layer_02"):
         assert (heights[name].min(), heights[name].max()) == pytest.approx((LOW, HIGH))

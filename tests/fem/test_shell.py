@@ -203,6 +203,7 @@ def test_cantilever_tube_agrees_with_timoshenko_beam():
         assert frequency == pytest.approx(beam_frequency(section, RADIUS, length, 0.05), rel=tolerance)
 
 
+@pytest.mark.slow
 def test_cantilever_tube_agrees_with_27_node_solids():
     part = make_cylinders([("mandrel", RADIUS)], LENGTH, 16, 8).part("mandrel")
     nodes, cells = thicken(part.nodes, part.cells, LAB.thickness * np.array([-0.5, 0.0, 0.5]))
