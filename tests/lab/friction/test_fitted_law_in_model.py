@@ -47,9 +47,8 @@ def test_example_returns_the_truth_that_made_it(fitted: Path) -> None:
 def test_fitted_law_runs_in_the_smallest_case(fitted: Path, tmp_path: Path) -> None:
     file, out = fitted / "friction.yaml", tmp_path / "run"
     text = file.read_text(encoding="utf-8")
-    done = CliRunner().invoke(
-        app, ["run", str(CONFIGS / "tiny.yaml"), "--set", f"contact.friction=@{file}", "--out", str(out)]
-    )
+    words = ["run", str(CONFIGS / "tiny.yaml"), "--set", f"contact.friction=@{file}", "--out", str(out)]
+    done = CliRunner().invoke(app, [*words, "--set", "excitation.cycles=3", "--set", "output.figures=false"])
     assert done.exit_code == 0, done.output
     section = load_case(out / "case.yaml").contact.friction
     law = RateCoulomb.from_section(section)

@@ -14,8 +14,7 @@ from wroll_fem.tribology.rate_and_state import LAWS, StateLaw
 SKIP = 0.5e-3
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("law", "seed"), list(zip(LAWS, (1, 2), strict=True)))
 def test_constants_of_a_record_without_noise_are_recovered(law: StateLaw, seed: int) -> None:
     rng = np.random.default_rng(seed)
     truth = RateAndState(
