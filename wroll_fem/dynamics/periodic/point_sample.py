@@ -81,10 +81,14 @@ def works(contact: HarmonicContact, state: PeriodicContact) -> FloatArray:
     return np.asarray(power[contact.dofs].sum(axis=1))
 
 
-def sampled(contact: HarmonicContact, motions: Motions, tolerance: float = SAMPLE_TOLERANCE) -> PointSample | None:
+def sampled(
+    contact: HarmonicContact, motions: Motions, tolerance: float = SAMPLE_TOLERANCE,
+    work_tolerance: float = WORK_TOLERANCE,
+) -> PointSample | None:  # fmt: skip
     """Subset of the points of ``contact`` that gives its forces and works in ``motions``; None if nothing slips.
 
-    Harmonics of the motions beyond those of the contact are left out.
+    Harmonics of the motions beyond those of the contact are left out. For the tolerances see `SAMPLE_TOLERANCE` and
+    `WORK_TOLERANCE`.
     """
     shift, size = motions.vectors.T @ contact.model.vectors, contact.sampling.size
     forces, of_work = [], []
@@ -97,7 +101,7 @@ def sampled(contact: HarmonicContact, motions: Motions, tolerance: float = SAMPL
     work = np.array(of_work)
     matrix = np.vstack([_sketch(forces), work])
     limits = np.full(len(matrix), np.inf)
-    limits[-len(work) :] = WORK_TOLERANCE * np.abs(work.sum(axis=1)).max()
+    limits[-len(work) :] = work_tolerance * np.abs(work.sum(axis=1)).max()
     largest = np.linalg.norm(matrix, axis=0)
     candidates = np.flatnonzero(largest > NEGLIGIBLE * largest.max(initial=0.0))
     if not len(candidates):
