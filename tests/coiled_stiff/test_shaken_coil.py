@@ -29,7 +29,7 @@ from wroll_fem.progress import SilentProgress
 from wroll_fem.results.energy import energy_balance_error
 
 CASE = CONFIGS / "slipping_harmonic.yaml"
-MESH = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+MESH = "mesh={circumferential: 8, axial: 6, grading: 12, radial: 1}"
 LEVEL = 10.0  # g
 BAND = ("excitation.f_start=78", "excitation.f_end=100", f"excitation.amplitude_g={LEVEL}")
 BACKBONE = "backbone={tip_smallest: 3.0e-4, tip_largest: 4.0e-3}"
