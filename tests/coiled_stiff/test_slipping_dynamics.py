@@ -31,7 +31,8 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.numerics.continuation import StepControl
 from wroll_fem.signals.base_motion import Dwell
 
-MESH = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
+COARSE = "mesh={circumferential: 8, axial: 4, grading: 8, radial: 2}"
+FINE = "mesh={circumferential: 8, axial: 8, grading: 20, radial: 2}"
 LEVELS = (3.0, 5.0, 10.0, 15.0)  # g
 RATIO = 0.02
 LOSSES = "friction_energy", "pressure_modulation_work", "material_damping", "numerical_dissipation"
@@ -46,9 +47,14 @@ class Shaken(NamedTuple):
     quasi_static: xr.Dataset
 
 
+def mesh_of(level: float) -> str:
+    """Coarse elements for the level of the quick tests."""
+    return COARSE if level == 5.0 else FINE
+
+
 @cache
-def shaken() -> Shaken:
-    case = load_case(CONFIGS / "slipping_coil.yaml", [MESH, f"excitation.amplitude_g={list(LEVELS)}"])
+def shaken(mesh: str) -> Shaken:
+    case = load_case(CONFIGS / "slipping_coil.yaml", [mesh, f"excitation.amplitude_g={list(LEVELS)}"])
     _, _, system, start = slipping_structure(case)
     system = replace(system, modal_damping=ModalDamping(table=((1.0, RATIO), (1e6, RATIO))))
     path = LoadPath(system, start)
@@ -61,12 +67,15 @@ def shaken() -> Shaken:
 @cache
 def curve(level: float) -> HarmonicCurve:
     return response_curve(
-        shaken().contact, amplitude=level * GRAVITY, frequencies=(70.0, 110.0), control=StepControl(largest=0.1)
+        shaken(mesh_of(level)).contact,
+        amplitude=level * GRAVITY,
+        frequencies=(70.0, 110.0),
+        control=StepControl(largest=0.1),
     )
 
 
 def test_modes_of_the_path_contain_the_stuck_mode() -> None:
-    path, contact, found = shaken()
+    path, contact, found = shaken(COARSE)
     modes = contact.model.condensation
     assert np.sqrt(modes.eigenvalues[0]) / (2.0 * np.pi) == pytest.approx(found.attrs["f_stuck_hz"], rel=1e-9)
     _, vectors = modes.vectors[0]
@@ -79,7 +88,7 @@ def test_modes_of_the_path_contain_the_stuck_mode() -> None:
 @pytest.mark.parametrize("level", [g if g == 5.0 else pytest.param(g, marks=pytest.mark.slow) for g in LEVELS])
 def test_the_path_has_the_peak_of_harmonic_balance(level: float) -> None:
     """Seven harmonics; tip 1.5 %, frequency 0.2 %, damping 1.5 %, energy 1e-6."""
-    found, expected = curve(level), shaken().quasi_static.sel(amplitude_g=level)
+    found, expected = curve(level), shaken(mesh_of(level)).quasi_static.sel(amplitude_g=level)
     model = found.balance.model
     tips = np.array([np.hypot(*(q[1:3] @ model.tip)) for q in found.coefficients])
     k = int(np.argmax(tips))
@@ -97,7 +106,7 @@ def test_the_path_has_the_peak_of_harmonic_balance(level: float) -> None:
 @pytest.mark.parametrize("level", [5.0, pytest.param(15.0, marks=pytest.mark.slow)])
 def test_a_dwell_at_the_peak_has_the_motion_of_harmonic_balance(level: float) -> None:
     """In time, from rest to a steady state; energy per cycle 1e-3."""
-    path, contact, quasi_static = shaken()
+    path, contact, quasi_static = shaken(mesh_of(level))
     found, steps, scheme = curve(level), 60, Scheme.hht(-0.05)
     tips = np.array([np.hypot(*(q[1:3] @ contact.model.tip)) for q in found.coefficients])
     k = int(np.argmax(tips))

@@ -17,8 +17,8 @@ from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 
 CONFIG = CONFIGS / "two_dof.yaml"
-SMALL = ("two_dof.friction_capacity=[2, 5, 20]", "two_dof.omega.points=60")
-FEW = ("two_dof.friction_capacity=[2, 3]", "two_dof.omega.points=20")
+SMALL = ("two_dof.friction_capacity=[2, 5, 20]", "two_dof.omega.points=24")
+FEW = ("two_dof.friction_capacity=[2, 3]", "two_dof.omega.points=10")
 SPACE = (
     "two_dof.design_space={m2: {start: 0.5, stop: 1.0, points: 2}, k2: {start: 0.8, stop: 1.6, points: 2}, points: 24}"
 )
@@ -39,7 +39,7 @@ def test_a_run_leaves_curves_readings_and_figures(tmp_path: Path) -> None:
     run = run_case(load_case(CONFIG, (*SMALL, SPACE)), tmp_path / "run")
     data, summary = load_dataset(run.folder.results_file), run.summary
     assert data["transmissibility"].dims == ("friction_capacity", "omega")
-    assert data["transmissibility"].shape == (3, 60)
+    assert data["transmissibility"].shape == (3, 24)
     assert {"zeta", "omega_peak"} <= set(data)
     assert data["friction_capacity"].attrs["units"] == "N"
     assert data["omega"].attrs["units"] == "rad s-1"
@@ -59,11 +59,12 @@ def test_a_run_leaves_curves_readings_and_figures(tmp_path: Path) -> None:
 
 
 def test_curves_cut_off_are_said_to_be_unreadable(tmp_path: Path) -> None:
-    case = load_case(CONFIG, ("two_dof.friction_capacity=[2]", "two_dof.omega={start: 0.4, stop: 0.8, points: 30}"))
-    data = run_analysis(case, progress=SilentProgress())
+    case = load_case(CONFIG, ("two_dof.friction_capacity=[2]", "two_dof.omega={start: 0.4, stop: 0.8, points: 12}"))
+    run = run_case(case, tmp_path / "cut")
+    data = load_dataset(run.folder.results_file)
     assert np.isnan(data["zeta"].values).all()
     assert "lies on the upper end of the band (0.8 rad/s)" in str(data["reading_note"].values[0])
-    assert run_case(case, tmp_path / "cut").summary["zeta"] == [None]
+    assert run.summary["zeta"] == [None]
 
 
 def test_figures_show_every_capacity_and_arrangement() -> None:
