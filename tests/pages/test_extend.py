@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -95,6 +96,20 @@ assert not base[time > 2.0001 / 150].any()
 assert abs(result["input_work"].values[-1] - result["input_work"].values[time > 2.05 / 150][0]) < 1e-12
 """
 
+ONE_BY_ONE = """
+import json, traceback
+from pathlib import Path
+
+errors = {}
+for name, code in json.loads(Path("checks.json").read_text()).items():
+    try:
+        exec(compile(code, name, "exec"), {})
+        errors[name] = ""
+    except BaseException:
+        errors[name] = traceback.format_exc()
+Path("errors.json").write_text(json.dumps(errors))
+"""
+"""Runs checks in one process, which loads the libraries once."""
 
 TIP = """
 import sys
@@ -169,21 +184,30 @@ def test_the_friction_law_of_the_recipe_runs(copy: Path) -> None:
     assert run_in(copy, check + DAHL_POINT + DAHL_CASE) == ""
 
 
-def test_the_analysis_of_the_recipe_runs(copy: Path) -> None:
-    (analysis,) = blocks(ANALYSIS, "python")
-    (copy / "wroll_fem" / "analyses" / "tip_stiffness.py").write_text(analysis, encoding="utf-8")
-    for diff in blocks(ANALYSIS, "diff"):
-        apply(diff, copy)
+@pytest.fixture(scope="module")
+def errors(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Error of the check of each recipe; both are applied to one copy and run in one process."""
+    copy = tmp_path_factory.mktemp("recipes")
+    shutil.copytree(ROOT / "wroll_fem", copy / "wroll_fem")
+    for recipe, file in ((ANALYSIS, "analyses/tip_stiffness.py"), (EXCITATION, "signals/burst.py")):
+        (code,) = blocks(recipe, "python")
+        (copy / "wroll_fem" / file).write_text(code, encoding="utf-8")
+        for diff in blocks(recipe, "diff"):
+            apply(diff, copy)
     case = ROOT / "configs" / "lab_dwell.yaml"
-    assert run_in(copy, TIP.replace("sys.argv[1]", repr(str(case)))) == ""
+    checks = {"analysis": TIP.replace("sys.argv[1]", repr(str(case))), "excitation": BURST}
+    (copy / "checks.json").write_text(json.dumps(checks), encoding="utf-8")
+    assert run_in(copy, ONE_BY_ONE) == ""
+    found: dict[str, str] = json.loads((copy / "errors.json").read_text(encoding="utf-8"))
+    return found
 
 
-def test_the_excitation_of_the_recipe_runs(copy: Path) -> None:
-    (motion,) = blocks(EXCITATION, "python")
-    (copy / "wroll_fem" / "signals" / "burst.py").write_text(motion, encoding="utf-8")
-    for diff in blocks(EXCITATION, "diff"):
-        apply(diff, copy)
-    assert run_in(copy, BURST) == ""
+def test_the_analysis_of_the_recipe_runs(errors: dict[str, str]) -> None:
+    assert errors["analysis"] == ""
+
+
+def test_the_excitation_of_the_recipe_runs(errors: dict[str, str]) -> None:
+    assert errors["excitation"] == ""
 
 
 def test_the_rigid_sleeve_of_the_recipe_is_a_body() -> None:
