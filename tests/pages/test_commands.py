@@ -94,7 +94,7 @@ SMALLER: dict[str, list[str]] = {
     "habex_friction": FLIGHT,
     "irosa_friction": FLIGHT,
     "sspp_friction": FLIGHT,
-    "structure": SHORT_CHIRP,
+    "structure": [*SHORT_CHIRP, "output.figures=false"],
     "tiny": [],
     "two_dof": ["two_dof.omega.points=60", "two_dof.friction_capacity=[5, 20]"],
     "two_dof_design_space": [
@@ -118,11 +118,12 @@ value of the others, and none of mesh, band and counts; its cases run in this pr
 SLOW = tuple(
     f"docs/{name}.md"
     for name in (
-        "architecture", "batch", "chapter4", "chapter6", "coiled-stiff", "design-map", "excitations", "flight-scale",
-        "install", "laboratory", "own-roll", "report", "sizing", "slipping-coil", "two-dof", "winding",
+        "architecture", "batch", "chapter4", "chapter6", "coil-slip", "coiled-stiff", "design-map", "excitations",
+        "flight-scale", "geometric-stiffness", "install", "laboratory", "matrices", "own-roll", "random-response",
+        "report", "sizing", "slipping-coil", "two-dof", "winding",
     )
 )  # fmt: skip
-"""Pages whose commands take 3 to 40 s. What they run has tests of its own in `make test`."""
+"""Pages whose commands take 2 to 40 s. What they run has tests of its own in `make test`."""
 
 TOOLS: dict[str, list[tuple[str, str]]] = {
     "coil_table.py": [
