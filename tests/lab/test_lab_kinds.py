@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from pydantic import BaseModel
 from support.plain_layout import plain_layout
 from support.report_pages import parsed
@@ -29,6 +30,10 @@ from wroll_fem.lab.slip_images import example as slip_example
 from wroll_fem.report.lab import CAPTIONS
 from wroll_fem.results.dataset import FIELDS, load_dataset
 from wroll_fem.results.summary import SUMMARY
+
+ARRANGED = ConstrainedLayoutEngine.execute
+QUICK_DRAWING = [kind if kind == "tension" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS]
+"""Kinds; all but the one whose figures are drawn fastest are slow."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -126,15 +131,26 @@ def test_figures_are_drawn_again_from_the_results_and_stand_in_the_report(
     check_report(out, first)
 
 
-@pytest.mark.parametrize(
-    "kind", [kind if kind == "tension" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS]
-)
+@pytest.mark.parametrize("kind", QUICK_DRAWING)
 def test_the_report_draws_the_figures_that_the_folder_has_not(
     kind: str, evaluated: Callable[[str], Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(evaluated(kind), out, ignore=shutil.ignore_patterns("figures"))
     check_report(out, figures_of(evaluated(kind)))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", QUICK_DRAWING)
+def test_figures_of_a_kind_are_arranged_without_a_warning(
+    kind: str, evaluated: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, out = figures_of(evaluated(kind)), tmp_path / "out"
+    shutil.copytree(evaluated(kind), out, ignore=shutil.ignore_patterns("figures"))
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", ARRANGED)
+    done = CliRunner().invoke(app, ["plot", str(out)])
+    assert done.exit_code == 0, done.output
+    assert set(figures_of(out)) == set(first)
 
 
 def inner(model: type[BaseModel]) -> list[type[BaseModel]]:
