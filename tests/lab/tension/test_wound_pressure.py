@@ -49,7 +49,7 @@ def test_other_uncertain_keys_add_their_error() -> None:
 
 def test_large_error_of_a_tension_is_reported_as_nonlinear() -> None:
     model = WindingModel(LAB, {K2: 0.4})
-    assert model.at(Estimate(40.0, 0.5, 20.0), draws=60).nonlinear
+    assert model.at(Estimate(40.0, 0.5, 20.0), draws=200).nonlinear
 
 
 def test_wrong_cases_are_refused(tmp_path: Path) -> None:
