@@ -13,13 +13,14 @@ from wroll_fem.progress import SilentProgress
 
 BACKBONE = CONFIGS / "lab_backbone.yaml"
 SWEEP = CONFIGS / "lab_sweep.yaml"
+FINER = ["mesh.axial=8", "harmonic={harmonics: 3, samples: 64}"]
 
 
 @pytest.mark.parametrize(
     "words",
     [
         [],
-        pytest.param(["preload.pressure=2e5", "contact.friction.mu=0.5"], marks=pytest.mark.slow),
+        pytest.param(["preload.pressure=2e5", "contact.friction.mu=0.5", *FINER], marks=pytest.mark.slow),
         pytest.param(["coil.layers=3", "coil.base=inner_edge"], marks=pytest.mark.slow),
     ],
 )
