@@ -181,7 +181,7 @@ def test_clamped_tubes_buckle_at_the_pressure_of_a_ritz_solution():
     ritz = RitzTube(LAB, RADIUS, 0.3, CLAMPED, 28)
     pressures = [ritz.critical_pressure(n) for n in (2, 3, 4)]
     assert np.argmin(pressures) == 1
-    found = buckling_pressures(LAB, 0.3, 18, 8, range(6), count=1)
+    found = buckling_pressures(LAB, 0.3, 24, 10, range(6), count=1)
     assert found[0] == pytest.approx(pressures[1], rel=0.01)
 
 
