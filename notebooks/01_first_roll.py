@@ -145,8 +145,7 @@ assert 0.97 < share < 1.0
 # %%
 warnings.filterwarnings("ignore", category=wf.CaseWarning)  # a short dwell with coarse steps, which the program says
 with tempfile.TemporaryDirectory() as folder:
-    figures = "output.figures=false" if quick else "output.figures=true"
-    small = wf.load_case("../configs/tiny.yaml", ["mesh.axial=12", "mesh.grading=6", figures])
+    small = wf.load_case("../configs/tiny.yaml", ["mesh.axial=12", "mesh.grading=6"])
     kept = wf.run(small, out=Path(folder) / "tiny")
     again = wf.run(small, out=Path(folder) / "tiny")  # at once
     print(*sorted(path.relative_to(folder).as_posix() for path in Path(folder).rglob("*") if path.is_file()), sep="\n")
