@@ -201,9 +201,9 @@ def test_git_is_asked_without_its_locks(tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr(
         "wroll_fem.results.provenance.subprocess.run",
-        lambda words, **_: asked.append(words) or subprocess.CompletedProcess(words, 0, "", ""),
+        lambda words, **_: asked.append(words) or subprocess.CompletedProcess(words, 0, "# branch.oid 0", ""),
     )
     git_revision(tmp_path)
     assert {words[3] for words in asked} == {str(tmp_path)}
-    assert len(asked) == 3
+    assert {words[4] for words in asked} == {"status", "ls-files"}
     assert all(words[:2] == ["git", "--no-optional-locks"] for words in asked)

@@ -6,6 +6,7 @@ import os
 import platform
 import subprocess
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -38,13 +39,20 @@ def program_version() -> str:
 
 def versions() -> dict[str, str | None]:
     """Versions of Python and the libraries by name; None if a library is not installed."""
-    found: dict[str, str | None] = {"python": platform.python_version()}
-    for name, distribution in DISTRIBUTIONS.items():
-        try:
-            found[name] = metadata.version(distribution)
-        except metadata.PackageNotFoundError:
-            found[name] = None
-    return found
+    return {"python": platform.python_version()} | {name: _version(own) for name, own in DISTRIBUTIONS.items()}
+
+
+@cache
+def _version(distribution: str) -> str | None:
+    """Version of an installed distribution; its search takes some milliseconds, and each result names all of them."""
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+_REVISION = "# branch.oid "
+"""Beginning of the line of `git status --branch` with the revision."""
 
 
 def _git(folder: Path, *arguments: str) -> str | None:
@@ -69,10 +77,18 @@ def git_revision(folder: Path | None = None) -> dict[str, str | bool | None]:
         (installed from a wheel, even into a folder inside some other repository).
     """
     here = folder or Path(__file__).resolve().parent
-    if _git(here, "ls-files", "--error-unmatch", "__init__.py") is None:
+    state = _git(here, "status", "--porcelain=v2", "--branch", "--untracked-files=no", "--", ".")
+    lines = [] if state is None else state.splitlines()
+    revision = next((line.removeprefix(_REVISION) for line in lines if line.startswith(_REVISION)), None)
+    if revision is None or not _tracks_package(here, revision):
         return {"revision": None, "modified": None}
-    changes = _git(here, "status", "--porcelain", "--untracked-files=no", "--", ".")
-    return {"revision": _git(here, "rev-parse", "HEAD"), "modified": None if changes is None else bool(changes)}
+    return {"revision": revision, "modified": any(not line.startswith("#") for line in lines)}
+
+
+@cache
+def _tracks_package(folder: Path, revision: str) -> bool:
+    """Whether the package in ``folder`` is tracked; asked once per revision."""
+    return _git(folder, "ls-files", "--error-unmatch", "__init__.py") is not None
 
 
 def provenance() -> dict[str, object]:
