@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 import ufl
-from dolfinx import fem, mesh
+from dolfinx import cpp, fem, mesh
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
@@ -154,6 +154,8 @@ def create_mesh(
     with quiet_compiler():
         if VERSION >= (0, 10):
             return mesh.create_mesh(comm, cells, domain, nodes)
+        if not _BASIX_UFL:  # an array fails at first there, with a message that prints it: a tenth of a second
+            return mesh.create_mesh(comm, cpp.graph.AdjacencyList_int64(cells), nodes, domain)
         return mesh.create_mesh(comm, cells, nodes, domain)
 
 
