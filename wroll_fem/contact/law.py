@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import cache
-from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, cast, get_args, get_origin, get_type_hints
 
 from wroll_fem.errors import InputError
 
@@ -101,14 +101,14 @@ class FrictionLaw:
 
 
 @cache
-def _hints(law: type[FrictionLaw]) -> dict[str, Any]:
+def _hints(law: Any) -> dict[str, Any]:
     """Annotations of a law; their evaluation takes a millisecond, and every set of laws of points asks for them."""
     return get_type_hints(law, include_extras=True)
 
 
 def parameters(law: type[FrictionLaw]) -> dict[str, Parameter]:
     """Parameters of a law by name, in the order of its fields."""
-    hints = _hints(law)
+    hints = _hints(cast(Any, law))  # mypy takes the hash of the class for that of its objects
     found = {}
     for entry in fields(law):  # type: ignore[arg-type]  # every law is a dataclass
         hint = hints[entry.name]
@@ -119,7 +119,8 @@ def parameters(law: type[FrictionLaw]) -> dict[str, Parameter]:
 
 def sequence_parameters(law: type[FrictionLaw]) -> list[str]:
     """Names of the parameters that are sequences of numbers."""
-    return [name for name in parameters(law) if _is_sequence(_hints(law)[name])]
+    hints = _hints(cast(Any, law))
+    return [name for name in parameters(law) if _is_sequence(hints[name])]
 
 
 def _is_sequence(hint: Any) -> bool:
