@@ -19,6 +19,7 @@ from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.contact import friction_law
 from wroll_fem.case.kinds_history import HistoryCase
 from wroll_fem.case.structural import OnRoll, OnStructure, StructuralCase
+from wroll_fem.dynamics.reduction.kept_structure import kept_stresses
 from wroll_fem.dynamics.statics.contact_state import LEAST_TANGENT, ContactState
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.system.io import load_system
@@ -99,7 +100,7 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
 def _shell_stresses(case: OnRoll, bodies: Sequence[Body]) -> tuple[ShellStress, ...]:
     from wroll_fem.fem.shell_stress import shell_stresses
 
-    return shell_stresses(case, bodies)
+    return kept_stresses(bodies, lambda: shell_stresses(case, bodies))
 
 
 def _pressures(system: System, state: ContactState) -> list[tuple[str, float, float, float]]:

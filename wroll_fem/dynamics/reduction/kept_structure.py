@@ -7,15 +7,16 @@ the same results in a series and on its own.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.bodies.body import Body
+from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.roll import RollSections
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.turned_modes import COMPONENTS, missed, turned
@@ -30,32 +31,25 @@ RECENT = 20
 
 
 @dataclass
-class _Kept:
-    """Bodies with the sections they belong to, and modes with the fingerprint of their system."""
+class _Structure:
+    """Bodies of a roll, and the recovery of the stress of its shells once it was needed."""
 
-    sections: str = ""
-    bodies: list[Body] | None = None
-    system: bytes = b""
+    bodies: list[Body]
+    stresses: tuple[ShellStress, ...] | None = None
+
+
+@dataclass
+class _Kept:
+    """Structures of the last ``most`` rolls by their sections, and modes with the fingerprint of their system."""
+
+    most: int = 1
+    structures: dict[str, _Structure] = field(default_factory=dict)
     modes: Condensation | None = None
+    system: bytes = b""
+    keeps_modes: bool = True
 
 
 _kept: ContextVar[_Kept | None] = ContextVar("kept structure", default=None)
-
-_recent: ContextVar[dict[str, list[Body]] | None] = ContextVar("recent bodies", default=None)
-"""Bodies by the sections they belong to, the latest last."""
-
-
-@contextmanager
-def remembering_bodies() -> Iterator[None]:
-    """Context manager for many short runs of few rolls, such as tests: the bodies of the last `RECENT` rolls are kept.
-
-    The modes are not, nor bodies of a mesh file, which may change.
-    """
-    token = _recent.set({})
-    try:
-        yield
-    finally:
-        _recent.reset(token)
 
 
 @contextmanager
@@ -68,21 +62,42 @@ def keeping_structure() -> Iterator[None]:
         _kept.reset(token)
 
 
+@contextmanager
+def remembering_bodies() -> Iterator[None]:
+    """Context manager for many short runs of few rolls, such as tests: the bodies of the last `RECENT` rolls are kept.
+
+    The modes are not, nor bodies of a mesh file, which may change.
+    """
+    token = _kept.set(_Kept(RECENT, keeps_modes=False))
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
 def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]]) -> list[Body]:
     """Bodies of a roll from ``build``, or those that are kept for the same sections; `half`: of half the roll."""
-    kept, recent = _kept.get(), _recent.get()
-    sections = f"{half} {roll.structure_text}"
-    if kept is not None:
-        if kept.bodies is None or kept.sections != sections:
-            kept.bodies, kept.sections = build(), sections
-        return kept.bodies
-    if recent is None or roll.mesh.file is not None:
+    kept = _kept.get()
+    if kept is None or (roll.mesh.file is not None and not kept.keeps_modes):
         return build()
-    bodies = recent.pop(sections, None) or build()
-    recent[sections] = bodies
-    if len(recent) > RECENT:
-        del recent[next(iter(recent))]
-    return bodies
+    sections = f"{half} {roll.structure_text}"
+    structure = kept.structures.pop(sections, None) or _Structure(build())
+    kept.structures[sections] = structure  # the latest last
+    if len(kept.structures) > kept.most:
+        del kept.structures[next(iter(kept.structures))]
+    return structure.bodies
+
+
+def kept_stresses(bodies: Sequence[Body], compute: Callable[[], tuple[ShellStress, ...]]) -> tuple[ShellStress, ...]:
+    """Recovery of the shell stresses of ``bodies`` from ``compute``, or that which is kept with these bodies."""
+    kept = _kept.get()
+    structures = [] if kept is None else list(kept.structures.values())
+    own = next((structure for structure in structures if structure.bodies is bodies), None)
+    if own is None:
+        return compute()
+    if own.stresses is None:
+        own.stresses = compute()
+    return own.stresses
 
 
 def kept_modes(
@@ -97,7 +112,9 @@ def kept_modes(
     """
     if not moments or not system.subspaces or not system.n_points:
         return compute(springs)
-    kept = _kept.get() or _Kept()
+    kept = _kept.get()
+    if kept is None or not kept.keeps_modes:
+        kept = _Kept()
     fingerprint = _fingerprint(system)
     if kept.modes is None or (kept.system, kept.modes.moments) != (fingerprint, moments):
         kept.modes, kept.system = compute(np.repeat(system.laws.kn, COMPONENTS)), fingerprint
