@@ -6,6 +6,7 @@ import csv
 import itertools
 import json
 import re
+import shutil
 import sys
 from concurrent.futures import Future
 from dataclasses import replace
@@ -47,15 +48,23 @@ def rows(out: Path) -> list[dict[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Result]:
-    """Grid of two preloads, and a third case that cannot converge; run once."""
+def run_once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    """Folder of a grid of two preloads, and of two cases that cannot converge."""
     folder = tmp_path_factory.mktemp("batch")
     text = (
         f"base: {TINY}\n"
         f"grid: {{solver.max_iterations: [30, 1], solver.max_cuts: [1], preload.pressure: [1.0e5, 3e4], {QUICK}}}\n"
     )
     path = grid_file(folder, text)
-    return path, folder / "out", wroll("batch", path, "--out", folder / "out", "--workers", "1")
+    return folder, wroll("batch", path, "--out", folder / "out", "--workers", "1")
+
+
+@pytest.fixture
+def finished(run_once: tuple[Path, Result], tmp_path: Path) -> tuple[Path, Path, Result]:
+    """Grid file, folder and output of that batch, in a copy that the test may change."""
+    folder, done = run_once
+    copy = shutil.copytree(folder, tmp_path / "finished")
+    return copy / "grid.yaml", copy / "out", done
 
 
 # ---- what a grid file expands to ------------------------------------------------------------------
