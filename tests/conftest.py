@@ -13,11 +13,12 @@ os.environ["MPLBACKEND"] = "Agg"
 import wroll_fem  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 import pytest
 from support.fake_analyses import FakeAnalyses
+from support.quick_figures import quick_figures
 from typer.testing import CliRunner, Result
 
 from wroll_fem import cli
@@ -39,6 +40,15 @@ def pytest_collection_finish() -> None:
     """Leave what is there before the first test out of later looks for garbage."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool | None, bool | None]:
+    """Figures are arranged and drawn in full in the tests of figures; elsewhere they have few pixels."""
+    if "plotting" in item.path.parts:
+        return (yield)
+    with quick_figures():
+        return (yield)
 
 
 @pytest.fixture(scope="session", autouse=True)

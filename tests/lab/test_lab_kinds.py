@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +14,6 @@ import pytest
 import yaml
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from pydantic import BaseModel
-from support.plain_layout import plain_layout
 from support.report_pages import parsed
 from typer.testing import CliRunner
 
@@ -34,12 +33,6 @@ from wroll_fem.results.summary import SUMMARY
 ARRANGED = ConstrainedLayoutEngine.execute
 QUICK_DRAWING = [kind if kind == "tension" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS]
 """Kinds; all but the one whose figures are drawn fastest are slow."""
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_drawings() -> Iterator[None]:
-    with plain_layout():
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from support.plain_layout import plain_layout
 from support.report_pages import NASTY, SWEEP, synthetic_run
 
 from wroll_fem import load_case
@@ -44,8 +43,7 @@ def one_damping_table() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
-    with plain_layout():
-        return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
+    return synthetic_run(tmp_path_factory.mktemp("report") / "a run")
 
 
 @pytest.fixture(scope="session")
