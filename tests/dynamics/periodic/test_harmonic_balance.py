@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from scipy.optimize import root
-from support.drawing import touched
+from support.empty_figures import empty_figures
 from support.exact_systems import coulomb_oscillator, oscillator, slipping_pair
 from support.periodic import LAB, TURN, balance, complete, largest, small_roll, with_friction
 
@@ -35,7 +35,6 @@ from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.errors import InputError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.numerics.continuation import StepControl
-from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.signals.damping import half_power
@@ -336,7 +335,7 @@ def test_sixty_four_samples_give_the_curve_of_five_hundred() -> None:
 
 
 def test_results_of_both_analyses_are_kept_and_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(style, "write_figure", touched)
+    empty_figures(monkeypatch)
     mesh = "mesh={circumferential: 8, axial: 3, grading: 1}"  # with 2 rows the curve has an internal resonance
     few = "harmonic.harmonics=3"
     case = load_case(LAB, [mesh, few, "excitation.f_start=140", "excitation.f_end=170"])

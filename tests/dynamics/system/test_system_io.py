@@ -14,7 +14,7 @@ import scipy.sparse as sp
 import xarray as xr
 import yaml
 from scipy.integrate import solve_ivp
-from support.drawing import touched
+from support.empty_figures import empty_figures
 from support.exact_systems import contact_point, dense_system
 from support.paths import ROOT
 from support.structures import DWELL, FORCE, GAMMA, MASS, MU, K, oscillator, write_case, wroll
@@ -29,7 +29,6 @@ from wroll_fem.dynamics.system.io import load_system, save_system, system_size
 from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.errors import InputError
-from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
 from wroll_fem.results.dataset import load_dataset
 from wroll_fem.signals.motions import base_motion
@@ -295,7 +294,7 @@ def test_modes_of_a_structure_are_those_of_its_spring_and_contact(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Frictionless: sqrt(k / m); stuck: k + mu N / gamma* (the mass normal to the ground rides on the penalty)."""
-    monkeypatch.setattr(style, "write_figure", touched)
+    empty_figures(monkeypatch)
     for interface, stiffness in (("frictionless", K), ("stuck", K + MU * FORCE / GAMMA)):
         path = write_case(tmp_path, oscillator(), analysis="modal", modal={"count": 12, "interface": interface})
         modes = run_analysis(load_case(path), progress=SilentProgress())
@@ -309,7 +308,7 @@ def test_modes_of_a_structure_are_those_of_its_spring_and_contact(
 
 def test_points_without_a_place_give_results_but_no_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Interfaces of different size, without coordinates: everything but slip maps."""
-    monkeypatch.setattr(style, "write_figure", touched)
+    empty_figures(monkeypatch)
     system = replace(two_interfaces(), damping=None)
     save_system(system, tmp_path / "system.npz")
     path = write_case(tmp_path, oscillator(), structure={"file": "system.npz"}, excitation=SHORT,
