@@ -85,10 +85,11 @@ def test_a_maximum_in_phase_with_the_base_is_no_resonance(method: str) -> None:
 
 
 def test_few_points_are_read_by_half_power_alone() -> None:
+    """1e-12: magnitudes of an array with gaps in memory may differ from those of a copy in their last digit."""
     few, T = F[::133], LINEAR[::133]
     assert few.size == 7
     found = estimate_damping(few, T)
-    assert found.as_attrs("")["zeta"] == half_power(few, np.abs(T)).zeta
+    assert found.as_attrs("")["zeta"] == pytest.approx(half_power(few, np.abs(T)).zeta, rel=1e-12)
     assert "zeta_error" not in found.as_attrs("")
     assert "7 points are too few" in estimate_damping(few, T, "gaussian_fit").warnings[0]
     with pytest.raises(InputError, match="unknown estimator"):
