@@ -19,11 +19,11 @@ from pathlib import Path
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from wroll_fem import load_case
 from wroll_fem.analyses.harmonic import condensed_structure
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.blas import one_thread
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.point_sample import Motions, sampled
 from wroll_fem.dynamics.periodic.reading_points import with_reading_points
@@ -78,7 +78,7 @@ def main() -> None:
         seconds = time.process_time() - started
         return seconds, *readings(with_reading_points(curve, StepControl()))
 
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         curve = trained(subsets=True)
         if chosen.training:
             for wanted in (False, True):

@@ -20,11 +20,11 @@ from typing import Any
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
-from threadpoolctl import threadpool_limits
 
 from wroll_fem import load_case
 from wroll_fem.analyses.harmonic import condensed_structure
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.blas import one_thread
 from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.progress import SilentProgress
@@ -67,7 +67,7 @@ def main() -> None:
         solve, seconds = solver(name, chosen.overrides), []
         for _ in range(chosen.repeats):
             started = time.process_time()
-            with threadpool_limits(1, "blas"):
+            with one_thread():
                 trained = solve()
             seconds.append(time.process_time() - started)
         late |= min(seconds) > limit

@@ -22,10 +22,13 @@ from support.quick_figures import quick_figures
 from typer.testing import CliRunner, Result
 
 from wroll_fem import cli
-from wroll_fem.dynamics.reduction.kept_structure import remembering_bodies
+from wroll_fem.dynamics.reduction.kept_structure import keeping_structure
 
 gc.set_threshold(50_000, 20, 20)
 """A tenth of the time of the suite went into looks for garbage among the objects of pytest and of libraries."""
+
+ROLLS = 20
+"""Number of rolls whose bodies a process keeps."""
 
 LONGEST = ("pages", "jobs", "results")
 """Folders with tests of more than ten seconds each."""
@@ -54,7 +57,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool | None, b
 @pytest.fixture(scope="session", autouse=True)
 def _bodies_of_recent_rolls() -> Iterator[None]:
     """Many tests run the same small rolls: their bodies are assembled once per process."""
-    with remembering_bodies():
+    with keeping_structure(ROLLS, bodies_alone=True):
         yield
 
 

@@ -83,11 +83,12 @@ def _controller(imported: tuple[bool, ...]) -> ThreadpoolController:
 
 
 def _present() -> ThreadpoolController:
+    """Thread settings of the BLAS that the modules imported so far have loaded."""
     return _controller(tuple(name in sys.modules for name in USERS))
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """Context manager within which BLAS uses one thread: small matrices, and results that repeat bit by bit."""
+    """Context manager within which BLAS uses one thread: faster for small matrices, and results repeat bit by bit."""
     return _present().limit(limits=1, user_api="blas")
 
 

@@ -289,3 +289,4 @@ def test_slip_of_a_roll_that_is_turned_is_not_met(turned: str, tmp_path: Path, m
 
 def test_figures_of_the_images(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn(camera_slip.GROUP, camera(tmp_path, monkeypatch), tmp_path)
+    assert {path.stem for path in tmp_path.glob("*.png")} == {*camera_slip.GROUP.figures} != set()

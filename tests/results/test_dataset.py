@@ -153,6 +153,9 @@ def test_git_revision_is_that_of_the_checkout_that_tracks_the_package(tmp_path):
     (tmp_path / "other").touch()
     assert git_revision(package) == {"revision": None, "modified": None}
     git("init")
+    git("add", "package")
+    assert git_revision(package) == {"revision": None, "modified": None}  # no commit yet
+    git("reset")
     git("add", "other")
     git("commit", "-m", "other")
     assert git_revision(package) == {"revision": None, "modified": None}

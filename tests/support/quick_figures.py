@@ -1,4 +1,4 @@
-"""Figures without the arrangement of their axes and with few pixels: a third of the time of a figure."""
+"""Figures without the arrangement of their axes and with few pixels, which take most of the time of a figure."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def create_mesh(
     with quiet_compiler():
         if VERSION >= (0, 10):
             return mesh.create_mesh(comm, cells, domain, nodes)
-        if not _BASIX_UFL:  # an array fails at first there, with a message that prints it: a tenth of a second
+        if not _BASIX_UFL:  # given an array, 0.5 first formats an error that prints it
             return mesh.create_mesh(comm, cpp.graph.AdjacencyList_int64(cells), nodes, domain)
         return mesh.create_mesh(comm, cells, nodes, domain)
 

@@ -80,7 +80,7 @@ def git_revision(folder: Path | None = None) -> dict[str, str | bool | None]:
     state = _git(here, "status", "--porcelain=v2", "--branch", "--untracked-files=no", "--", ".")
     lines = [] if state is None else state.splitlines()
     revision = next((line.removeprefix(_REVISION) for line in lines if line.startswith(_REVISION)), None)
-    if revision is None or not _tracks_package(here, revision):
+    if revision in (None, "(initial)") or not _tracks_package(here, revision):
         return {"revision": None, "modified": None}
     return {"revision": revision, "modified": any(not line.startswith("#") for line in lines)}
 

@@ -5,15 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
-from wroll_fem.dynamics.reduction import kept_structure
-from wroll_fem.dynamics.reduction.kept_structure import (
-    keeping_structure,
-    kept_bodies,
-    kept_stresses,
-    remembering_bodies,
-)
+from wroll_fem.dynamics.reduction.kept_structure import keeping_structure, kept_bodies, kept_stresses
 
 
 def roll(text: str, file: str | None = None) -> Any:
@@ -34,9 +26,8 @@ def test_a_series_keeps_the_bodies_of_the_last_roll() -> None:
         assert bodies_of("b", file="own.msh") is of_file
 
 
-def test_many_runs_keep_the_bodies_of_the_latest_rolls_but_not_those_of_a_file(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept_structure, "RECENT", 2)
-    with remembering_bodies():
+def test_many_runs_keep_the_bodies_of_the_latest_rolls_but_not_those_of_a_file() -> None:
+    with keeping_structure(2, bodies_alone=True):
         a, b = bodies_of("a"), bodies_of("b")
         assert bodies_of("a") is a
         bodies_of("c")  # the third: b was used longest ago

@@ -1,6 +1,6 @@
 """Structure of a series: bodies and modes are computed once and used again for other preloads, laws and excitations.
 
-Outside `keeping_structure` nothing is kept. The modes are computed with the same springs either way, so that a run has
+Nothing is kept outside `keeping_structure`. The modes are computed with the same springs either way, so that a run has
 the same results in a series and on its own.
 """
 
@@ -26,9 +26,6 @@ from wroll_fem.typing import FloatArray
 MISSED = 1e-6
 """Largest relative error of the compliance up to which turned modes are used."""
 
-RECENT = 20
-"""Number of rolls whose bodies `remembering_bodies` keeps."""
-
 
 @dataclass
 class _Structure:
@@ -40,35 +37,25 @@ class _Structure:
 
 @dataclass
 class _Kept:
-    """Structures of the last ``most`` rolls by their sections, and modes with the fingerprint of their system."""
+    """Structures of the last ``rolls`` by their sections, and modes with the fingerprint of their system."""
 
-    most: int = 1
+    rolls: int = 1
+    bodies_alone: bool = False
     structures: dict[str, _Structure] = field(default_factory=dict)
     modes: Condensation | None = None
     system: bytes = b""
-    keeps_modes: bool = True
 
 
 _kept: ContextVar[_Kept | None] = ContextVar("kept structure", default=None)
 
 
 @contextmanager
-def keeping_structure() -> Iterator[None]:
-    """Context manager for a series of runs: the last structure is kept until it ends."""
-    token = _kept.set(_Kept())
-    try:
-        yield
-    finally:
-        _kept.reset(token)
+def keeping_structure(rolls: int = 1, *, bodies_alone: bool = False) -> Iterator[None]:
+    """Context manager for a series of runs: the structures of the last ``rolls`` are kept until it ends.
 
-
-@contextmanager
-def remembering_bodies() -> Iterator[None]:
-    """Context manager for many short runs of few rolls, such as tests: the bodies of the last `RECENT` rolls are kept.
-
-    The modes are not, nor bodies of a mesh file, which may change.
+    With ``bodies_alone`` the modes are not kept, nor bodies of a mesh file, which may change between unrelated runs.
     """
-    token = _kept.set(_Kept(RECENT, keeps_modes=False))
+    token = _kept.set(_Kept(rolls, bodies_alone))
     try:
         yield
     finally:
@@ -78,12 +65,12 @@ def remembering_bodies() -> Iterator[None]:
 def kept_bodies(roll: RollSections, half: bool, build: Callable[[], list[Body]]) -> list[Body]:
     """Bodies of a roll from ``build``, or those that are kept for the same sections; `half`: of half the roll."""
     kept = _kept.get()
-    if kept is None or (roll.mesh.file is not None and not kept.keeps_modes):
+    if kept is None or (kept.bodies_alone and roll.mesh.file is not None):
         return build()
     sections = f"{half} {roll.structure_text}"
     structure = kept.structures.pop(sections, None) or _Structure(build())
     kept.structures[sections] = structure  # the latest last
-    if len(kept.structures) > kept.most:
+    if len(kept.structures) > kept.rolls:
         del kept.structures[next(iter(kept.structures))]
     return structure.bodies
 
@@ -113,7 +100,7 @@ def kept_modes(
     if not moments or not system.subspaces or not system.n_points:
         return compute(springs)
     kept = _kept.get()
-    if kept is None or not kept.keeps_modes:
+    if kept is None or kept.bodies_alone:
         kept = _Kept()
     fingerprint = _fingerprint(system)
     if kept.modes is None or (kept.system, kept.modes.moments) != (fingerprint, moments):
