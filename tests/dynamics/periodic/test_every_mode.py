@@ -8,6 +8,7 @@ from support.periodic import small_roll
 from support.twisted_wall import TWISTED
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.periodic.every_mode import FAR, EveryMode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
@@ -41,3 +42,37 @@ def test_maps_are_those_of_all_points_and_modes(symmetric: bool, twisted: bool) 
     np.testing.assert_allclose(
         every.joined(every.force(weights * traction[every.dofs])), force, atol=1e-12 * np.abs(force).max()
     )
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_residual_modes_yield_as_the_modes_that_they_replace(symmetric: bool) -> None:
+    """Compliance of the contact points at four harmonics, with all modes and with residual modes; single precision."""
+    system, preload, condensation = small_roll(12, 4)
+    orders = Sampling(4, 64).orders
+    symmetry = HalfPeriod.of(condensation, preload, system.laws) if symmetric else None
+    every = EveryMode(condensation, symmetry, orders)
+    lowest = np.sqrt(condensation.eigenvalues.min())
+    squares = (orders * 1.1 * lowest) ** 2
+    quick, values = every.with_residual_modes(squares.max())
+    traction = np.random.default_rng(7).standard_normal((len(every.points), 3, len(orders)))
+
+    def yielding(maps: EveryMode, eigenvalues: list[np.ndarray]) -> np.ndarray:
+        forces = maps.force(traction.astype(maps.groups[0].jump.dtype))
+        return maps.motion([
+            force / (part[:, :, None] - squares[group.columns])
+            for force, part, group in zip(forces, eigenvalues, maps.groups, strict=True)
+        ])  # fmt: skip
+
+    exact = yielding(every, [group.of_modes(condensation.eigenvalues, fill=1.0) for group in every.groups])
+    for few, many, part in zip(quick.groups, every.groups, values, strict=True):
+        assert few.jump.shape[1] == part.shape[1] < 0.6 * many.jump.shape[1]
+        assert part.min() < FAR * squares.max()  # near modes are kept
+    np.testing.assert_allclose(yielding(quick, values), exact, atol=2e-6 * np.abs(exact).max())
+
+
+def test_a_structure_of_few_modes_keeps_them_all() -> None:
+    condensation = small_roll(12, 4)[2]
+    every = EveryMode(condensation, None, Sampling(3, 64).orders)
+    quick, values = every.with_residual_modes(condensation.eigenvalues.max())
+    assert [group.jump.shape for group in quick.groups] == [group.jump.shape for group in every.groups]
+    np.testing.assert_array_equal(values[0], every.groups[0].of_modes(condensation.eigenvalues, fill=1.0))

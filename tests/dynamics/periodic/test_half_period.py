@@ -12,8 +12,8 @@ from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import modal_force
-from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction
+from wroll_fem.dynamics.training.structure import Structure
 
 
 def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:
@@ -36,7 +36,7 @@ def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
     roll = small_roll(8, 3, TWISTED, mirrored=False) if twisted else small_roll(12, 4)
     system, preload, condensation = roll
     sampling, symmetry = Sampling(3, 64), HalfPeriod.of(condensation, preload, system.laws)
-    model = first_model(condensation, preload, system.laws, sampling, symmetry)
+    model = Structure.of(condensation, preload, system.laws, sampling, 8).first_model()
     half = HarmonicContact(model, preload, system.laws, sampling, symmetry=symmetry)
     every = HarmonicContact(model, preload, system.laws, sampling)
     rng = np.random.default_rng(5)

@@ -18,7 +18,6 @@ from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training import enrichment
-from wroll_fem.dynamics.training.basis import first_model
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.dynamics.training.growth import enriched
@@ -39,7 +38,7 @@ def test_a_roll_that_sticks_has_a_curve() -> None:
 def test_further_harmonics_leave_the_motion_and_the_direction_of_the_curve() -> None:
     system, preload, condensation = small_roll(12, 4)
     symmetry = HalfPeriod.of(condensation, preload, system.laws)
-    model = first_model(condensation, preload, system.laws, Sampling(3, 64), symmetry)
+    model = Structure.of(condensation, preload, system.laws, Sampling(3, 64), 8).first_model()
     contacts = [HarmonicContact(model, preload, system.laws, Sampling(h, 64), symmetry=symmetry) for h in (3, 5)]
     curve = response_curve(contacts[0], amplitude=5.0, frequencies=(140.0, 165.0), control=StepControl().longer(2.5))
     richer = curve.extended(contacts[1])

@@ -28,7 +28,7 @@ from wroll_fem.contact.kernels import PointLaws, Reference
 from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft_derivatives import derivatives
-from wroll_fem.dynamics.periodic.every_mode import EveryMode
+from wroll_fem.dynamics.periodic.every_mode import EveryMode, ModeMaps
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -132,6 +132,8 @@ class HarmonicContact:
         Subset of the evaluated points whose forces replace those of all; None: all points.
     tangent
         Subset whose derivatives replace those of all points in the Jacobian, while forces are those of all points.
+    maps
+        Maps of all modes of the structure, if other contacts of it share them.
     """
 
     def __init__(
@@ -145,7 +147,9 @@ class HarmonicContact:
         symmetry: HalfPeriod | None = None,
         sample: PointSample | None = None,
         tangent: PointSample | None = None,
+        maps: ModeMaps | None = None,
     ):
+        self._maps = maps or ModeMaps(model.condensation, symmetry)
         self.model, self.preload, self.sampling = model, preload, sampling
         self.max_periods, self.symmetry, self._all_laws = max_periods, symmetry, laws
         points = np.arange(laws.n) if symmetry is None else symmetry.first
@@ -199,10 +203,10 @@ class HarmonicContact:
         complete = ReducedModel.complete(self.model.condensation)
         return HarmonicContact(complete, self.preload, self._all_laws, self.sampling, max_periods=self.max_periods)
 
-    @cached_property
+    @property
     def every_mode(self) -> EveryMode:
         """Maps between the evaluated contact points and all modes of the structure."""
-        return EveryMode(self.model.condensation, self.symmetry, self.sampling.orders)
+        return self._maps.of(self.sampling.orders)
 
     def spread(self, coefficients: FloatArray) -> FloatArray:
         """(3 n_points, R) Fourier coefficients of a traction or relative displacement at all contact points.
@@ -269,25 +273,34 @@ class HarmonicContact:
 
         Without it, all points turn sometimes at a sample and sometimes between two, as the phase of the motion changes
         along a curve: a ripple of up to (pi / N)^2 / 2 of the largest slip. The phase is that of the fundamental, as a
-        mean over all points (`_phase`). The points of a roll move nearly in phase; those of other structures need not,
-        and their samples are not shifted. ``jump_coefficients`` (3 n, R), m.
+        mean over all points (`_weighted_square`). The points of a roll move nearly in phase; those of other structures
+        need not, and their samples are not shifted. ``jump_coefficients`` (3 n, R), m.
         """
         if self.model.condensation.n_theta < 2:
             return 0.0
-        samples = self._phase(jump_coefficients)[0] * self.sampling.samples / (2.0 * np.pi)
+        samples = (
+            -0.5 * float(np.angle(self._weighted_square(jump_coefficients))) * self.sampling.samples / (2.0 * np.pi)
+        )
         return samples - round(samples)
 
-    def _phase(self, jump_coefficients: FloatArray) -> tuple[float, FloatArray]:
-        """Phase at which the fundamental is largest, rad, and its derivatives (2, 3 n) by cosine and sine, rad/m."""
-        fundamental = np.zeros(3 * self.n, complex)
-        along = slice(0, 2 * self.n)
-        fundamental[along] = jump_coefficients[along, 1] - 1j * jump_coefficients[along, 2]
-        weighted = self.weights * fundamental
-        total = weighted @ fundamental
+    def _weighted_square(self, jump_coefficients: FloatArray) -> complex:
+        """Sum of the squares of the tangential fundamental over all points, weighted by area, m^4.
+
+        The mean phase, at which the fundamental is largest, is half its angle, with the opposite sign.
+        """
+        cosine, sine = jump_coefficients[: 2 * self.n, 1], jump_coefficients[: 2 * self.n, 2]
+        weighted = self.weights[: 2 * self.n] * cosine
+        real = weighted @ cosine - (self.weights[: 2 * self.n] * sine) @ sine
+        return complex(real, -2.0 * float(weighted @ sine))
+
+    def _phase_slope(self, jump_coefficients: FloatArray) -> FloatArray:
+        """(2, 2 n) derivatives, rad/m, of the mean phase by cosine and sine of the tangential fundamental."""
+        total = self._weighted_square(jump_coefficients)
         if total == 0.0:
-            return 0.0, np.zeros((2, 3 * self.n))
-        slope = weighted / total
-        return -0.5 * float(np.angle(total)), np.array([-slope.imag, slope.real])
+            return np.zeros((2, 2 * self.n))
+        along = slice(0, 2 * self.n)
+        slope = self.weights[along] * (jump_coefficients[along, 1] - 1j * jump_coefficients[along, 2]) / total
+        return np.array([-slope.imag, slope.real])
 
     def force(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) Fourier coefficients of the contact forces on the reduced coordinates.
@@ -383,7 +396,7 @@ class HarmonicContact:
             return
         by_angle = matrix @ self._turn(coefficients).astype(matrix.dtype) - self._turn(self.force(contact))
         by_motion = np.zeros((self.sampling.size, self.model.size))
-        by_motion[1:3] = self._phase(self.motion(coefficients))[1] @ self.jump
+        by_motion[1:3] = self._phase_slope(self.motion(coefficients)) @ self.jump[: 2 * self.n]
         matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.ravel()[self.active].astype(matrix.dtype))
 
     def _turn(self, coefficients: FloatArray) -> FloatArray:

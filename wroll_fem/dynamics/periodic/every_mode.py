@@ -4,6 +4,14 @@ With half-period symmetry, a mode has either the odd harmonics alone, or the mea
 modes of one kind and their harmonics form a `Group`. Only these pairs of mode and harmonic are stored and computed, and
 only the contact points that are evaluated: the mirrored points contribute the same modal force. Without symmetry, one
 group holds all modes and all harmonics.
+
+Modes far above the harmonics of a motion yield to a force at the contact points almost as springs. Those of a block,
+however many, are replaced by `residual modes`, no more than the block has amplitudes of the jump: as many orthogonal
+combinations whose compliance is exact in its first two terms of the series in the squared frequency.
+
+References
+----------
+Rubin (1975), AIAA J. 13, 995, doi:10.2514/3.60497 (residual modes; here with their inertia).
 """
 
 from __future__ import annotations
@@ -14,11 +22,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg as la
 
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
+
+FAR = 100.0
+"""Eigenvalue of a mode, relative to the largest squared frequency of a motion, from which the mode counts as far above
+it. The compliance of residual modes is off by at most the inverse of its square, 1e-4, and by 1e-7 as a rule."""
+
+CLASSES = 16.0
+"""Limits between near and far modes are powers of this number, so that the motions of a curve share few of them."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +61,38 @@ class Group:
 
         The group has b circumferential blocks of at most d modes.
         """
-        return np.concatenate([values, np.full((1, *values.shape[1:]), fill)])[self.modes]
+        out = values.take(self.modes, axis=0, mode="clip")
+        out[~self.filled] = fill
+        return np.asarray(out)
+
+    def with_residual_modes(self, eigenvalues: FloatArray, limit: float) -> tuple[Group, FloatArray]:
+        """Group with residual modes in place of the modes above an eigenvalue ``limit``, and its eigenvalues (b, d).
+
+        The rows of blocks with fewer modes are padded by modes without a jump. ``eigenvalues`` are those of all modes.
+        """
+        blocks, amplitudes = len(self.modes), self.jump.shape[2]
+        values = self.of_modes(eigenvalues, fill=np.inf)
+        near = values < limit
+        far = self.filled & ~near
+        sizes = near.sum(axis=1) + np.minimum(far.sum(axis=1), amplitudes)
+        if sizes.max() >= self.modes.shape[1]:
+            return self, self.of_modes(eigenvalues, fill=1.0)
+        jump, found = np.zeros((blocks, sizes.max(), amplitudes)), np.full((blocks, sizes.max()), limit)
+        for k in range(blocks):
+            count, size = near[k].sum(), sizes[k]
+            jump[k, :count], found[k, :count] = self.jump[k, near[k]], values[k, near[k]]
+            jump[k, count:size], found[k, count:size] = _residual(self.jump[k, far[k]], values[k, far[k]])
+        return replace(self, jump=jump), found
+
+
+def _residual(jump: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Jump (k, n) and eigenvalues (k,) of residual modes, from those of m modes, (m, n) and (m,); k = min(m, n).
+
+    With J^T (L - s)^{-1} J = J^T L^{-1} J + s J^T L^{-2} J + ..., both terms are those of the m modes.
+    """
+    shapes, triangle = la.qr(jump / np.sqrt(values)[:, None], mode="economic", check_finite=False)
+    inverse, turn = la.eigh(shapes.T @ (shapes / values[:, None]), check_finite=False)
+    return (turn.T @ triangle) / np.sqrt(inverse)[:, None], 1.0 / inverse
 
 
 class EveryMode:
@@ -78,6 +125,8 @@ class EveryMode:
         order = np.arange(self.rows * self.n_theta).reshape(self.rows, self.n_theta).T
         self.points = order.ravel()
         self.dofs = contact_dofs(len(self.points))[self.points]
+        self._eigenvalues = c.eigenvalues
+        self._residual: dict[float, tuple[EveryMode, list[FloatArray]]] = {}
         kinds = [(np.arange(len(c.jump)), np.arange(len(orders)))]
         if symmetry is not None:
             reverses = symmetry.odd[c.blocks[:-1]]
@@ -96,6 +145,20 @@ class EveryMode:
         around = np.ascontiguousarray(profiles[:, :, theta].transpose(1, 0, 2))
         return Group(columns, modes, filled, around, jump)
 
+    def with_residual_modes(self, square: float) -> tuple[EveryMode, list[FloatArray]]:
+        """The same maps in single precision with residual modes, and eigenvalues (b, d) per group.
+
+        ``square`` is the largest squared frequency (rad^2/s^2) of the motions. Only `force` and `motion` have a meaning
+        for residual modes.
+        """
+        limit = CLASSES ** float(np.ceil(np.log(FAR * square) / np.log(CLASSES)))
+        if limit not in self._residual:
+            out = copy(self)
+            found = [group.with_residual_modes(self._eigenvalues, limit) for group in self.groups]
+            out.groups = [group for group, _ in found]
+            self._residual[limit] = out.single, [values for _, values in found]
+        return self._residual[limit]
+
     @cached_property
     def single(self) -> EveryMode:
         """The same maps in single precision, for arrays of single precision: twice as fast."""
@@ -107,7 +170,7 @@ class EveryMode:
 
     def split(self, values: FloatArray) -> list[FloatArray]:
         """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""
-        return [group.of_modes(values[:, group.columns]) for group in self.groups]
+        return [group.of_modes(values).take(group.columns, axis=2) for group in self.groups]
 
     def joined(self, parts: Sequence[FloatArray]) -> FloatArray:
         """(r, R) Fourier coefficients of all r modes, from one array (b, d, c) per group.
@@ -142,3 +205,26 @@ class EveryMode:
                 moved.reshape(3, self.n_theta, self.rows, count).transpose(1, 2, 0, 3).reshape(-1, 3, count)
             )
         return out
+
+
+class ModeMaps:
+    """`EveryMode` of one structure for any harmonics; those of the same harmonics are built once.
+
+    Parameters
+    ----------
+    condensation
+        Modes of the structure.
+    symmetry
+        Half-period symmetry of the motions; None without symmetry.
+    """
+
+    def __init__(self, condensation: Condensation, symmetry: HalfPeriod | None):
+        self._condensation, self._symmetry = condensation, symmetry
+        self._built: dict[bytes, EveryMode] = {}
+
+    def of(self, orders: FloatArray) -> EveryMode:
+        """Maps for Fourier coefficients of the harmonic numbers ``orders`` (R,)."""
+        key = orders.tobytes()
+        if key not in self._built:
+            self._built[key] = EveryMode(self._condensation, self._symmetry, orders)
+        return self._built[key]

@@ -70,8 +70,11 @@ class Sampling:
         """
         if shift == 0.0:
             return Series(self.values, self.velocities, self.project), self.ramp, self.ramp_rate
-        angle = 2.0 * np.pi / self.samples * shift * self.orders[1::2]
-        values, velocities = _turned(self.values, angle), _turned(self.velocities, angle)
+        step = 2.0 * np.pi / self.samples
+        angle = step * shift * self.orders[1::2]
+        values, velocities = _turned(self.values, angle), np.zeros_like(self.values)
+        np.multiply(values[:, 2::2], -step * self.orders[1::2], out=velocities[:, 1::2])
+        np.multiply(values[:, 1::2], step * self.orders[1::2], out=velocities[:, 2::2])
         return Series(values, velocities, _projection(values)), *_ramp(self.samples, shift)
 
     def products(self, shift: float) -> Products:

@@ -8,19 +8,18 @@ its sign or leaves it unchanged.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import main_mode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.typing import FloatArray
 
@@ -43,13 +42,12 @@ the imposed motions; each correction is divided by the energy norm of its motion
 
 
 def first_model(
-    condensation: Condensation,
-    preload: ContactState,
-    laws: PointLaws,
-    sampling: Sampling,
-    symmetry: HalfPeriod | None = None,
+    condensation: Condensation, contact: Callable[[ReducedModel], HarmonicContact], symmetry: HalfPeriod | None
 ) -> ReducedModel:
-    """First reduced model; its basis consists of modes, static responses, and shapes of slip under imposed motions."""
+    """First reduced model; its basis consists of modes, static responses, and shapes of slip under imposed motions.
+
+    ``contact`` makes the periodic contact of a reduced model.
+    """
     c = condensation
     count = len(c.eigenvalues)
     if count <= SMALL:
@@ -60,9 +58,9 @@ def first_model(
     modes[leading, np.arange(len(leading))] = 1.0
     pushed = [part / values for force in c.forces for part in (force.cosine, force.sine)]
     model = span(c, np.column_stack([modes, c.base / values, c.tip / values, *pushed]), symmetry)
-    if not len(laws.area):
+    rest = HarmonicBalance(contact(model), 0.0)
+    if not rest.contact.n:
         return model
-    rest = HarmonicBalance(HarmonicContact(model, preload, laws, sampling, symmetry=symmetry), 0.0)
     shapes, imposed = [], imposed_motions(rest.contact)
     for q, frequency in zip(imposed.coefficients, imposed.frequencies, strict=True):
         scale = float(np.linalg.norm(np.sqrt(np.maximum(model.eigenvalues, 0.0)) * q[1]))

@@ -116,6 +116,16 @@ def _direct(at: _Motion, residual: list[FloatArray]) -> list[FloatArray]:
     return [found.reshape(count, r).T[None]]
 
 
+def _inverse_stiffness(values: FloatArray, squares: FloatArray) -> FloatArray:
+    """(b, d, c) inverse dynamic stiffness of modes with eigenvalues (b, d), kept away from a resonance.
+
+    ``squares`` (c,) are squared frequencies. See `NEAR_RESONANCE`.
+    """
+    stiffness = values[:, :, None] - squares
+    least = NEAR_RESONANCE * np.maximum(values[:, :, None], squares)
+    return 1.0 / np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
+
+
 class _Motion:
     """Motion of a reduced model in all modes, by groups of `EveryMode`.
 
@@ -137,12 +147,10 @@ class _Motion:
         self.root: list[FloatArray] = []
         for group in every.groups:
             squares = (balance.orders[group.columns] * frequency) ** 2
-            values = group.of_modes(balance.model.condensation.eigenvalues, fill=1.0)[:, :, None]
-            stiffness, least = values - squares, NEAR_RESONANCE * np.maximum(values, squares)
-            self.stiffness.append(stiffness)
-            kept = np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
-            self.inverse.append(1.0 / kept)
-            self.root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2))
+            values = group.of_modes(balance.model.condensation.eigenvalues, fill=1.0)
+            self.stiffness.append(values[:, :, None] - squares)
+            self.inverse.append(_inverse_stiffness(values, squares))
+            self.root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2)[:, :, None])
 
     def residual(self, damping: float) -> list[FloatArray]:
         """Residual of the harmonic balance in all modes; for ``damping`` see `correction`."""
@@ -175,27 +183,30 @@ class _Tangent:
     def __init__(self, at: _Motion):
         contact, every = at.balance.contact, at.every
         points, blocks, _ = contact.point_blocks(at.state, threshold=0.0)
-        rank = np.zeros(contact.n, np.int64)
-        rank[every.points] = np.arange(contact.n)
-        order = np.argsort(rank[points])
-        count, size = len(points), 3 * len(at.balance.orders)
-        self.every = every
-        self.own = slice(None) if count == contact.n else rank[points][order]
-        self.square = blocks.reshape(count, size, size)[order] * contact.laws.area[points][order][:, None, None]
+        place = np.zeros(contact.n, np.int64)
+        place[every.points] = np.arange(contact.n)
+        size = 3 * len(at.balance.orders)
+        blocks *= contact.laws.area[points][:, None, None, None, None]
+        self.every, self.own = every, place[points]
+        self.square = blocks.reshape(len(points), size, size)
         self.short_square = self.square.astype(np.float32)
-        self.short_inverse = [part.astype(np.float32) for part in at.inverse]
+        squares = (at.balance.orders * at.frequency) ** 2
+        self.quick, values = every.with_residual_modes(float(squares.max()))
+        self.short_inverse = [
+            _inverse_stiffness(part, squares[group.columns]).astype(np.float32)
+            for part, group in zip(values, self.quick.groups, strict=True)
+        ]
 
     def forces(self, z: FloatArray) -> list[FloatArray]:
         """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
         return self.every.force(self._traction(self.square, z))
 
     def product(self, z: FloatArray) -> FloatArray:
-        """(I + F D) z, with F D z in single precision."""
-        maps = self.every.single
-        acting = maps.force(self._traction(self.short_square, z.astype(np.float32)))
-        return z + maps.motion([part * force for part, force in zip(self.short_inverse, acting, strict=True)])
+        """(I + F D) z, with F D z in single precision and with residual modes."""
+        acting = self.quick.force(self._traction(self.short_square, z.astype(np.float32)))
+        return z + self.quick.motion([part * force for part, force in zip(self.short_inverse, acting, strict=True)])
 
-    def _traction(self, square: FloatArray, z: FloatArray) -> FloatArray:
+    def _traction(self, square: np.ndarray, z: np.ndarray) -> np.ndarray:
         traction, (count, size, _) = np.zeros_like(z), square.shape
         traction[self.own] = (square @ z[self.own].reshape(count, size, 1)).reshape(count, 3, size // 3)
         return traction

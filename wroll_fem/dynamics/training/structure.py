@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.periodic.aft import HarmonicContact, PointSample
+from wroll_fem.dynamics.periodic.every_mode import ModeMaps
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -24,6 +25,7 @@ class Structure:
     sampling : harmonics and samples
     max_periods : largest number of periods until the hysteresis is periodic
     symmetry : half-period symmetry; None without symmetry
+    maps : maps of all modes, shared by all contacts of the structure
     """
 
     condensation: Condensation
@@ -32,6 +34,7 @@ class Structure:
     sampling: Sampling
     max_periods: int
     symmetry: HalfPeriod | None
+    maps: ModeMaps
 
     @classmethod
     def of(
@@ -39,7 +42,7 @@ class Structure:
     ) -> Structure:
         """Structure with its half-period symmetry, if it has one."""
         symmetry = None if sampling.odd else HalfPeriod.of(condensation, preload, laws)
-        return cls(condensation, preload, laws, sampling, max_periods, symmetry)
+        return cls(condensation, preload, laws, sampling, max_periods, symmetry, ModeMaps(condensation, symmetry))
 
     def contact(
         self, model: ReducedModel, *, sample: PointSample | None = None, tangent: PointSample | None = None
@@ -47,7 +50,7 @@ class Structure:
         """Periodic contact of a reduced model of this structure; for ``sample``, ``tangent`` see `HarmonicContact`."""
         return HarmonicContact(
             model, self.preload, self.laws, self.sampling, max_periods=self.max_periods, symmetry=self.symmetry,
-            sample=sample, tangent=tangent,
+            sample=sample, tangent=tangent, maps=self.maps,
         )  # fmt: skip
 
     def with_harmonics(self, most: int) -> Structure:
@@ -57,4 +60,4 @@ class Structure:
 
     def first_model(self) -> ReducedModel:
         """Reduced model to start from."""
-        return first_model(self.condensation, self.preload, self.laws, self.sampling, self.symmetry)
+        return first_model(self.condensation, self.contact, self.symmetry)
