@@ -102,7 +102,7 @@ class CurvePoint:
 
 
 ROUGH = 100.0
-"""Factor by which `StepControl.longer` multiplies the tolerance, for curves that are only approximate."""
+"""Factor on the tolerance, for curves and motions that are only approximate."""
 LARGE, MORE = 800, 2
 """Number of unknowns of a large problem, and the factor by which it multiplies the numbers of iterations."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)

@@ -25,7 +25,7 @@ from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Curve, Trained, Training
 from wroll_fem.dynamics.training.training_state import TrainingFile, curve_of
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.numerics.continuation import StepControl
+from wroll_fem.numerics.continuation import ROUGH, StepControl
 from wroll_fem.typing import FloatArray
 
 FEWEST_POINTS = 5
@@ -70,7 +70,8 @@ class _CurveTask:
     def again(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
         """Points of a curve in another model."""
         level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
-        return self.subsets.moved(points, level, model, self.steps, starts)
+        steps = self.steps if starts is None else replace(self.steps, tolerance=ROUGH * self.steps.tolerance)
+        return self.subsets.moved(points, level, model, steps, starts)
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,8 @@ class Task(Protocol[Curve]):
     def again(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
         """Curve with those of its points that converge in another model.
 
-        ``starts`` (p, R, r) are first guesses in modal coordinates; by default they are the motions of the points.
+        ``starts`` (p, R, r) are first guesses in modal coordinates; by default they are the motions of the points. With
+        given ones the motions only serve the basis, and are less accurate.
         """
         ...
 
