@@ -8,7 +8,8 @@ Mutants (mutations.py) are drawn room by room: first the kind of the change, the
 worker changes its own copy of the checkout, never the code of the checkout. It runs the tests that call the changed
 function (a map that reach.py wrote into ``WORK/reach``), or without a map the test files that import its module, the
 quick ones first, until one fails. A call runs the mutants of the list that have no outcome, and writes the outcome into
-the list; `--again` repeats what survived.
+the list; `--again` repeats what survived. `--again killed --by` runs the test alone that noticed a mutant, if there
+still is such a quick test: do the tests of today notice what those of the list did?
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import os
 import re
 import resource
 import shutil
+import subprocess
 import sys
 import time
 import traceback
@@ -269,6 +271,7 @@ def main() -> None:
     parser.add_argument("--rooms", nargs="+", help="run the mutants of these rooms")
     parser.add_argument("--numbers", nargs="+", help="run these mutants again")
     parser.add_argument("--tests", nargs="+", help="these tests in place of the chosen ones")
+    parser.add_argument("--by", action="store_true", help="the test of the last outcome in place of the chosen ones")
     given = parser.parse_args()
     if given.draw:
         mutant_list.draw(
@@ -289,12 +292,21 @@ def _is_due(row: mutant_list.Row, given: argparse.Namespace) -> bool:
     return row["number"] in given.numbers if given.numbers else row["outcome"] == given.again
 
 
+def quick_tests() -> set[str]:
+    """Names of all tests that are not slow."""
+    words = [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider", "-m", "not slow", "tests"]
+    found = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    return {line for line in found.stdout.splitlines() if "::" in line}
+
+
 def _run_all(rows: list[mutant_list.Row], given: argparse.Namespace, copy: Path) -> None:
     """Run the mutants of the rows: those that can be swapped first."""
     reach, quick, slow = read_reach(given.work), [], []
+    existing = quick_tests() if given.by else set()
     for row in rows:
         mutant = mutant_list.found_again(row)
-        tests = (given.tests or chosen_tests(mutant, reach)) if mutant else []
+        before = {row["by"].removeprefix("hang in ")} & existing
+        tests = (given.tests or list(before) or chosen_tests(mutant, reach)) if mutant else []
         if mutant is None or not tests:
             keep(given, row, {"outcome": "gone" if mutant is None else "untested", "by": "", "tests": 0, "cpu": 0.0})
         elif is_swappable(mutant, ROOT):

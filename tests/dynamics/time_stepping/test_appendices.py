@@ -336,6 +336,17 @@ def test_converged_orbits_are_smooth_in_frequency():
     assert np.count_nonzero(np.diff(np.sign(np.diff(values)))) == 1  # one peak, nothing else
 
 
+def test_a_grid_of_orbits_is_bisected_where_the_curve_bends():
+    omegas = np.linspace(1.0, 1.15, 3)
+    p = TwoMasses(smoothing=10.0).preloaded(50.0)
+    grid, values = adapted_curve(p, omegas, bound=0.2, finest=0.02)
+    assert set(omegas) < set(grid)
+    assert np.all(np.diff(grid) > 0.0)
+    bent = np.flatnonzero(off_neighbours(grid, values) > 0.2) + 1
+    assert np.all(np.minimum(grid[bent] - grid[bent - 1], grid[bent + 1] - grid[bent]) <= 0.02)
+    assert len(values) == len(grid) > 5
+
+
 def test_spikes_are_made_by_a_loose_tolerance():
     """C115: from rest over 6 tau at rtol 1e-3 the amplitude is a third too high, and right with a tight one."""
     p, omega = TwoMasses(smoothing=10.0).preloaded(50.0), 1.15

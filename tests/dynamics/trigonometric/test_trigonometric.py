@@ -126,11 +126,14 @@ def test_coupled_damping_has_the_closed_form_too() -> None:
     load = np.concatenate([np.zeros(5), -np.ones(5)])
     steady = np.linalg.solve(1j * sine.w * np.eye(10) - matrix, load)
     step, y = la.expm(dt * matrix), -steady.imag
-    right = []
+    tip, acceleration = [], []
     for time in found["time"].values:
-        right.append(np.imag(steady * np.exp(1j * sine.w * time))[4] + y[4])
+        turned = steady * np.exp(1j * sine.w * time)
+        tip.append(np.imag(turned)[4] + y[4])
+        acceleration.append(np.imag(1j * sine.w * turned)[9] + (matrix @ y)[9])
         y = step @ y
-    assert np.abs(found["tip_displacement"].values - right).max() < 1e-10 * np.abs(right).max()
+    assert np.abs(found["tip_displacement"].values - tip).max() < 1e-10 * np.abs(tip).max()
+    assert np.abs(found["tip_acceleration"].values - acceleration).max() < 1e-10 * np.abs(acceleration).max()
     assert gap(found) < 1e-6
 
 
