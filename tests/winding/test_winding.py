@@ -241,7 +241,7 @@ def test_the_core_row_keeps_mandrel_and_roll_together() -> None:
 def test_thin_wraps_tend_to_continuous_growth_on_both_grids() -> None:
     """Independent of each other: r against ln r, wraps against growth; of first order in h."""
     limit = roll(growth="continuous", cells=8000).pressure[0]
-    thin = [roll(wraps=300 * k, wrap_thickness=5.0e-5 / k) for k in (1, 2, 4)]
+    thin = [roll(wraps=300 * k, wrap_thickness=5.0e-5 / k) for k in (1, 2, 4, 8)]
     source = np.array([one.wraps.pressure[0] for one in thin]) / limit - 1.0
     np.testing.assert_allclose(source[:-1] / source[1:], 2.0, atol=0.1)
     refined = np.array([one.pressure[0] for one in thin]) / limit - 1.0
