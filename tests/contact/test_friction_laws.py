@@ -20,7 +20,7 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.bouc_wen import BoucWen
 from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.laws import PenaltyCoulomb, RateCoulomb, SmoothedCoulomb, stack_laws
-from wroll_fem.contact.polynomial_spring import PolynomialSpring, polynomial
+from wroll_fem.contact.polynomial_spring import PolynomialSpring
 from wroll_fem.contact.rate_coulomb import coefficient
 from wroll_fem.contact.smoothed_coulomb import regularised_sign
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness, stick_springs
@@ -58,14 +58,6 @@ BOTH = pytest.mark.parametrize("method", STEPPERS)
 
 
 # --- rate-dependent coefficient ---------------------------------------------------------------------------------------
-
-
-def test_a_polynomial_spring_has_the_value_and_slope_of_its_polynomial():
-    power = np.polynomial.Polynomial([0.0, 0.4, 0.3, 0.5])
-    tables = np.zeros((2, 2, 5))
-    tables[1, 0, :3] = POLYNOMIAL.coefficients[:3]
-    for x in (-1.7, 0.0, 0.6):
-        assert polynomial(x, 1, tables) == pytest.approx((power(x), power.deriv()(x)), rel=1e-14, abs=1e-15)
 
 
 def test_a_constant_table_is_penalty_coulomb():

@@ -30,7 +30,7 @@ from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft_derivatives import derivatives
 from wroll_fem.dynamics.periodic.every_mode import EveryMode, ModeMaps
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.sampling import Sampling
+from wroll_fem.dynamics.periodic.sampling import Sampling, mean_phase, phase_slope
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
@@ -273,34 +273,18 @@ class HarmonicContact:
 
         Without it, all points turn sometimes at a sample and sometimes between two, as the phase of the motion changes
         along a curve: a ripple of up to (pi / N)^2 / 2 of the largest slip. The phase is that of the fundamental, as a
-        mean over all points (`_weighted_square`). The points of a roll move nearly in phase; those of other structures
+        mean over all points (`mean_phase`). The points of a roll move nearly in phase; those of other structures
         need not, and their samples are not shifted. ``jump_coefficients`` (3 n, R), m.
         """
         if self.model.condensation.n_theta < 2:
             return 0.0
-        samples = (
-            -0.5 * float(np.angle(self._weighted_square(jump_coefficients))) * self.sampling.samples / (2.0 * np.pi)
-        )
+        samples = mean_phase(*self._fundamental(jump_coefficients)) * self.sampling.samples / (2.0 * np.pi)
         return samples - round(samples)
 
-    def _weighted_square(self, jump_coefficients: FloatArray) -> complex:
-        """Sum of the squares of the tangential fundamental over all points, weighted by area, m^4.
-
-        The mean phase, at which the fundamental is largest, is half its angle, with the opposite sign.
-        """
-        cosine, sine = jump_coefficients[: 2 * self.n, 1], jump_coefficients[: 2 * self.n, 2]
-        weighted = self.weights[: 2 * self.n] * cosine
-        real = weighted @ cosine - (self.weights[: 2 * self.n] * sine) @ sine
-        return complex(real, -2.0 * float(weighted @ sine))
-
-    def _phase_slope(self, jump_coefficients: FloatArray) -> FloatArray:
-        """(2, 2 n) derivatives, rad/m, of the mean phase by cosine and sine of the tangential fundamental."""
-        total = self._weighted_square(jump_coefficients)
-        if total == 0.0:
-            return np.zeros((2, 2 * self.n))
+    def _fundamental(self, jump_coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Area, cosine and sine of the tangential fundamental, (2 n,) each."""
         along = slice(0, 2 * self.n)
-        slope = self.weights[along] * (jump_coefficients[along, 1] - 1j * jump_coefficients[along, 2]) / total
-        return np.array([-slope.imag, slope.real])
+        return self.weights[along], jump_coefficients[along, 1], jump_coefficients[along, 2]
 
     def force(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) Fourier coefficients of the contact forces on the reduced coordinates.
@@ -396,7 +380,7 @@ class HarmonicContact:
             return
         by_angle = matrix @ self._turn(coefficients).astype(matrix.dtype) - self._turn(self.force(contact))
         by_motion = np.zeros((self.sampling.size, self.model.size))
-        by_motion[1:3] = self._phase_slope(self.motion(coefficients)) @ self.jump[: 2 * self.n]
+        by_motion[1:3] = phase_slope(*self._fundamental(self.motion(coefficients))) @ self.jump[: 2 * self.n]
         matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.ravel()[self.active].astype(matrix.dtype))
 
     def _turn(self, coefficients: FloatArray) -> FloatArray:

@@ -81,7 +81,8 @@ class Group:
         for k in range(blocks):
             count, size = near[k].sum(), sizes[k]
             jump[k, :count], found[k, :count] = self.jump[k, near[k]], values[k, near[k]]
-            jump[k, count:size], found[k, count:size] = _residual(self.jump[k, far[k]], values[k, far[k]])
+            if size > count:
+                jump[k, count:size], found[k, count:size] = _residual(self.jump[k, far[k]], values[k, far[k]])
         return replace(self, jump=jump), found
 
 

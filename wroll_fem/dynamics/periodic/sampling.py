@@ -119,3 +119,21 @@ def _ramp(count: int, shift: float) -> tuple[FloatArray, FloatArray]:
     """
     grow = np.clip((np.arange(count + 1) + shift) / count, 0.0, 1.0)
     return 0.5 * (1.0 - np.cos(np.pi * grow)), 0.5 * np.pi / count * np.sin(np.pi * grow)
+
+
+def mean_phase(weights: FloatArray, cosine: FloatArray, sine: FloatArray) -> float:
+    """Phase, rad, at which oscillations c cos + s sin are largest, as a mean over (n,) oscillations with weights."""
+    return -0.5 * float(np.angle(_weighted_square(weights, cosine, sine)))
+
+
+def phase_slope(weights: FloatArray, cosine: FloatArray, sine: FloatArray) -> FloatArray:
+    """(2, n) derivatives of `mean_phase` with respect to the cosines and the sines."""
+    total = _weighted_square(weights, cosine, sine)
+    slope = np.zeros(len(weights), complex) if total == 0.0 else weights * (cosine - 1j * sine) / total
+    return np.array([-slope.imag, slope.real])
+
+
+def _weighted_square(weights: FloatArray, cosine: FloatArray, sine: FloatArray) -> complex:
+    """Sum of the squares of the complex amplitudes c - i s, with weights."""
+    weighted = weights * cosine
+    return complex(weighted @ cosine - (weights * sine) @ sine, -2.0 * float(weighted @ sine))
