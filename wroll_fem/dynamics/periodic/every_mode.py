@@ -5,9 +5,9 @@ modes of one kind and their harmonics form a `Group`. Only these pairs of mode a
 only the contact points that are evaluated: the mirrored points contribute the same modal force. Without symmetry, one
 group holds all modes and all harmonics.
 
-Modes far above the harmonics of a motion yield to a force at the contact points almost as springs. Those of a block,
-however many, are replaced by `residual modes`, no more than the block has amplitudes of the jump: as many orthogonal
-combinations whose compliance is exact in its first two terms of the series in the squared frequency.
+Modes far above the harmonics of a motion respond to a force at the contact points almost as springs. In each block,
+residual modes replace them: orthogonal combinations, at most as many as the block has amplitudes of the jump. Their
+compliance is exact in the first two terms of its series in the squared frequency.
 
 References
 ----------
@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
@@ -75,7 +74,7 @@ class Group:
         near = values < limit
         far = self.filled & ~near
         sizes = near.sum(axis=1) + np.minimum(far.sum(axis=1), amplitudes)
-        if sizes.max() >= self.modes.shape[1]:
+        if sizes.max() >= self.modes.shape[1]:  # nothing is gained
             return self, self.of_modes(eigenvalues, fill=1.0)
         jump, found = np.zeros((blocks, sizes.max(), amplitudes)), np.full((blocks, sizes.max()), limit)
         for k in range(blocks):
@@ -147,7 +146,7 @@ class EveryMode:
         return Group(columns, modes, filled, around, jump)
 
     def with_residual_modes(self, square: float) -> tuple[EveryMode, list[FloatArray]]:
-        """The same maps in single precision with residual modes, and eigenvalues (b, d) per group.
+        """The same maps with residual modes, for arrays of single precision, and eigenvalues (b, d) per group.
 
         ``square`` is the largest squared frequency (rad^2/s^2) of the motions. Only `force` and `motion` have a meaning
         for residual modes.
@@ -156,18 +155,12 @@ class EveryMode:
         if limit not in self._residual:
             out = copy(self)
             found = [group.with_residual_modes(self._eigenvalues, limit) for group in self.groups]
-            out.groups = [group for group, _ in found]
-            self._residual[limit] = out.single, [values for _, values in found]
+            out.groups = [
+                replace(group, around=group.around.astype(np.float32), jump=group.jump.astype(np.float32))
+                for group, _ in found
+            ]
+            self._residual[limit] = out, [values for _, values in found]
         return self._residual[limit]
-
-    @cached_property
-    def single(self) -> EveryMode:
-        """The same maps in single precision, for arrays of single precision: twice as fast."""
-        out = copy(self)
-        out.groups = [
-            replace(g, around=g.around.astype(np.float32), jump=g.jump.astype(np.float32)) for g in self.groups
-        ]
-        return out
 
     def split(self, values: FloatArray) -> list[FloatArray]:
         """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""
