@@ -43,7 +43,7 @@ def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
     q = np.zeros((sampling.size, model.size))
     q.ravel()[half.active] = rng.standard_normal(len(half.active))
     reach = np.abs(every.motion(q)[: 2 * every.n])
-    q *= 30e-6 / reach.max()
+    q *= 100e-6 / reach.max()
     one, all_points = half.evaluate(half.motion(q), 900.0), every.evaluate(every.motion(q), 900.0)
     slides = np.flatnonzero(all_points.hysteresis.sliding.mean(axis=1) > 0.5)
     assert len(slides) > 0.5 * every.n
