@@ -1,4 +1,4 @@
-"""Functions of laws: central differences where derivatives are missing, refusal without an update, a polynomial."""
+"""A law without derivatives of its own gets central differences of its update; a law without update is refused."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pytest
 from wroll_fem.contact import penalty_coulomb, rate_coulomb
 from wroll_fem.contact.laws import DIFFERENCE, _differences, _function
 from wroll_fem.contact.penalty_coulomb import PenaltyCoulomb
-from wroll_fem.contact.polynomial_spring import polynomial
 from wroll_fem.errors import InputError
 
 GAMMA = 2e-6
@@ -46,11 +45,3 @@ def test_functions_of_a_law_are_found_in_its_class_or_module() -> None:
         "Own", (), {"__module__": __name__, "name": "own", "slip_update": staticmethod(penalty_coulomb.slip_update)}
     )
     assert _function(own, "slip_derivatives").__name__ == "differences"
-
-
-def test_a_polynomial_spring_has_the_value_and_slope_of_its_polynomial():
-    power = np.polynomial.Polynomial([0.0, 0.4, 0.3, 0.5])
-    tables = np.zeros((2, 2, 5))
-    tables[1, 0, :3] = (0.4, 0.3, 0.5)
-    for x in (-1.7, 0.0, 0.6):
-        assert polynomial(x, 1, tables) == pytest.approx((power(x), power.deriv()(x)), rel=1e-14, abs=1e-15)

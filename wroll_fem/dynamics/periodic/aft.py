@@ -48,8 +48,8 @@ limit, slip in both tangential directions approaches its periodic path very slow
 PRESSURE_CHANGE = 0.005
 """Change of the pressure, relative to the preload pressure, below which a sticking point is omitted from the Jacobian
 of Newton's method. The residual always includes every point. Where a harmonic meets a mode without damping, the
-stiffness that is left is small, and the omitted one is a part of it: at 0.02, Newton's method took 15 iterations where
-it takes 5, or did not converge."""
+dynamic stiffness is small, and that of the omitted points is a large part of it: with 0.02, Newton's method took up to
+47 iterations, or did not converge."""
 
 SINGLE = 100
 """Number of unknowns from which Newton's matrix is formed and factored in single precision. The residual is always in

@@ -204,12 +204,7 @@ class EveryMode:
 class ModeMaps:
     """`EveryMode` of one structure for any harmonics; those of the same harmonics are built once.
 
-    Parameters
-    ----------
-    condensation
-        Modes of the structure.
-    symmetry
-        Half-period symmetry of the motions; None without symmetry.
+    Parameters are those of `EveryMode`, without the harmonics.
     """
 
     def __init__(self, condensation: Condensation, symmetry: HalfPeriod | None):

@@ -191,10 +191,10 @@ class _Tangent:
         self.square = blocks.reshape(len(points), size, size)
         self.short_square = self.square.astype(np.float32)
         squares = (at.balance.orders * at.frequency) ** 2
-        self.quick, values = every.with_residual_modes(float(squares.max()))
+        self.residual_maps, values = every.with_residual_modes(float(squares.max()))
         self.short_inverse = [
             _inverse_stiffness(part, squares[group.columns]).astype(np.float32)
-            for part, group in zip(values, self.quick.groups, strict=True)
+            for part, group in zip(values, self.residual_maps.groups, strict=True)
         ]
 
     def forces(self, z: FloatArray) -> list[FloatArray]:
@@ -203,8 +203,9 @@ class _Tangent:
 
     def product(self, z: FloatArray) -> FloatArray:
         """(I + F D) z, with F D z in single precision and with residual modes."""
-        acting = self.quick.force(self._traction(self.short_square, z.astype(np.float32)))
-        return z + self.quick.motion([part * force for part, force in zip(self.short_inverse, acting, strict=True)])
+        acting = self.residual_maps.force(self._traction(self.short_square, z.astype(np.float32)))
+        answer = [part * force for part, force in zip(self.short_inverse, acting, strict=True)]
+        return z + self.residual_maps.motion(answer)
 
     def _traction(self, square: np.ndarray, z: np.ndarray) -> np.ndarray:
         traction, (count, size, _) = np.zeros_like(z), square.shape
