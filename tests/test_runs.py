@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -136,6 +137,18 @@ def test_a_run_that_cannot_converge_exits_3_and_keeps_what_it_computed(tmp_path:
     kept = load_dataset(tmp_path / "hard" / "results.nc")
     assert np.isfinite(kept["tip_displacement"].values).all()
     assert not (tmp_path / "hard" / "summary.json").exists()
+
+
+@pytest.mark.parametrize("slip", ["1e-12", "1e-15"])
+def test_contact_that_is_nearly_rigid_is_named_as_the_cause(slip: str, tmp_path: Path) -> None:
+    """An elastic slip below rounding: the preload converges to rounding, and no finer steps are advised."""
+    mesh = "mesh={circumferential: 12, axial: 6, grading: 1}"
+    rigid = ["--set", f"contact.friction.elastic_slip={slip}", "--set", mesh]
+    words = ["--set", "solver.method=condensed", "--set", "output.figures=false"]
+    result = CliRunner().invoke(app, ["run", str(TINY), "--out", str(tmp_path / "rigid"), *rigid, *words])
+    assert result.exit_code == 3
+    assert "time step did not converge" in result.output
+    assert re.search(rf"of {slip} m is \S+ of the displacement: raise contact.friction.elastic_slip\n", result.output)
 
 
 def test_kept_fields_are_written_every_so_many_steps(tmp_path: Path) -> None:

@@ -347,6 +347,17 @@ def test_an_empty_table_is_written(tmp_path: Path) -> None:
     assert rows(tmp_path) == []
 
 
+def test_a_spreadsheet_finds_no_formula_in_the_table(tmp_path: Path) -> None:
+    """Names of cases come from file names, errors from anywhere."""
+    (tmp_path / "=cmd|x.yaml").write_text(TINY.read_text())
+    path = grid_file(tmp_path, "cases: ['=cmd|x.yaml']\ngrid: {mesh.axial: [4]}")
+    [member] = load_grid(path).members
+    write_tables([batch.Outcome(member, "failed", "=1+1", 2)], tmp_path)
+    [row] = rows(tmp_path)
+    assert row["error"] == "'=1+1"
+    assert not [cell for cell in row.values() if cell.startswith(("=", "+", "-", "@"))]
+
+
 def test_nothing_is_drawn_from_nothing(tmp_path: Path) -> None:
     text = f"base: {TINY}\ngrid: {{preload.pressure: [1, 2]}}\nfigure: friction_over_preload"
     grid = load_grid(grid_file(tmp_path, text))

@@ -77,7 +77,7 @@ def test_a_run_survives_a_fault_at_every_file_operation(
 def test_the_end_is_recorded_on_a_full_disk(wroll: Wroll, analyses: FakeAnalyses, tmp_path: Path, quick: None) -> None:
     """A disk that is full from one file on, with the reserve as the only room: provenance.json says what happened."""
     for number in range(1, 100, 4):  # results.nc takes four operations
-        if "results.nc" in with_fault(run_tiny, tmp_path / "here", "full", number, once=True).errors:
+        if "results.nc" in with_fault(run_tiny, tmp_path / "here", "full", number, freed_by=".reserve").errors:
             break
         shutil.rmtree(tmp_path / "here", ignore_errors=True)
     held = RunFolder(tmp_path / "here").provenance()

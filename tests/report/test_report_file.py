@@ -85,6 +85,26 @@ def test_every_text_is_escaped(run: RunFolder, tmp_path: Path) -> None:
     assert "none" in words(section(root, "Metrics"))
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["a: 2001-99-99", "a: !!bool maybe", "[" * 3000, "mandrel: 5", "geometry: [1, {a: 2}]", "- 1", "1: {2: 3}",
+     "null: [{3: 4}]", "excitation: {kind: [1]}", "analysis: {a: 1}"],
+)  # fmt: skip
+def test_a_report_shows_a_case_file_of_any_content_as_written(text: str, run: RunFolder, tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "odd")
+    shutil.copytree(run.path, folder.path)
+    folder.case_file.write_text(text)
+    assert text in words(section(parsed(write_report(folder.path)), "What was solved"))
+
+
+@pytest.mark.parametrize("entry", ["git", "versions", "machine", "seeds", "exit_code", "status"])
+def test_a_report_leaves_out_an_origin_of_another_type(entry: str, run: RunFolder, tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "odd")
+    shutil.copytree(run.path, folder.path)
+    folder.write_json(folder.provenance_file, {**run.provenance(), entry: ["odd", 1]})
+    assert "odd" not in words(section(parsed(write_report(folder.path)), "Versions and provenance"))
+
+
 def test_broken_folders_are_refused_in_one_line(run: RunFolder, tmp_path: Path) -> None:
     (tmp_path / "batch.csv").write_text("a,b\n1,2\n")
     empty = tmp_path / "empty"

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import random
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.paths import CONFIGS
 from support.report_pages import words
 
+from tests.fuzz.odd_folders import fill, outcome
+from wroll_fem.case import load_case
 from wroll_fem.report.html import folded, join, listing, notes, page, paragraph, subheading, table, terms
 from wroll_fem.report.values import quantity, shown
 from wroll_fem.results.summary import SUMMARY
@@ -81,3 +86,13 @@ def test_any_value_of_a_summary_is_shown_and_no_number_is_nan(name: str, value: 
         assert told == "none"
     if isinstance(value, float) and math.isfinite(value):
         assert not {"nan", "inf"} & set(told.split())
+
+
+def test_a_folder_with_content_of_other_types_is_reported_or_refused_in_one_line(tmp_path: Path) -> None:
+    """Some of the folders of `tests.fuzz.odd_folders`."""
+    cases = [load_case(CONFIGS / f"{name}.yaml").model_dump(mode="json") for name in ("tiny", "lab_random", "two_dof")]
+    told = set()
+    for number in range(80):
+        fill(tmp_path, cases, random.Random(f"7 {number}"))
+        told.add(outcome(tmp_path))
+    assert told == {"report", "one line"}

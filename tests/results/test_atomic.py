@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -32,3 +33,14 @@ def test_a_block_that_fails_leaves_the_file(tmp_path: Path) -> None:
         interrupted()
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
     assert target.read_text() == "old"
+
+
+def test_content_and_name_are_on_the_disk_in_this_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a power cut the file is the old or the new one, not an empty one."""
+    done = []
+    monkeypatch.setattr(os, "fsync", lambda descriptor: done.append(Path(os.readlink(f"/proc/self/fd/{descriptor}"))))
+    rename = os.replace
+    monkeypatch.setattr(os, "replace", lambda old, new: (done.append("renamed"), rename(old, new)))
+    with replacing(tmp_path / "a.txt") as partial:
+        partial.write_text("new")
+    assert done == [tmp_path / "a.txt.partial", "renamed", tmp_path]

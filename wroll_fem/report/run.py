@@ -135,7 +135,14 @@ def plain_case(written: str) -> Mapping[str, Any]:
         given = parse_yaml(written, "case.yaml")
     except InputError:
         return {}
-    return given if isinstance(given, dict) else {}
+    return _with_text_keys(given) if isinstance(given, dict) else {}
+
+
+def _with_text_keys(given: Any) -> Any:
+    """Content of a YAML file with texts as keys; a key that is a number is shown as written."""
+    if isinstance(given, Mapping):
+        return {str(key): _with_text_keys(value) for key, value in given.items()}
+    return [_with_text_keys(entry) for entry in given] if isinstance(given, list) else given
 
 
 def _results(folder: RunFolder) -> tuple[xr.Dataset | None, list[str]]:

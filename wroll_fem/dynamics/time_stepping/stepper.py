@@ -212,7 +212,8 @@ class Stepper(ABC):
     def _remedy(self) -> str:
         """What helps a step that does not converge: contact that is nearly rigid is not cured by smaller steps."""
         gamma = float(self.system.laws.gamma.min(initial=np.inf))
-        largest = float(np.abs(self.displacement()).max(initial=0.0))
+        motions = (self.displacement(), self.preload.displacement)
+        largest = max(float(np.abs(u).max(initial=0.0)) for u in motions)
         if gamma < RIGID * largest:
             return (
                 f"the elastic slip of {gamma:.2g} m is {gamma / largest:.1g} of the displacement: "
