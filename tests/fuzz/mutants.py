@@ -51,6 +51,9 @@ BUDGET_CODE = 98
 NO_TESTS = (4, 5)
 """Exit codes of pytest: a file of tests is missing, no test was selected."""
 
+IMPORT_CODE = 97
+"""The changed module cannot be imported: pytest finds its tests only without the change."""
+
 PRELOADED = (
     "wroll_fem", "numpy", "scipy.optimize", "scipy.signal", "scipy.sparse.linalg", "numba", "xarray", "pydantic",
     "hypothesis", "pint",
@@ -195,18 +198,24 @@ def run(mutant: Mutant, copy: Path, tests: list[str], budget: float) -> dict[str
     path.write_bytes(mutant.applied(content))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
-        child = os.fork()
-        if not child:
-            _child(copy, tests, note, budget)
-        _, status = os.waitpid(child, 0)
+        code = _forked(copy, tests, note, budget)
     finally:
         path.write_bytes(content)
         os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
         restore_caches(copy, caches)
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    code, words = os.waitstatus_to_exitcode(status), note.read_text().splitlines()
+    used, words = resource.getrusage(resource.RUSAGE_CHILDREN), note.read_text().splitlines()
     cpu = round(used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime, 1)
+    if code in NO_TESTS and _forked(copy, tests, note, 0.0) not in NO_TESTS:
+        code = IMPORT_CODE
     return judged(code, words[0] if words else "", words[1] if len(words) > 1 else "", cpu)
+
+
+def _forked(copy: Path, tests: list[str], note: Path, budget: float) -> int:
+    """Exit code of the tests in a process of their own."""
+    child = os.fork()
+    if not child:
+        _child(copy, tests, note, budget)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
 def kept_caches(copy: Path) -> dict[Path, tuple[int, int]]:
@@ -338,7 +347,7 @@ def _run_all(rows: list[mutant_list.Row], given: argparse.Namespace, copy: Path)
 
 def judged(code: int, by: str, tests: str, cpu: float) -> dict[str, Any]:
     """Result of a mutant from the exit code of its tests."""
-    ends = {0: "survived", 1: "killed", BUDGET_CODE: "survived", -24: "hangs"}
+    ends = {0: "survived", 1: "killed", BUDGET_CODE: "survived", IMPORT_CODE: "import", -24: "hangs"}
     if code in NO_TESTS:
         raise SystemExit("pytest did not find the tests of a mutant; delete the copies and call again")
     outcome = ends.get(code, "crashes" if code < 0 else "import")
