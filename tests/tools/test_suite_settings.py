@@ -54,3 +54,10 @@ def test_no_test_gives_up_within_a_minute() -> None:
         waits += [(path.name, value.value) for value in found if isinstance(value, ast.Constant)]
     assert waits
     assert not [(name, seconds) for name, seconds in waits if 0.0 < float(seconds) < LEAST_WAIT]
+
+
+def test_no_test_judges_a_speed_by_the_clock() -> None:
+    """A loaded machine takes any time; CPU seconds are those of the program."""
+    clocks = ("monotonic() - ", "perf_counter() - ", "time.time() - ")
+    files = [path for path in (ROOT / "tests").rglob("test_*.py") if path.name != "test_suite_settings.py"]
+    assert not [path.name for path in files if any(clock in path.read_text() for clock in clocks)]
