@@ -87,6 +87,18 @@ def test_gaussian_fit_returns_the_bell_it_is_given(centre):
         assert found.misfit < 1e-5
 
 
+def test_window_of_the_printed_objective_is_the_best_one_between_the_trial_windows():
+    """Ripples and bumps leave a best window inside the band; the trial windows of two bands differ."""
+    found = []
+    for low, high in ((50.0, 150.0), (45.0, 155.0)):
+        f = np.linspace(low, high, 1601)
+        ripples = 1.0 + 0.003 * np.cos(2.0 * np.pi * (f - 100.0) / 2.1)
+        bumps = np.exp(-(((f - 130.0) / 8.0) ** 2)) + np.exp(-(((f - 70.0) / 8.0) ** 2))
+        bell = 7.0 * np.exp(-(((f - 100.0) / 11.0) ** 2)) * ripples + bumps
+        found.append(gaussian_fit(f, bell, window="objective", draws=2).details["bell"].d)
+    assert found[0] == pytest.approx(found[1], rel=1e-3)
+
+
 def test_narrowest_window_ends_at_half_power_of_the_data():
     found = gaussian_fit(WIDE, dof(0.2), window="narrowest")
     bell, top = found.details["bell"], np.abs(dof(0.2)).max()

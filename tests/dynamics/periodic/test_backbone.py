@@ -14,7 +14,7 @@ from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import ModalMotion, main_mode, solve_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.periodic.sampling import Sampling
-from wroll_fem.dynamics.training.enrichment import trained_backbone
+from wroll_fem.dynamics.training.enrichment import _BackboneTask, trained_backbone
 
 
 def test_backbone_of_the_bilinear_oscillator_follows_its_loop_area() -> None:
@@ -68,6 +68,18 @@ def test_forced_resonance_lies_on_the_backbone() -> None:
     assert abs(np.angle(-amplitude) - np.pi / 2) < 0.05 or abs(np.angle(-amplitude) + np.pi / 2) < 0.05
     work = curve.balance.cycle_work(curve.coefficients[k], curve.frequencies[k])
     assert work.interface == pytest.approx(curve.dissipation[k], rel=1e-6)
+
+
+def test_a_backbone_is_cut_before_its_inaccurate_motions_if_they_are_its_last() -> None:
+    system = coulomb_oscillator(gamma=2e-4)
+    model, preload = complete(system)
+    curve = solve_backbone(model, preload, system.laws, tip_amplitudes=(1e-5, 1e-2), samples=128)
+    count = len(curve.frequencies) - curve.beyond
+    for good in (count - 1, count - 3):
+        part = _BackboneTask.shortened(None, curve, curve, [k < good for k in range(len(curve.frequencies))])
+        np.testing.assert_array_equal(part.tip, curve.tip[:good])
+    between = [k != 3 for k in range(len(curve.frequencies))]
+    assert _BackboneTask.shortened(None, curve, curve, between) is None
 
 
 def test_backbone_of_the_roll_starts_stuck_and_agrees_with_the_forced_peak() -> None:
