@@ -94,6 +94,7 @@ def test_records_are_averaged_and_their_scatter_is_that_of_the_error_bars() -> N
     assert spent[0] == pytest.approx(5.0 * spent[1], rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_resumed_series_equals_one_that_was_not_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Interrupted within the third of four histories; the first two are not computed again."""
     monkeypatch.setattr(simulate, "CHUNK", 1200)  # fewer checkpoints, whose files take most of the time

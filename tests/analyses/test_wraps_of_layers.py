@@ -99,6 +99,7 @@ def test_one_layer_per_wrap_is_the_roll_without_per_wrap() -> None:
     assert "per_wrap" not in plain.resolved()["coil"]
 
 
+@pytest.mark.slow
 def test_few_layers_are_as_soft_as_the_roll_with_all_its_wraps() -> None:
     """Elastic slip of 4 um at a low pressure: interfaces take most of the shear, friction holds the coil weakly."""
     soft = ("contact.friction.elastic_slip=4 um", "mesh.axial=3")

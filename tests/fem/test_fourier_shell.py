@@ -233,6 +233,7 @@ def test_stresses_that_vary_around_couple_wave_numbers_as_in_a_shell_of_quadrila
     assert found == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 def test_bending_buckles_the_compressed_side_of_a_tube_at_the_classical_stress():
     """Largest membrane stress at buckling over 0.605 E t / R (nu = 0.3): 1 to 1.2, for the ends help."""
     tube = Tube(0.6, 0.1, 1.2e-3, 70e9, 0.3, 2700.0)

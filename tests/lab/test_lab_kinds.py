@@ -110,7 +110,7 @@ def check_report(out: Path, figures: dict[str, bytes]) -> None:
     assert {base64.b64decode(text) for text in shown} == set(figures.values())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.slow) if k == "slip" else k for k in KINDS])
 def test_figures_are_drawn_again_from_the_results_and_stand_in_the_report(
     kind: str, evaluated: Callable[[str], Path], tmp_path: Path
 ) -> None:

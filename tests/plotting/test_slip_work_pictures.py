@@ -70,6 +70,7 @@ def test_sections_show_level_and_work_of_each_point(half: xr.Dataset) -> None:
     plt.close("all")
 
 
+@pytest.mark.slow
 def test_the_picture_in_space_shows_each_level_and_sentence(half: xr.Dataset, tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
     picture = imread(wf.plot.slip_work_in_coil(half, tmp_path / "coil.png"))[..., :3]

@@ -63,6 +63,7 @@ def sweeps(folder: Path) -> Kept:
     return Kept(folder, {"shaker_sweep": [*rolls, alone], "bounds": [bonded]})
 
 
+@pytest.mark.slow
 def test_sweeps_of_linear_rolls_are_read_without_bias_of_the_rate(tmp_path: Path) -> None:
     """By the ratio of the spectra; the demodulated record of the mandrel is refused, those of the rolls are not."""
     evidence = sweeps(tmp_path)

@@ -57,6 +57,7 @@ def test_histories_are_compared_by_their_largest_difference(bench: ModuleType, t
     assert bench.history_errors(tmp_path, "a", "a") == bench.history_errors(tmp_path, "c", "a") == (None, None)
 
 
+@pytest.mark.slow
 def test_a_job_reports_seconds_memory_and_readings(tmp_path: Path) -> None:
     words = ["solver.method=condensed", "analysis=dwell", "mesh={circumferential: 8, axial: 2, grading: 1}"]
     words.append("excitation={kind: dwell, amplitude: 5.0, frequency: 150, cycles: 2, ramp_cycles: 1}")

@@ -334,6 +334,7 @@ def test_sixty_four_samples_give_the_curve_of_five_hundred() -> None:
         assert few[name] == pytest.approx(many[name], rel=relative)
 
 
+@pytest.mark.slow
 def test_results_of_both_analyses_are_kept_and_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     empty_figures(monkeypatch)
     mesh = "mesh={circumferential: 8, axial: 3, grading: 1}"  # with 2 rows the curve has an internal resonance

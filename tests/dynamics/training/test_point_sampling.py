@@ -102,7 +102,7 @@ def random_roll(seed: int) -> tuple[tuple[str, ...], float]:
     return (friction, f"preload.pressure={pressure:.4e}"), amplitude
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3, 4))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 4))])
 def test_a_curve_on_a_subset_has_peak_and_friction_work_of_the_whole(seed: int) -> None:
     """Peak 0.2 %, friction work 1 %; seed 0 is the lab roll."""
     overrides, amplitude = ((), 5.0) if seed == 0 else random_roll(seed)
@@ -143,6 +143,7 @@ def test_a_trained_curve_is_completed_with_all_points() -> None:
     assert max(abs(work.input - work.interface) for work in works) < 1e-6 * largest
 
 
+@pytest.mark.slow
 def test_a_backbone_is_completed_with_all_points() -> None:
     structure, _, _, _ = roll()
     reach = {"tip_amplitudes": (1e-6, 5e-5)}
