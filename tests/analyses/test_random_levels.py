@@ -13,11 +13,12 @@ from support.random_cases import LIMIT, linear_case, rubbing_case
 import wroll_fem as wf
 from wroll_fem.analyses import summarise, write_figures
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
+from wroll_fem.analyses.history import _Integration
 from wroll_fem.analyses.random import estimate_random
 from wroll_fem.analyses.random_levels import _holds_history, seeds_of
 from wroll_fem.analyses.random_plan import planned
 from wroll_fem.dynamics.time_stepping import simulate
-from wroll_fem.errors import InputError
+from wroll_fem.errors import InputError, ReductionError
 from wroll_fem.jobs.run import run_case
 from wroll_fem.plotting import style
 from wroll_fem.progress import SilentProgress
@@ -192,6 +193,25 @@ def test_a_roll_at_two_levels_draws_its_figures_and_shares_its_modes(
     alone = wf.run(roll(*SHORT, "excitation.level_db=0"), progress=SILENT)
     rms = float(found["tip_displacement_rms_at_level"][1])
     assert rms == pytest.approx(alone.attrs["tip_displacement_rms_m"], rel=0.02)  # steady parts of other lengths
+
+
+@pytest.mark.parametrize("fallen", [0, 1])
+def test_one_level_may_fall_back_to_condensed(fallen: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    history, tried = _Integration.history, []
+
+    def falling(run: _Integration, method: str, *given: object) -> xr.Dataset:
+        tried.append(method)
+        if method == "reduced" and tried.count("reduced") == fallen + 1:
+            raise ReductionError("the basis is too small", time_s=0.0, iterations=0, residual_history=[], advice="none")
+        return history(run, method, *given)
+
+    monkeypatch.setattr(_Integration, "history", falling)
+    found = wf.run(roll(*TWO_LEVELS), progress=SILENT)
+    assert tried == [["reduced", "condensed", "reduced"], ["reduced", "reduced", "condensed"]][fallen]
+    assert found.attrs["method"] == ["condensed, reduced", "reduced, condensed"][fallen]
+    assert found.attrs["training_time_s"] > 0.0
+    assert found.attrs["reduction_error_estimate"] > 0.0  # of the level that did not fall back
+    assert summarise(found)["method"] == found.attrs["method"]
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ SERIES = (
 """Time series of a history that the results of the levels need."""
 
 ONCE = (
-    "method", "dofs", "interface_points", "steps_per_cycle", "stuck_resonance_hz", "tip_participation",
+    "dofs", "interface_points", "steps_per_cycle", "stuck_resonance_hz", "tip_participation",
     "excited_to_hz", "period_error_at_highest",
 )  # fmt: skip
 SUMMED = ("steps", "step_cuts", "solver_time_s", "training_time_s")
@@ -250,8 +250,11 @@ def _common(case: RandomCase, levels: Sequence[Level], found: Reading) -> dict[s
     everything = [one for level in levels for one in level.histories]
     first, low_high = everything[0].attrs, case.excitation.psd.table.band
     attrs: dict[str, Any] = {name: first[name] for name in ONCE if name in first}
-    attrs |= {name: sum(float(one.attrs[name]) for one in everything) for name in SUMMED if name in first}
-    attrs |= {name: max(float(one.attrs[name]) for one in everything) for name in WORST if name in first}
+    for names, of_all in ((SUMMED, sum), (WORST, max)):
+        for name in names:  # a history that fell back to `condensed` has no basis, nor its error
+            if values := [float(one.attrs[name]) for one in everything if name in one.attrs]:
+                attrs[name] = of_all(values)
+    attrs["method"] = ", ".join(dict.fromkeys(str(one.attrs["method"]) for one in everything))
     attrs |= {name: int(attrs[name]) for name in ("steps", "step_cuts", "reduced_coordinates") if name in attrs}
     accurate = accuracy(found)
     del accurate["psd_peak_bias"], accurate["steady_start_s"]  # of one level
