@@ -44,7 +44,7 @@ WORST = (
     "reduction_error_estimate", "span_error_estimate", "reduced_coordinates", "energy_balance_error",
     "newton_iterations_mean",
 )  # fmt: skip
-"""Attributes of histories: the same for all, summed over all, and the largest."""
+"""Attributes of histories: the same for all, summed, and the largest; the last two of those that have them."""
 
 LISTED = {
     "level_db": "level_db", "level_f_n_hz": "frequency_at_level", "level_f_n_error_hz": "frequency_error_at_level",
