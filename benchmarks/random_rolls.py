@@ -302,6 +302,8 @@ def ranges(numbers: set[int]) -> str:
 def page(reports: list[dict[str, Any]]) -> list[str]:
     """Lines of the page: what was run, outcomes, agreement, and the causes of cases without a result."""
     rolls = {r["roll"] for r in reports}
+    slow = {r["roll"] for r in reports if r["analysis"] == "slow"}
+    readable = {r["roll"] for r in reports if r["analysis"] == "harmonic" and slow_sweep(r) is not None}
     failed = sorted((r for r in reports if r["outcome"] != "curve"), key=lambda r: (r["roll"], r["analysis"]))
     return [
         f"{len(rolls)} random valid rolls (numbers {ranges(rolls)}), of {TARGET} from the generator (seed {SEED}):",
@@ -317,7 +319,8 @@ def page(reports: list[dict[str, Any]]) -> list[str]:
         "Sweep and harmonic agree when f_n differs by at most 1 % and the peak by at most 5 %, dwell and harmonic",
         "when the magnitude at the dwell's frequency differs by at most 5 %. A slow sweep runs at a fifth of the rate",
         "of ISO 7626-2 for the zeta of the harmonic curve and at two fifths of the rate for its steeper flank,",
-        f"whichever is lower, or as fast as {SLOW_CYCLES} cycles ask for.",
+        f"whichever is lower, or as fast as {SLOW_CYCLES} cycles ask for; it was run for {len(slow)} of the",
+        f"{len(readable)} rolls that have such a curve (numbers {ranges(slow)}).",
         "",
         *agreement_lines(reports),
         "",
