@@ -172,7 +172,7 @@ def _session(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     for stream in (0, 1, 2):
         os.dup2(null, stream)
     sys.dont_write_bytecode = True
-    for name in [name for name in sys.modules if name.partition(".")[0] in ("wroll_fem", "tests", "support")]:
+    for name in [name for name, module in sys.modules.items() if _is_ours(name, module)]:
         del sys.modules[name]
     sys.path[:] = [
         str(copy),
@@ -185,6 +185,15 @@ def _session(copy: Path, tests: list[str], note: Path, budget: float) -> None:
     with note.open("a") as file:
         file.write(f"\n{watch.count}")
     os._exit(code)
+
+
+def _is_ours(name: str, module: Any) -> bool:
+    """Whether a module is the checkout's own: the copy has another, and pytest refuses a test file of both."""
+    file = Path(getattr(module, "__file__", None) or "/")
+    environment = ROOT / ".venv"
+    return name.partition(".")[0] in ("wroll_fem", "tests", "support") or (
+        file.is_relative_to(ROOT) and not file.is_relative_to(environment)
+    )
 
 
 def run(mutant: Mutant, copy: Path, tests: list[str], budget: float) -> dict[str, Any]:
