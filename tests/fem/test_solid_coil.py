@@ -134,7 +134,11 @@ def test_one_material_all_through_is_a_thick_beam():
 def test_coarse_mesh_is_converged_and_holds_no_false_modes_when_wraps_slide_easily():
     loose = ("coil.material.G_r_theta=1e4", "modal.count=8")
     named = []
-    for mesh in ((), ("mesh.axial=10", "mesh.radial=3", "mesh.circumferential=16")):
+    coarse, fine = (
+        ("mesh.circumferential=12", "mesh.axial=6"),
+        ("mesh.circumferential=16", "mesh.axial=10", "mesh.radial=3"),
+    )
+    for mesh in (coarse, fine):
         part = body(*loose, *mesh)
         frequencies, vectors = solve_modes(part.stiffness, part.mass, 6)
         named.append((frequencies, [classify_mode([part], v).kind for v in vectors.T]))
