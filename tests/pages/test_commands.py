@@ -19,6 +19,7 @@ import pytest
 import yaml
 from support.here_pool import HerePool
 from support.paths import ROOT
+from support.small_tools import TOOLS
 from typer.testing import CliRunner
 
 from wroll_fem.cli import app
@@ -125,48 +126,6 @@ SLOW = tuple(
 )  # fmt: skip
 """Pages whose commands take 2 to 40 s. What they run has tests of its own in `make test`."""
 
-TOOLS: dict[str, list[tuple[str, str]]] = {
-    "coil_table.py": [
-        (
-            "MESHES = [((12, 8, 2), (12, 8, 1)), ((16, 16, 3), (20, 12, 1)), ((20, 24, 4), (24, 20, 1)), "
-            "((24, 32, 6), (32, 32, 2))]",
-            "MESHES = [((8, 2, 1), (8, 2, 1)), ((8, 3, 1), (8, 3, 1))]",
-        ),
-        ("((20, 12, 1), (40, 40, 1))", "((8, 3, 1),)"),
-    ],
-    "harmonic_table.py": [
-        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
-        ("BANDS = {1.0e4: (120, 150), 3.0e4: (134, 158), 1.0e5: (144, 164), ", "BANDS = {"),
-        ("RATES = (2.0, 0.5, 0.125)", "RATES = (30.0,)"),
-    ],
-    "layers_table.py": [
-        ("circumferential: 12, axial: 6, grading: 3", "circumferential: 8, axial: 2"),
-        ('"excitation.cycles=12"', '"excitation.cycles=2"'),
-        (" for level in LEVELS] + [(LEVELS[0], 80, 2e-3), (LEVELS[2], 40, 1e-3)]", " for level in LEVELS[:1]]"),
-    ],
-    "low_pressure_table.py": [
-        ("PRESSURES = (0.0, 1.0, 10.0, 100.0, 1000.0)", "PRESSURES = (0.0, 1000.0)"),
-        ("LEVELS = {1: (0.5, 5.0, 20.0), 5: (0.5, 5.0)}", "LEVELS = {1: (0.5,)}"),
-    ],
-    "reduced_table.py": [
-        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
-        ('"10 kPa": 1.0e4, "30 kPa": 3.0e4, "100 kPa"', '"100 kPa"'),
-        ("excitation.f_start=174", "excitation.f_start=130"),
-    ],
-    "make_figures.py": [
-        ('PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", ', "PRESSURES = {"),
-        ('["mesh.circumferential=24", "mesh.axial=12"]', '["mesh.circumferential=8", "mesh.axial=2"]'),
-        ("((16, 8), (32, 16), (40, 20))", "((8, 2), (8, 4))"),
-        ('words[0], "--out"', 'words[0], "--set", "output.figures=true", "--out"'),
-        ('{"main": ["configs/lab_sweep.yaml"]', '{"main": ["configs/lab_sweep.yaml", "excitation.amplitude=50"]'),
-        (
-            "(RUNS / source, FIGURES / target)\n",
-            "(RUNS / source, FIGURES / target)\n    STUDIES.clear()  # in full size\n",
-        ),
-    ],
-}
-"""Tool -> text of its constants and what stands there in the scratch copy instead: coarse meshes, few values."""
-
 ELSEWHERE = {
     "make test": "runs this test",
     "make run": "the job of `wroll run configs/lab_sweep.yaml`, here and in tests/test_runs.py on coarse meshes",
@@ -185,6 +144,7 @@ ELSEWHERE = {
     "jupyter lab": "a server; tests/pages/test_notebooks.py runs the notebooks",
     ".venv/bin/jupytext --sync": "tests/pages/test_notebooks.py compares the pairs",
     ".venv/bin/python -m pytest": "runs tests of this suite",
+    ".venv/bin/python benchmarks/random_rolls.py --page": "tests/tools/test_random_rolls.py makes the page",
     ".venv/bin/python tools/notebook_pages.py": "executes the notebooks, as tests/pages/test_notebooks.py does",
 }
 """Commands that cannot run inside a test, by their beginning, and who runs them."""
@@ -272,7 +232,7 @@ def test_every_file_in_a_command_exists() -> None:
 
 def scratch(folder: Path) -> None:
     """Copies of what commands read, made small by `SMALLER` and `TOOLS`."""
-    for name in ("configs", "meshes", "tools"):
+    for name in ("configs", "meshes", "tools", "benchmarks"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("tables", "figures"):
         (folder / "docs" / name).mkdir(parents=True)
@@ -299,11 +259,11 @@ def scratch(folder: Path) -> None:
         grid["grid"] = axes | meshes
         path.write_text(yaml.safe_dump(grid), encoding="utf-8")
     for name, replaced in TOOLS.items():
-        text = (folder / "tools" / name).read_text(encoding="utf-8")
+        text = (folder / name).read_text(encoding="utf-8")
         for old, new in replaced:
             assert old in text, f"{name}: {old}"
             text = text.replace(old, new)
-        (folder / "tools" / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def override(case: dict, changes: list[str]) -> dict:
@@ -376,4 +336,5 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pyt
 def test_the_tools_that_make_tables_and_figures_run(command: str, tmp_path: Path) -> None:
     scratch(tmp_path)
     run(command, tmp_path)
-    assert any(tmp_path.glob("docs/tables/*.md")) or any(tmp_path.glob("docs/figures/*.png"))
+    made = [*tmp_path.glob("docs/tables/*.md"), *tmp_path.glob("docs/figures/*.png"), *tmp_path.glob("FILE")]
+    assert any(path.stat().st_size for path in made)

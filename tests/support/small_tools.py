@@ -1,0 +1,66 @@
+"""Tools and benchmarks that make tables and figures, small enough for a test."""
+
+from __future__ import annotations
+
+TOOLS: dict[str, list[tuple[str, str]]] = {
+    "benchmarks/estimates.py": [('glob("*.yaml")', 'glob("tiny.yaml")')],
+    "benchmarks/opening_error.py": [
+        ("range(asked.first, asked.first + asked.count)", "range(asked.first, asked.first + 1)"),
+        (" for n, p, a in LOW]", " for n, p, a in LOW[3:4]]"),
+    ],
+    "benchmarks/random_response.py": [
+        ("PRESSURES, LEVELS = (1e5, 3e4), (-10.0, 0.0, 5.0, 10.0)", "PRESSURES, LEVELS = (1e5,), (0.0,)"),
+        ("circumferential: 12, axial: 4", "circumferential: 8, axial: 2"),
+        ("excitation.duration=30", "excitation.duration=4"),
+    ],
+    "benchmarks/random_rolls.py": [("default=200", "default=1"), ("default=list(ANALYSES)", 'default=["dwell"]')],
+    "benchmarks/slipping_meshes.py": [
+        ("default=list(ROWS)", 'default=["case study"]'),
+        ('Row("slipping_coil", (), (1, 5, 15), FINE)', 'Row("slipping_coil", (), (5,), FINE)'),
+        ("FINE = (24, 24, 60, 5, 10)", "FINE = (8, 8, 20, 2, 5)"),
+        ('"slipping_coil": (16, 16, 40, 4, 10)', '"slipping_coil": (8, 6, 20, 2, 5)'),
+    ],
+    "benchmarks/time_steps.py": [
+        ("STEPS, FINEST = (10, 20, 40, 80, 160), 640", "STEPS, FINEST = (20,), 80"),
+        ("LEVELS = (5.0, 30.0)", "LEVELS = (30.0,)"),
+    ],
+    "tools/coil_table.py": [
+        (
+            "MESHES = [((12, 8, 2), (12, 8, 1)), ((16, 16, 3), (20, 12, 1)), ((20, 24, 4), (24, 20, 1)), "
+            "((24, 32, 6), (32, 32, 2))]",
+            "MESHES = [((8, 2, 1), (8, 2, 1)), ((8, 3, 1), (8, 3, 1))]",
+        ),
+        ("((20, 12, 1), (40, 40, 1))", "((8, 3, 1),)"),
+    ],
+    "tools/harmonic_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ("BANDS = {1.0e4: (120, 150), 3.0e4: (134, 158), 1.0e5: (144, 164), ", "BANDS = {"),
+        ("RATES = (2.0, 0.5, 0.125)", "RATES = (30.0,)"),
+    ],
+    "tools/layers_table.py": [
+        ("circumferential: 12, axial: 6, grading: 3", "circumferential: 8, axial: 2"),
+        ('"excitation.cycles=12"', '"excitation.cycles=2"'),
+        (" for level in LEVELS] + [(LEVELS[0], 80, 2e-3), (LEVELS[2], 40, 1e-3)]", " for level in LEVELS[:1]]"),
+    ],
+    "tools/low_pressure_table.py": [
+        ("PRESSURES = (0.0, 1.0, 10.0, 100.0, 1000.0)", "PRESSURES = (0.0, 1000.0)"),
+        ("LEVELS = {1: (0.5, 5.0, 20.0), 5: (0.5, 5.0)}", "LEVELS = {1: (0.5,)}"),
+    ],
+    "tools/reduced_table.py": [
+        ("circumferential: 30, axial: 10", "circumferential: 8, axial: 2"),
+        ('"10 kPa": 1.0e4, "30 kPa": 3.0e4, "100 kPa"', '"100 kPa"'),
+        ("excitation.f_start=174", "excitation.f_start=130"),
+    ],
+    "tools/make_figures.py": [
+        ('PRESSURES = {"10 kPa": "1.0e4", "30 kPa": "3.0e4", ', "PRESSURES = {"),
+        ('["mesh.circumferential=24", "mesh.axial=12"]', '["mesh.circumferential=8", "mesh.axial=2"]'),
+        ("((16, 8), (32, 16), (40, 20))", "((8, 2), (8, 4))"),
+        ('words[0], "--out"', 'words[0], "--set", "output.figures=true", "--out"'),
+        ('{"main": ["configs/lab_sweep.yaml"]', '{"main": ["configs/lab_sweep.yaml", "excitation.amplitude=50"]'),
+        (
+            "(RUNS / source, FIGURES / target)\n",
+            "(RUNS / source, FIGURES / target)\n    STUDIES.clear()  # in full size\n",
+        ),
+    ],
+}
+"""File of the tool -> text of its constants, and what stands there in the scratch copy: coarse meshes, few values."""
