@@ -307,11 +307,12 @@ def test_five_layers_that_rattle_slip_where_the_exact_solver_says() -> None:
 
     With its estimate of a fifth, `reduced` would fall back to `condensed`. Where the basis grows depends on rounding:
     pressures that differ by 1e-12 to 1e-6 of themselves have errors of 0.8 to 1.7 %; `condensed` moves by 2e-5.
+    So the limit of 1 % is met on some machines alone.
     """
     right, history = (five_layers(200.0, method) for method in ("condensed", "reduced"))
     assert float(right["open_fraction"].max()) > 0.08
     assert right.attrs["step_cuts"] == 0
-    assert tip_error(history, right) < min(0.025, history.attrs["reduction_error_estimate"])
+    assert tip_error(history, right) < 1e-2
     assert np.mean(history["slipped"].values != right["slipped"].values) < 0.02
     work = [float(run["friction_energy"][-1]) for run in (history, right)]
     assert work[0] == pytest.approx(work[1], rel=0.02)
