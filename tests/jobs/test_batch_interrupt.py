@@ -8,8 +8,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from filelock import FileLock
@@ -164,6 +168,36 @@ def test_an_orphan_still_at_work_is_waited_for(tmp_path: Path) -> None:
         assert orphan.stdout.readline() == "held\n"
         [outcome] = run_grid(grid, tmp_path / "out")
     assert outcome.status == "complete"
+
+
+class Busy(HerePool):
+    """Pool with cases of another batch, and with cases that have ended a moment ago."""
+
+    def submit(self, jobs: Sequence[Job]) -> list[Future[Ended]]:
+        self.names = [job.folder.name for job in jobs]
+        return super().submit(jobs)
+
+    def at_work(self) -> dict[str, float]:
+        return dict.fromkeys(("of another batch", *self.names), time.time() - 1000.0)
+
+
+class Told(SilentProgress):
+    """Keeps what the display of a batch shows."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.shown: list[tuple[str, float | None]] = []
+
+    @contextmanager
+    def stage(self, name: str, total: int, unit: str = "") -> Iterator[Any]:
+        told = self.shown
+        yield SimpleNamespace(update=lambda _, note="", left=None: told.append((note, left)))
+
+
+def test_the_display_counts_the_cases_of_its_own_batch_that_have_not_ended(tmp_path: Path) -> None:
+    told = Told()
+    run_grid(load_grid(grid_file(tmp_path, QUICK)), tmp_path / "out", pool=Busy(1), progress=told)
+    assert told.shown == [("", 0.0)]  # all have ended
 
 
 # ---- failed cases ----------------------------------------------------------------------------------

@@ -171,7 +171,8 @@ def _run_some(
                 for future in ended:
                     member = pending.pop(future)
                     finished(_outcome(member, future), seen.get(member.name, counts.begun))
-                running = pool.at_work()
+                names = {member.name for member in pending.values()}  # the pool may have others, of another batch
+                running = {name: start for name, start in pool.at_work().items() if name in names}
                 seen |= running
                 stage.update(counts.done, counts.note(running), counts.left(running))
         except KeyboardInterrupt:

@@ -51,7 +51,8 @@ class BatchProgress:
             return nan
         now, mean = time.time(), max(sum(self.seconds) / len(self.seconds), 1e-3)
         shares = sum(min((now - start) / mean, 0.9) for start in running.values())
-        return (now - self.begun) * (self.total - self.done - shares) / (len(self.seconds) + shares)
+        undone = max(self.total - self.done - shares, 0.0)
+        return (now - self.begun) * undone / (len(self.seconds) + shares)
 
     def note(self, running: Mapping[str, float]) -> str:
         """Text with the number of failed cases and the names of the running cases."""
