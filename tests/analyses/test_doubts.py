@@ -80,6 +80,21 @@ def test_a_sweep_that_misses_the_resonance_gives_none() -> None:
     assert any("no resonance inside" in text for text in summary["warnings"])
 
 
+def test_a_fast_sweep_without_a_half_power_point_is_told_its_rate_and_its_time_step() -> None:
+    """The band ends just above the peak; the remarks about zeta stand although there is none."""
+    coarse = ["integrator.steps_per_cycle=12", "solver.allow_coarse=true", "excitation.ramp_cycles=3"]
+    progress = SilentProgress()
+    found = wf.run(wf.load_case(OSCILLATOR, [*FAST, *coarse, "excitation.f_end=19.8"]), progress=progress).attrs
+    assert 15.0 < found["f_n_hz"] < 18.0
+    assert np.isnan([found["zeta"], found["zeta_apparent"], found["half_power_high_hz"]]).all()
+    reasons = found["zeta_doubts"].split("\n")
+    assert found["zeta_quality"] == "invalid"
+    assert "no half-power point" in reasons[0]
+    assert "ISO 7626-2 limit" in reasons[1]
+    assert "the time step changes |T|" in reasons[2]
+    assert set(reasons) <= set(progress.warnings)
+
+
 def test_a_periodic_motion_far_from_resonance_has_a_balance_and_no_resonance() -> None:
     """Nothing slips there: friction work and input are rounding, and their ratio was 126 %."""
     words = [

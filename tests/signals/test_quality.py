@@ -122,6 +122,21 @@ def test_curve_without_resonance_or_half_power_point_is_invalid_with_its_reason(
     _, half = judged(f, steady(f, F_N, 0.01))
     assert half.grade == "invalid"
     assert "no half-power point between" in half.reasons[0]
+    assert half.reasons[1:] == ()
+
+
+def test_what_is_known_besides_is_told_without_a_damping_ratio():
+    """Ringing hides half-power points, so that the rate of the sweep is judged by the height of the peak."""
+    f = np.linspace(149.5, 170.0, 401)
+    for share, words in ((0.01, ["half-power", "a remark"]), (4.0, ["half-power", "ISO 7626-2 limit", "a remark"])):
+        motion = Chirp(5.0, 140.0, 170.0, share * sweep_rate_limit(F_N, 0.01))
+        _, quality = judged(f, steady(f, F_N, 0.01), motion=motion, remarks=("a remark",))
+        assert quality.grade == "invalid"
+        assert len(quality.reasons) == len(words)
+        assert all(word in text for word, text in zip(words, quality.reasons, strict=True))
+    away = np.linspace(100.0, 140.0, 401)
+    _, none = judged(away, steady(away, F_N, 0.01), motion=motion, remarks=("a remark",))
+    assert none.reasons == (none.reasons[0], "a remark")
 
 
 def test_worst_reason_comes_first():

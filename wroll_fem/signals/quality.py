@@ -130,9 +130,11 @@ def judge(read: CurveDamping, frequency: FloatArray, magnitude: FloatArray, know
         What is known besides.
     """
     told = tuple(text for text in read.warnings if text != read.shape.note)
-    if not read.damping.found or not read.shape.resonant:
-        return Quality("invalid", told or (read.damping.reason or read.shape.reason,))
     curve = _Curve(read, frequency, magnitude, known)
+    if not read.damping.found or not read.shape.resonant:
+        # a sweep that is too fast may be what hides a half-power point
+        reasons = *(told or (read.damping.reason or read.shape.reason,)), *(doubt.text for doubt in _sweep_rate(curve))
+        return Quality("invalid", tuple(dict.fromkeys(text for text in (*reasons, *known.remarks) if text)))
     found = [doubt for check in _CHECKS for doubt in check(curve)]
     found += [_Doubt("doubtful", text) for text in (*told, *known.remarks) if text]
     worst = [doubt.text for doubt in found if doubt.grade == "invalid"]
