@@ -198,8 +198,9 @@ def test_forecast_and_matrices_take_the_law_of_each_interface() -> None:
     ],
 )
 def test_wrong_input_is_told_in_one_line(changed: list[str], told: str) -> None:
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=told) as error:
         roll(3, "coil.per_wrap=true", "preload={kind: external_pressure, pressure: 1e4}", *changed)
+    assert "\n" not in str(error.value)
 
 
 def test_a_solid_coil_has_its_own_section() -> None:

@@ -94,13 +94,13 @@ def test_shear_at_a_point_has_stiffness_limit_and_loop_of_its_own_modulus() -> N
         tau = tangentials(trial(jump, at)).copy()
         at = trial.committed(factor * u, jump)
         expected = factor * strain / size[:, None] * np.minimum(G * size, limit)[:, None]
-        np.testing.assert_allclose(tau, expected, rtol=1e-9)
+        np.testing.assert_allclose(tau, expected, rtol=1e-10)
         plastic.append(factor * strain - tau / G[:, None])
     slides = size > limit / G
     assert 0.2 < slides.mean() < 0.9
     loop = sum(limit * np.linalg.norm(b - a, axis=1) for a, b in pairwise(plastic))
     exact = np.where(slides, 4.0 * limit * (size - limit / G), 0.0)
-    np.testing.assert_allclose(loop, exact, atol=1e-9 * exact.max())
+    np.testing.assert_allclose(loop, exact, atol=1e-10 * exact.max())
 
 
 def test_the_stuck_stiffness_has_the_modulus_of_each_point() -> None:
