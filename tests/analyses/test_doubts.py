@@ -13,8 +13,9 @@ from support.paths import CONFIGS
 
 import wroll_fem as wf
 from wroll_fem.analyses.backbone import range_remark
+from wroll_fem.analyses.shared import small_displacement
 from wroll_fem.analyses.shared.doubts import doubts
-from wroll_fem.analyses.shared.small_displacement import flattening
+from wroll_fem.analyses.shared.small_displacement import flattening, largest_tip
 from wroll_fem.case import OnRoll
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.jobs.run import run_case
@@ -52,7 +53,10 @@ def test_a_warning_is_passed_on_once() -> None:
     assert (inner.stages, inner.infos) == (["stage"], ["information"])
 
 
-@pytest.mark.parametrize(("file", "remedy"), [("oscillator", "steps_per_cycle"), ("lab_harmonic", "harmonic.samples")])
+@pytest.mark.parametrize(
+    ("file", "remedy"),
+    [("oscillator", "steps_per_cycle"), ("lab_harmonic", "harmonic.samples"), ("two_dof", "two_dof.method: time")],
+)
 def test_an_open_energy_balance_is_a_doubt(file: str, remedy: str) -> None:
     case = wf.load_case(CONFIGS / f"{file}.yaml")
     assert doubts(xr.Dataset(), {"energy_balance_error": 0.0049}, case) == []
@@ -145,6 +149,45 @@ def test_motions_beyond_small_displacement_theory_are_told(tip: float, slip: flo
     told = doubts(data, {"max_relative_displacement_m": slip}, case)
     assert len(told) == len(words)
     assert all(word in text for word, text in zip(words, told, strict=True))
+
+
+RANDOM = "excitation={kind: random, psd: {frequency: [120, 200], g2_per_hz: [1e-3, 1e-3]}, duration: 2}"
+TINY = "mesh={circumferential: 8, axial: 3, grading: 3}"
+
+
+@pytest.mark.parametrize(
+    ("changed", "sigmas"),
+    [
+        (["analysis=random", RANDOM, "excitation.levels=[0.5, 1]", "output.damping=rational_fraction"], [True, False]),
+        (["analysis=random_response", RANDOM, "backbone={tip_largest: 2e-4}", "damping.modal=0.01"], [True, True]),
+        (["analysis=dwell", "excitation={kind: dwell, frequency: 150, amplitude: 5, cycles: 6}"], [False, False]),
+        (["analysis=harmonic"], [False, False]),
+    ],
+)
+def test_every_shaken_roll_is_judged_by_small_displacement_theory(
+    changed: list[str], sigmas: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With limits that every motion exceeds, tip and slip are told in the warnings of a real run."""
+    for name in ("STIFFNESS_ERROR", "SLIP_OF_RADIUS", "SLIP_OF_ELEMENT"):
+        monkeypatch.setattr(small_displacement, name, 1e-12)
+    case = wf.load_case(CONFIGS / "lab_harmonic.yaml", [*changed, TINY, "output.figures=false"])
+    warnings = wf.run(case, progress=SilentProgress()).attrs["warnings"].split("\n")
+    for words, random in zip(("the tip moves by", "layers slide by up to"), sigmas, strict=True):
+        [text] = [text for text in warnings if text.startswith(words)]
+        assert ("(three standard deviations)" in text) == random
+
+
+def test_a_random_response_is_judged_at_three_standard_deviations_of_its_highest_level() -> None:
+    """Its backbone may go further: what it could be is not what it is."""
+    data = xr.Dataset(
+        {"tip_displacement_rms_at_level": ("level_db", [1e-4, 2e-3])}, {"tip_amplitude": [1e-6, 1e-1]},
+        {"tip_displacement_rms_m": 1e-4},
+    )  # fmt: skip
+    assert largest_tip(data)[0] == pytest.approx(6e-3)
+    case = wf.load_case(CONFIGS / "lab_random_response.yaml")
+    [text] = doubts(data, {"slip_rms_m": [1e-6]}, case)
+    assert text.startswith("the tip moves by 6 mm (three standard deviations), beyond small-displacement theory")
+    assert doubts(data.isel(level_db=[0]), {"slip_rms_m": [1e-6]}, case) == []
 
 
 def test_a_level_that_opens_the_coil_widely_is_a_warning() -> None:

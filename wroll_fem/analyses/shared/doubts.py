@@ -41,11 +41,11 @@ def _energy(dataset: xr.Dataset, summary: Mapping[str, Any], case: Case) -> list
     gap = summary.get("energy_balance_error")
     if gap is None or gap <= ENERGY_ERROR:
         return []
-    remedy = (
-        "raise harmonic.samples and harmonic.max_periods"
-        if case.analysis in ("harmonic", "backbone")
-        else "raise integrator.steps_per_cycle or use solver.method: condensed"
-    )
+    remedy = "raise integrator.steps_per_cycle or use solver.method: condensed"
+    if case.analysis in ("harmonic", "backbone"):
+        remedy = "raise harmonic.samples and harmonic.max_periods"
+    elif case.analysis == "two_dof":
+        remedy = "compare with two_dof.method: time"
     return [f"the energy balance error is {100 * gap:.2g} % of the input: the numbers are doubtful; {remedy}"]
 
 

@@ -40,6 +40,9 @@ the tip, above which a run warns."""
 SLIP_OF_RADIUS, SLIP_OF_ELEMENT = 0.01, 0.1
 """Slip divided by the radius, and slip divided by the smallest element edge, above which a run warns."""
 
+SIGMAS, OF_RANDOM = 3.0, " (three standard deviations)"
+"""Motion at which a random response is judged, in standard deviations, where no largest value is known."""
+
 
 def flattening(roll: RollSections, tip: float) -> float:
     """Relative loss of bending stiffness at the root due to flattening, for a tip displacement ``tip`` in m.
@@ -64,7 +67,7 @@ def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: C
     Parameters
     ----------
     dataset
-        Results, with `tip_displacement`, `tip_amplitude`, or (the levels asked for) `tip_at_level`.
+        Results, with the tip motion that `largest_tip` looks for.
     summary
         Entries of summary.json.
     case
@@ -72,33 +75,55 @@ def displacement_doubts(dataset: xr.Dataset, summary: Mapping[str, Any], case: C
     """
     if not isinstance(case, OnRoll):
         return []
-    return [*_of_tip(dataset, case), *_of_slip(summary.get("max_relative_displacement_m"), case)]
+    return [*_of_tip(largest_tip(dataset), case), *_of_slip(*_largest_slip(summary), case)]
 
 
-def _of_tip(dataset: xr.Dataset, case: OnRoll) -> list[str]:
-    wanted = ("tip_at_level",) if "tip_at_level" in dataset.variables else ("tip_displacement", "tip_amplitude")
-    names = [name for name in wanted if name in dataset.variables]
-    tip = max((float(np.abs(dataset[name].fillna(0.0).values).max(initial=0.0)) for name in names), default=0.0)
+def largest_tip(dataset: xr.Dataset) -> tuple[float, str]:
+    """Largest tip displacement of results, m, and a text on its meaning: `SIGMAS` standard deviations of random motion.
+
+    It is that of the levels asked for, if there are levels, and not that of a backbone that goes beyond them.
+    """
+    if "tip_displacement_rms_at_level" in dataset.variables:
+        rms = float(dataset.attrs.get("tip_displacement_rms_m", 0.0))
+        return SIGMAS * max(rms, _largest(dataset, "tip_displacement_rms_at_level")), OF_RANDOM
+    names = ("tip_at_level",) if "tip_at_level" in dataset.variables else ("tip_displacement", "tip_amplitude")
+    return max(_largest(dataset, name) for name in names), ""
+
+
+def _largest(dataset: xr.Dataset, name: str) -> float:
+    if name not in dataset.variables:
+        return 0.0
+    return float(np.abs(dataset[name].fillna(0.0).values).max(initial=0.0))
+
+
+def _largest_slip(summary: Mapping[str, Any]) -> tuple[float, str]:
+    """Largest relative displacement of layers, m, and a text on its meaning; 0 without one."""
+    if (rms := summary.get("slip_rms_m")) is not None:
+        return SIGMAS * float(np.max(rms, initial=0.0)), OF_RANDOM
+    found = summary.get("max_relative_displacement_m", summary.get("level_max_slip_m", 0.0))
+    return float(np.max(np.nan_to_num(np.asarray(found, float)), initial=0.0)), ""
+
+
+def _of_tip(largest: tuple[float, str], case: OnRoll) -> list[str]:
+    tip, meaning = largest
     loss, rotation = flattening(case, tip), 0.5 * (1.5 * tip / case.geometry.length) ** 2
     if max(loss, rotation) <= STIFFNESS_ERROR:
         return []
     part, what = max((loss, "flattening of the tube"), (rotation, "rotation of the tip"))
     return [
-        f"the tip moves by {1e3 * tip:.2g} mm, beyond small-displacement theory: {what} is neglected, "
+        f"the tip moves by {1e3 * tip:.2g} mm{meaning}, beyond small-displacement theory: {what} is neglected, "
         f"with a relative error of up to {100 * part:.2g} %; it is below {100 * STIFFNESS_ERROR:.0f} % up to a tip "
         f"motion of {1e3 * tip * math.sqrt(STIFFNESS_ERROR / part):.2g} mm"
     ]
 
 
-def _of_slip(slip: float | None, case: OnRoll) -> list[str]:
-    if slip is None:
-        return []
+def _of_slip(slip: float, meaning: str, case: OnRoll) -> list[str]:
     radius, mesh = 0.5 * case.geometry.mandrel_outer_diameter, case.mesh
     edge = min(2.0 * math.pi * radius / mesh.circumferential, root_element_height(case))
     limit = SLIP_OF_RADIUS * radius if mesh.file is not None else min(SLIP_OF_RADIUS * radius, SLIP_OF_ELEMENT * edge)
     if slip <= limit:
         return []
     return [
-        f"layers slide by up to {1e3 * slip:.2g} mm, {100 * slip / radius:.2g} % of the radius: contact points "
+        f"layers slide by up to {1e3 * slip:.2g} mm{meaning}, {100 * slip / radius:.2g} % of the radius: contact points "
         f"are matched only once, which is accurate up to {1e3 * limit:.2g} mm: results at larger slip are doubtful"
     ]
