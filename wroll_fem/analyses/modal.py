@@ -18,7 +18,7 @@ from wroll_fem.analyses.shared.material_damping import mode_ratios, with_damping
 from wroll_fem.analyses.shared.mode_shapes import shape_variables
 from wroll_fem.analyses.shared.preparation import prepare, read_structure
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
-from wroll_fem.analyses.shared.resolution import frequency_remark
+from wroll_fem.analyses.shared.resolution import edge_remark, frequency_remark
 from wroll_fem.analyses.shared.springs import linear_springs
 from wroll_fem.bodies.mode_shapes import align_pairs, classify_mode, effective_mass_fractions
 from wroll_fem.case.kinds import ModalCase, RollModalCase, StructureModalCase
@@ -80,8 +80,11 @@ def run_three_dimensional(case: RollModalCase, *, progress: Progress) -> xr.Data
     vectors = align_pairs(hertz, pairs.vectors, system.mass, influence)[:, : case.modal.count]
     hertz, residuals = hertz[: case.modal.count], pairs.residuals[: case.modal.count]
     kinds = [classify_mode(bodies, vector) for vector in vectors.T]
-    if remark := frequency_remark(case, [k.kind for k in kinds], hertz.tolist()):
-        progress.warning(remark)
+    # semi-analytical elements have no prestress
+    unresolved = "" if roll is not None else frequency_remark(case, [k.kind for k in kinds], hertz.tolist())
+    for remark in (unresolved, edge_remark(case, system)):
+        if remark:
+            progress.warning(remark)
     total = sum(body.mass_total for body in bodies)
     dataset = xr.Dataset(
         {

@@ -13,6 +13,7 @@ from wroll_fem.analyses.followed_mode import axisymmetric_mode, main_mode
 from wroll_fem.analyses.forecasts.computing_time import estimate_modes
 from wroll_fem.analyses.registry import Analysis
 from wroll_fem.analyses.shared import figures
+from wroll_fem.analyses.shared.resolution import frequency_remark
 from wroll_fem.analyses.slip_onset import slip_onset
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import STRONG, base_acceleration, pressure_change, slip_dataset, with_moduli
@@ -70,6 +71,8 @@ def run_slip_damping(case: SlipDampingCase, *, progress: Progress) -> xr.Dataset
     if case.coil.wrap_interfaces is not None:
         dataset = with_moduli(dataset, between)
     _warn(dataset, case, effective_mass(body, path, mode, case), progress)
+    if remark := frequency_remark(case, [case.excitation.mode], [dataset.attrs["f_stuck_hz"]], pairs=False):
+        progress.warning(remark)
     dataset.attrs |= slip_onset(path, points, mode, case)
     dataset.attrs |= {"solver_time_s": time.process_time() - started, "excitation_direction": case.direction}
     return annotate(dataset)

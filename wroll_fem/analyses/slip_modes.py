@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from wroll_fem.analyses.followed_mode import main_mode
+from wroll_fem.analyses.shared.resolution import frequency_remark
 from wroll_fem.analyses.slip_path import followed_path
 from wroll_fem.analyses.slip_results import base_acceleration
 from wroll_fem.blas import one_thread
@@ -55,6 +56,9 @@ def path_span(case: StructuralCase, system: System, state: ContactState, progres
         path = LoadPath(system, state)
         mode = main_mode(system, path)
         ratio = damping_ratio(system, path, mode)
+        stuck = float(np.sqrt(mode @ (path.stiffness @ mode))) / (2.0 * np.pi)
+        if isinstance(case, OnRoll) and (remark := frequency_remark(case, ["bending"], [stuck], pairs=False)):
+            progress.warning(remark)
         tip, level = _wanted(case)
 
         def reached(found: ModalPath) -> bool:

@@ -20,6 +20,7 @@ from wroll_fem.signals.base_motion import sweep_rate_limit
 
 if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, RandomCase, ShockCase, SweepCase
+    from wroll_fem.case.kinds import BucklingCase, ModalCase
     from wroll_fem.case.preload import Preload
 
 
@@ -185,6 +186,29 @@ def _external_pressures(case: OnRoll, preload: Preload) -> list[float]:
     return external_pressures(case, preload, case.wound)
 
 
+def unresolved_shear_lag(case: StructuralCase) -> list[str]:
+    """Warn about a root element that is higher than the shear-lag length of the interfaces."""
+    if not isinstance(case, OnRoll) or not case.coil.has_interfaces or case.preload is None or case.contact is None:
+        return []
+    pressures = interface_pressures(case)
+    if case.mesh.file is not None or not any(pressures):
+        return []
+    lags = [shear_lag_length(case, law, p) for law, p in zip(case.interface_laws, pressures, strict=True)]
+    lag, height = min(lags), root_element_height(case)
+    if height <= lag:
+        return []
+    return [
+        f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
+        f"length at {pressures[lags.index(lag)] / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
+        f"a few per cent; raise mesh.axial (about {math.ceil(case.mesh.axial * height / lag)}) or mesh.grading"
+    ]
+
+
+def sticking_shear_lag(case: ModalCase | BucklingCase) -> list[str]:
+    """`unresolved_shear_lag` of interfaces that stick in linear modes."""
+    return unresolved_shear_lag(case) if isinstance(case, OnRoll) and case.modal.interface == "stuck" else []
+
+
 def contact_warnings(case: StructuralCase) -> list[str]:
     """Warn about shear-lag resolution, friction law, buckling and low pressure of a roll with interfaces."""
     if not isinstance(case, OnRoll) or not case.coil.has_interfaces or case.preload is None:
@@ -192,16 +216,8 @@ def contact_warnings(case: StructuralCase) -> list[str]:
     pressures = interface_pressures(case)
     if not any(pressures):
         return []
-    warnings = []
-    lags = [shear_lag_length(case, law, p) for law, p in zip(case.interface_laws, pressures, strict=True)]
-    lag, height = min(lags), root_element_height(case)
-    if case.mesh.file is None and height > lag:
-        need = math.ceil(case.mesh.axial * height / lag)
-        warnings.append(
-            f"the mesh does not resolve the shear lag: the root element is {1e3 * height:.1f} mm high, the shear-lag "
-            f"length at {pressures[lags.index(lag)] / 1e3:.3g} kPa is {1e3 * lag:.1f} mm; peak and f_n can be off by "
-            f"a few per cent; raise mesh.axial (about {need}) or mesh.grading"
-        )
+    warnings = unresolved_shear_lag(case)
+    height = root_element_height(case)
     edge = math.sqrt(0.5 * case.geometry.mandrel_outer_diameter * case.geometry.mandrel_thickness)
     if case.coil.rubs and case.mesh.file is None and height > HIGHEST_AT_BASE * edge:
         warnings.append(
@@ -249,11 +265,11 @@ CHECKS: dict[str, tuple[Callable[[Any], list[str]], ...]] = {
     "harmonic": (missed_resonance, contact_warnings, slip_warnings, structure_warnings),
     "backbone": (contact_warnings, slip_warnings, structure_warnings),
     "random_response": (contact_warnings, slip_warnings, structure_warnings),
-    "modal": (structure_warnings,),
+    "modal": (structure_warnings, sticking_shear_lag),
     "modal_transient": (),
     "slip_damping": (),
     "preload": (contact_warnings, structure_warnings),
-    "buckling": (),
+    "buckling": (sticking_shear_lag,),
     "winding": (),
     "design_map": (),
     "two_dof": (),

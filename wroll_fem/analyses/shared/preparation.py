@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.material_damping import with_damping
 from wroll_fem.analyses.shared.prestress import add_geometric_stiffness, contact_state, prestressed_roll
-from wroll_fem.analyses.shared.resolution import system_remark
+from wroll_fem.analyses.shared.resolution import edge_remark, system_remark
 from wroll_fem.bodies.body import Body
 from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.contact import friction_law
@@ -64,8 +64,9 @@ def prepare(case: StructuralCase, progress: Progress) -> tuple[System, ContactSt
             system = replace(system, shell_stress=partial(_shell_stresses, case, bodies))
             stage.update(2, f"{system.n_dofs} DOFs, {system.n_points} contact points")
         bonded = case.coil.model == "bonded"
-        if remark := system_remark(case, system.bonded() if bonded else system):
-            progress.warning(remark)
+        for remark in (system_remark(case, system.bonded() if bonded else system), edge_remark(case, system)):
+            if remark:
+                progress.warning(remark)
         state, steps = None, case.preload_steps
         if roll is not None and (not system.interfaces or case.contact is None or bonded):
             system, state = contact_state(case, roll, system)

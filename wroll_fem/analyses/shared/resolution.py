@@ -1,4 +1,4 @@
-"""Mesh check for a roll without friction: its natural frequencies are compared with those of a finer mesh."""
+"""Mesh checks: natural frequencies without friction against those of a finer mesh, contact points at free edges."""
 
 from __future__ import annotations
 
@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 TOLERANCE = 0.01
 """Relative difference between the natural frequencies of the mesh and of the finer mesh, above which a run warns."""
 
-COILS = ("solid", "bonded")
-"""Coil models whose mesh is checked: elastic coils without friction, which semi-analytical elements can represent."""
+COILS = ("solid", "bonded", "nonstructural_mass", "none")
+"""Coil models whose mesh is checked: those without friction, which semi-analytical elements can represent."""
+
+AT_EDGE = 1e-6
+"""Distance of the highest contact point from the upper edge of its surface, relative to the length, up to which it lies
+on the edge."""
 
 _FINE = {"axial": 24, "grading": 12.0, "radial": 3, "radial_grading": 10.0}
 """Keys of the section `mesh` -> their smallest values in the finer mesh. Its semi-analytical elements are cubic.
@@ -33,8 +37,8 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     """Warning about the least accurate natural frequency, if its error exceeds `TOLERANCE`; empty otherwise.
 
     The reference is a finer mesh of semi-analytical (Fourier) elements, an independent discretisation of the same roll.
-    It takes about a second. Bending, ovalling and torsion are compared. Walls of plies or of variable thickness and
-    coils with margins are not checked: Fourier elements do not describe them.
+    It takes about a second. Bending, ovalling and torsion are compared. Walls of plies or of variable thickness, coils
+    with margins and coils whose moduli vary are not checked: Fourier elements do not describe them.
 
     Parameters
     ----------
@@ -47,7 +51,8 @@ def frequency_remark(case: OnRoll, kinds: Sequence[str], hertz: Sequence[float],
     """
     if case.coil.model not in COILS or case.mesh.file is not None or not case.suits_fourier:
         return ""
-    if case.coil.rubs and not (isinstance(case, ModalCase) and case.modal.interface == "bonded"):
+    bonded = isinstance(case, ModalCase) and case.modal.interface == "bonded"
+    if case.coil.wrap_interfaces is not None or (case.coil.rubs and not bonded):
         return ""  # Fourier elements have no springs between coil and mandrel
     from wroll_fem.fem.fourier_modes import symmetry_class_modes
     from wroll_fem.fem.fourier_roll import FourierRoll
@@ -77,6 +82,23 @@ def system_remark(case: OnRoll, system: System) -> str:
     pairs = solve_pairs(system.stiffness, system.mass, _LOWEST, DEFAULT_SHIFT)
     main = np.argmax(np.abs(pairs.vectors.T @ (system.mass @ system.influence)))
     return frequency_remark(case, ["bending"], [float(np.sqrt(pairs.values[main])) / (2 * np.pi)], pairs=False)
+
+
+def edge_remark(case: OnRoll, system: System) -> str:
+    """Warning about contact points at the vertices of a mesh from a file; empty if they are inside the elements.
+
+    Half an element at a free edge is then left to slide (`wroll_fem.mesh.contact_points`).
+    """
+    if case.mesh.file is None or not system.interfaces:
+        return ""
+    length = case.geometry.length
+    if all(length - float(interface.points[:, 1].max()) > AT_EDGE * length for interface in system.interfaces):
+        return ""
+    return (
+        "the elements of mesh.file form no rows of equal width, so that contact acts at their vertices: half an "
+        "element at a free edge is left to slide, and layers that stick are 1 to 2 % low in frequency; use rows, or "
+        "elements that are small at the edges"
+    )
 
 
 def fourier_remark(case: OnRoll) -> str:
@@ -120,5 +142,7 @@ def _described(kind: str, number: int, f: float, reference: float) -> str:
 
 
 def _remedy(case: OnRoll) -> str:
+    if case.coil.model in ("nonstructural_mass", "none"):
+        return "raise mesh.axial or mesh.circumferential (ovalling)"
     radial = ", mesh.radial or mesh.radial_grading" if case.coil.model == "solid" else ""
     return f"raise mesh.axial or mesh.grading (root of the coil){radial}, or mesh.circumferential (ovalling)"

@@ -124,6 +124,7 @@ def _of_slip(slip: float, meaning: str, case: OnRoll) -> list[str]:
     if slip <= limit:
         return []
     return [
-        f"layers slide by up to {1e3 * slip:.2g} mm{meaning}, {100 * slip / radius:.2g} % of the radius: contact points "
-        f"are matched only once, which is accurate up to {1e3 * limit:.2g} mm: results at larger slip are doubtful"
+        f"layers slide by up to {1e3 * slip:.2g} mm{meaning}, {100 * slip / radius:.2g} % of the radius: contact "
+        f"points are matched only once, which is accurate up to {1e3 * limit:.2g} mm: results at larger slip are "
+        "doubtful"
     ]
