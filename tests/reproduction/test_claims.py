@@ -390,5 +390,5 @@ def test_every_claim_gets_a_verdict_from_coarse_runs(tmp_path: Path) -> None:
     done = reproduce.reproduce([], tmp_path, fast=True)
     assert [one.claim for one in done.judged] == of_chapters([])
     assert NOT_COMPUTED not in {one.verdict.word for one in done.judged}
-    assert sum(one.verdict.word == NOT_YET for one in done.judged) == 14  # random, shock, rolls with a solid coil
+    assert NOT_YET not in {one.verdict.word for one in done.judged}
     assert page.unexplained(done.judged) == []
