@@ -16,10 +16,13 @@ from wroll_fem.analyses.backbone import range_remark
 from wroll_fem.analyses.shared import small_displacement
 from wroll_fem.analyses.shared.doubts import doubts
 from wroll_fem.analyses.shared.small_displacement import flattening, largest_tip
+from wroll_fem.analyses.shared.time_step import dwell_step_error, steps_per_cycle, time_step
 from wroll_fem.case import OnRoll
+from wroll_fem.case.kinds_history import RollDwellCase
 from wroll_fem.jobs.console import summary_lines
 from wroll_fem.jobs.run import run_case
 from wroll_fem.progress import KeptWarnings, SilentProgress
+from wroll_fem.signals.motions import base_motion
 
 OSCILLATOR = CONFIGS / "oscillator.yaml"
 FAST = ["excitation.rate_oct_per_min=20", "integrator.steps_per_cycle=20", "output.figures=false"]
@@ -73,6 +76,20 @@ def test_a_dwell_that_is_not_steady_is_marked() -> None:
     assert summary["steady_drift"] > 0.02
     assert "steady_drift" in summary["steady_doubt"]
     assert any("steady_magnitude is doubtful" in text for text in summary["warnings"])
+
+
+@pytest.mark.parametrize(("noise", "told"), [(0.0, False), (2.0, True)])
+def test_an_error_by_the_time_step_that_cannot_be_estimated_is_told(noise: float, told: bool) -> None:
+    """The motion of one oscillator, with and without a noise that no oscillator follows."""
+    case = wf.load_case(CONFIGS / "lab_dwell.yaml").expect(RollDwellCase)
+    time = np.arange(2000) * time_step(case)
+    motion = base_motion(case.excitation)
+    tip = -motion.acceleration(time) / (2.0 * np.pi * 500.0) ** 2  # far below the resonance
+    tip += noise * np.abs(tip).max() * np.random.default_rng(3).standard_normal(len(tip))
+    error, text = dwell_step_error(case, xr.Dataset({"tip_displacement": ("time", tip)}))
+    assert np.isnan(error) == told
+    assert text.startswith("the error by the time step is unknown") == told
+    assert not told or text.endswith(f"integrator.steps_per_cycle: {2 * steps_per_cycle(case)}")
 
 
 def test_a_sweep_that_misses_the_resonance_gives_none() -> None:

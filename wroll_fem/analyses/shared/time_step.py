@@ -140,7 +140,7 @@ def step_at(history: xr.Dataset, frequency: float) -> float:
 def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
     """Error of a dwell due to its time step, relative to the largest displacement, and a warning ("" if it is small).
 
-    The error is nan if no oscillator describes the history.
+    The error is nan, with a warning, if no oscillator describes the history.
     """
     scheme, dt = Scheme.named(case.integrator.scheme, case.integrator.alpha), time_step(case)
     motion, tip = base_motion(case.excitation), history["tip_displacement"].values
@@ -148,7 +148,11 @@ def dwell_step_error(case: DwellCase, history: xr.Dataset) -> tuple[float, str]:
         return _unknown(case)
     oscillator, misfit = fitted_oscillator(scheme, dt, motion, tip)  # type: ignore[arg-type]
     if misfit > USEFUL_FIT:
-        return _unknown(case)
+        error, text = _unknown(case)
+        return error, text or (
+            "the error by the time step is unknown: the oscillator that fits the history best misses "
+            f"{100 * misfit:.0f} % of it (rms); compare with integrator.steps_per_cycle: {2 * steps_per_cycle(case)}"
+        )
     error = history_error(scheme, dt, motion, oscillator)
     return error, _warning("the history", error, WANTED, case, oscillator, dt)
 
