@@ -15,14 +15,15 @@ from wroll_fem.signals.sweeps import Chirp, LinearSweep, Profile, Sweep, sweep_o
 from wroll_fem.signals.transmissibility import demodulated
 
 
-def sweeps(seed: int) -> list[Sweep]:
+def sweeps(seed: int, profile: Profile = Profile()) -> list[Sweep]:  # noqa: B008  frozen
     """Sweep of each law, upward and downward, over the same random band in the same time."""
     rng = np.random.default_rng([16, seed])
     low = rng.uniform(5.0, 60.0)
     high, seconds = low * rng.uniform(1.2, 8.0), rng.uniform(0.5, 5.0)
     octaves, slope = 60.0 * np.log2(high / low) / seconds, (high - low) / seconds
     ends = (low, high), (high, low)
-    return [Chirp(3.0, *end, octaves) for end in ends] + [LinearSweep(3.0, *end, slope) for end in ends]
+    laws = (Chirp, octaves), (LinearSweep, slope)
+    return [law(3.0, *end, rate, 0.0, profile) for law, rate in laws for end in ends]
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -42,16 +43,23 @@ def test_phase_is_the_integral_of_the_frequency(seed, kind):
     assert sweep.rate_at(float(sweep.frequency(middle[200]))) == pytest.approx(abs(octaves), rel=1e-4)
 
 
+TABLE = Profile((20.0, 35.0, 60.0, 90.0), (1.0, 0.3, 2.5, 0.6))
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("law", [0, 2])
-def test_a_downward_sweep_is_the_upward_sweep_reversed_in_time(seed, law):
-    up, down = sweeps(seed)[law : law + 2]
+@pytest.mark.parametrize("profile", [Profile(), TABLE])
+def test_a_downward_sweep_is_the_upward_sweep_reversed_in_time(seed, law, profile):
+    """Constant amplitude, and amplitudes from a table over the frequency."""
+    up, down = sweeps(seed, profile)[law : law + 2]
     assert down.duration == pytest.approx(up.duration, rel=1e-12)
     t = np.linspace(0.0, up.duration, 1001)
     np.testing.assert_allclose(down.frequency(t), up.frequency(up.duration - t), rtol=1e-9)
     total = float(up.phase(up.duration))
-    reversed_motion = up.amplitude * np.sin(total - up.phase(up.duration - t))
-    np.testing.assert_allclose(down.acceleration(t), reversed_motion, atol=1e-6 * up.amplitude)
+    size = up.amplitude * profile(up.frequency(up.duration - t))
+    np.testing.assert_allclose(
+        down.acceleration(t), size * np.sin(total - up.phase(up.duration - t)), atol=1e-6 * np.max(size)
+    )
 
 
 @pytest.mark.parametrize("kind", range(4))
