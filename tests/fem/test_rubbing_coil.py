@@ -12,7 +12,7 @@ from support.rubbing_roll import SECTIONS, roll
 
 from wroll_fem.analyses import history as history_module
 from wroll_fem.analyses import run_analysis, summarise
-from wroll_fem.analyses.forecasts.closed_forms import interface_pressures
+from wroll_fem.analyses.forecasts.closed_forms import buckling_pressure, interface_pressures
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.analyses.shared.preflight import contact_warnings
 from wroll_fem.analyses.shared.preparation import prepare
@@ -276,8 +276,18 @@ def test_a_bare_edge_and_a_coarse_root_are_warned_about() -> None:
     ]
     coarse = contact_warnings(roll(**pressed, mesh={"axial": 6, "grading": 1}))
     assert any("50.0 mm high, but the wall bends within sqrt(R t) = 7.7 mm" in warning for warning in coarse)
-    buckled = contact_warnings(roll(**fine, preload={"kind": "winding_stress", "pressure": 1e6}))
-    assert any("times the linear hoop-buckling pressure of the tube alone" in warning for warning in buckled)
+    case = roll(**fine, preload={"kind": "winding_stress", "pressure": 1e6})
+    [buckled] = (text for text in contact_warnings(case) if "hoop-buckling pressure of the tube alone" in text)
+    assert f"with about 1e+03 kPa, {1e6 / buckling_pressure(case):.3g} times the linear" in buckled
+
+
+def test_a_chirp_balances_its_energy_while_the_coil_slides() -> None:
+    """Input work against stored energy, friction and the rest, through the resonance: 0.1 %."""
+    excitation = {"amplitude": 20.0, "f_start": 110, "f_end": 200, "rate_oct_per_min": 120, "ramp_cycles": 2}
+    case = roll("sweep", excitation=excitation, preload={"pressure": 3e4}, solver={"method": "condensed"})
+    found = summarise(run_analysis(case, progress=SilentProgress()))
+    assert found["energy_balance_error"] < 1e-3
+    assert found["friction_energy_j"] > 0.3 * found["input_work_j"]
 
 
 @pytest.mark.parametrize("missing", ["contact", "preload"])
