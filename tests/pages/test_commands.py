@@ -128,6 +128,7 @@ SLOW = tuple(
 
 ELSEWHERE = {
     "make test": "runs this test",
+    "make test-all": "runs this test",
     "make run": "the job of `wroll run configs/lab_sweep.yaml`, here and in tests/test_runs.py on coarse meshes",
     "make lint": "run by .ci/run",
     "make docs": "tests/pages/test_docs.py builds the site",
