@@ -22,6 +22,13 @@ def test_a_damaged_measurement_ends_neither_in_a_traceback_nor_in_a_hang(name: s
     assert slowest < 5.0
 
 
+def test_a_record_whose_fit_has_numbers_that_are_not_finite_is_read() -> None:
+    """Number 8950 of the first seed: LAPACK ended in a SystemError."""
+    outcomes, defects, _ = run(["shaker npz"], 1, seed=1, first=8950)
+    assert not defects
+    assert outcomes["shaker npz", "read"] == 1
+
+
 def test_whole_measurements_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tests.fuzz.laboratory_originals.changed", lambda columns, chance: columns)
     outcomes, defects, _ = run(["tension", "shaker npz"], 8, seed=3)

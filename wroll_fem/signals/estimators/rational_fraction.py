@@ -124,9 +124,17 @@ def _basis(s: ComplexArray, poles: ComplexArray) -> ComplexArray:
 
 
 def _solve(columns: ComplexArray, right: ComplexArray) -> FloatArray:
-    """Real least-squares solution of complex linear equations; the columns are scaled."""
+    """Real least-squares solution of complex linear equations; the columns are scaled.
+
+    Raises
+    ------
+    LinAlgError
+        If an entry is not finite, because a pole lies on a frequency or a column is zero, or nothing converges.
+    """
     A, b = np.vstack([columns.real, columns.imag]), np.concatenate([right.real, right.imag])
     scale = np.linalg.norm(A, axis=0)
+    if not (np.isfinite(A).all() and np.isfinite(b).all() and scale.all()):
+        raise np.linalg.LinAlgError("the equations of the fit are not finite")  # LAPACK may end in a SystemError
     return np.linalg.lstsq(A / scale, b, rcond=None)[0] / scale
 
 
