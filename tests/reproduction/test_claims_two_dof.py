@@ -207,7 +207,7 @@ def test_both_models_are_drawn_side_by_side(evidence: Evidence, monkeypatch: pyt
     members = layer_space()
     mandrel = xr.Dataset({"mode_frequency": ("mode", [150.0, 900.0]), "tip_participation": ("mode", [1.4, 0.3])})
     masses = evidence.result("two_dof", "two_dof.friction_capacity=[2, 20]", "two_dof.omega.points=30")
-    monkeypatch.setattr(evidence, "study", lambda _: members)
+    monkeypatch.setattr(evidence, "finished", lambda _: (members, []))
     monkeypatch.setattr(evidence, "result", lambda *_: mandrel)
     monkeypatch.setattr(two_dof_study, "series", lambda _: masses)
     ax = two_dof_figures.plot_both_models(evidence)
@@ -221,11 +221,13 @@ def test_maps_and_lines_of_largest_damping_are_drawn(evidence: Evidence, monkeyp
     members = layer_space()
     space = xr.Dataset({"zeta_max": (("m2", "k2"), np.outer([0.1, 0.2], [1.0, 2.0]))}, {"m2": [0.5, 1.0], "k2": [1, 2]})
     monkeypatch.setattr(evidence, "study", lambda _: members)
+    monkeypatch.setattr(evidence, "finished", lambda _: (members, [None]))
     monkeypatch.setattr(two_dof_study, "space", lambda _: space)
     monkeypatch.setattr(two_dof_study, "over_stiffness", lambda _: {1.15: 0.07, 2.3: 0.17})
     left = two_dof_figures.plot_layer_space(evidence)
     right = left.figure.axes[1]
-    assert "in 100 % of the steps" in right.get_title(loc="left").replace("\xa0", " ").replace("\n", " ")
+    title = right.get_title(loc="left").replace("\xa0", " ").replace("\n", " ")
+    assert "in 100 % of the steps; 1 of 9 cases have no curve" in title
     ax = two_dof_figures.plot_stiffness(evidence)
     masses, sweeps, steady = (line.get_xydata() for line in ax.get_lines())
     np.testing.assert_allclose(masses, [[1.0, 7.0], [2.0, 17.0]])
