@@ -40,7 +40,7 @@ class StageClock(SilentProgress):
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.process_time() - started
 
-    def update(self, done: float, note: str = "") -> None:
+    def update(self, done: float, note: str = "", left: float | None = None) -> None:
         """Nothing is shown."""
 
 

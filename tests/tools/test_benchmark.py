@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 from support.paths import ROOT
 
+from wroll_fem.analyses import run_analysis
+from wroll_fem.case import load_case
+
 
 @pytest.fixture
 def bench(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
@@ -55,6 +58,17 @@ def test_histories_are_compared_by_their_largest_difference(bench: ModuleType, t
     np.savez(tmp_path / "b.npz", tip=tip + np.array([0.0, 0.04, 0.0]), friction=np.array([0.0, 1.02]))
     assert bench.history_errors(tmp_path, "b", "a") == pytest.approx((0.01, 0.02))
     assert bench.history_errors(tmp_path, "a", "a") == bench.history_errors(tmp_path, "c", "a") == (None, None)
+
+
+def test_the_clock_of_a_job_takes_what_every_analysis_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Histories, and curves, which know no remaining time."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    import job
+
+    clock = job.StageClock()
+    case = load_case(ROOT / "configs" / "lab_harmonic.yaml", ["mesh={circumferential: 8, axial: 3, grading: 1}"])
+    run_analysis(case, progress=clock)
+    assert {"preload", "stress"} <= set(clock.seconds)
 
 
 @pytest.mark.slow
