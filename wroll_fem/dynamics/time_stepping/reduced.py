@@ -56,7 +56,8 @@ CHECK_EVERY = 17
 """Number of steps between two residual checks. It does not divide the usual numbers of steps per cycle, so that all
 phases of a cycle are checked.
 
-The last step of a block of time steps is checked as well: a growing motion is largest there."""
+The last step of a block of time steps is checked as well: a growing motion is largest there. Where contact points are
+open, turning points of the motion are checked as well (`reduced_kernel.is_checked`)."""
 
 SHAPE_SHARE = 0.3
 """Energy norm of a principal shape of the projection error, relative to the tolerance, above which the shape is added
@@ -242,7 +243,7 @@ class ReducedStepper(Stepper):
         m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
         modal = self._prepare(dt)
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
-        rows = np.zeros((len(acceleration) // CHECK_EVERY + 2, 3 * m + 3 * n + 1))
+        rows = np.zeros((len(acceleration), 3 * m + 3 * n + 1))
         checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
         done = self._run_loop(acceleration, dt, modal, newton, checks, records)
         if done < len(acceleration) - 1:

@@ -22,7 +22,7 @@ from wroll_fem.dynamics.time_stepping.modal_kernel import (
     predict,
     strain_energy,
 )
-from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
+from wroll_fem.dynamics.time_stepping.records import OPEN, STRAIN, record_contact
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
 from wroll_fem.numerics import newton as rates
 from wroll_fem.numerics.newton import REDUCED_RENEWAL
@@ -106,7 +106,7 @@ class ResidualChecks(NamedTuple):
 
     Attributes
     ----------
-    every : number of steps between two checked steps; the last step is checked too
+    every : number of steps between two checked steps; more steps are checked, see `is_checked`
     rows : (k, 3 m + 3 n + 1) output: displacement q (m,), acceleration a (m,), velocity v (m,), traction correction s
         (3 n,) and base acceleration of each checked step
     filled : (1,) output: number of rows filled
@@ -259,7 +259,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
         commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         records[number, STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
         record_contact(records[number], accumulated, iterations, trial.status)
-        if (number + 1) % checks.every == 0 or number == acceleration.shape[0] - 2:
+        if is_checked(number, acceleration.shape[0] - 2, records, checks.every):
             keep_row(motion, trial.s, ag_new, checks)
     return acceleration.shape[0] - 1
 
@@ -335,6 +335,21 @@ def commit_contact(trial, contact, reference, laws, dt, accumulated):
     contact.jump[:] = g
     contact.elastic_slip[:] = e
     contact.traction[:] = t
+
+
+@numba.njit(cache=True)
+def is_checked(number, last, records, every):
+    """Whether the step ``number`` is checked: each ``every``-th, the ``last`` one, and turning points of open contact.
+
+    Layers that have opened land on each other around the largest strain energy of each half cycle, where the shapes
+    that a basis lacks are large; ``records`` (k, record_size) are those of the steps up to this one.
+    """
+    if (number + 1) % every == 0 or number == last:
+        return True
+    if number < 2 or records[number, OPEN] == 0.0:
+        return False
+    before, turned, after = records[number - 2, STRAIN], records[number - 1, STRAIN], records[number, STRAIN]
+    return before <= turned and turned > after
 
 
 @numba.njit(cache=True)
