@@ -115,7 +115,7 @@ plt.show()
 
 # %%
 files = sorted(folder.glob("*.csv"))
-measured = wf.lab.evaluate("transmissibility", files, base_unit="g", conditions=conditions)
+measured = wf.lab.evaluate("transmissibility", files, base_unit="g", tip_unit="m/s^2", conditions=conditions)
 measured.plot("transmissibility")
 plt.show()
 measured.plot("damping")

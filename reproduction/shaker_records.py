@@ -50,7 +50,9 @@ def measured(histories: Mapping[str, xr.Dataset], **settings: Any) -> xr.Dataset
             files.append(Path(folder) / f"trial_{k}.npz")
             np.savez(files[-1], **dict(zip(("time", "base", "tip"), sampled(history), strict=True)))
             conditions.append({"files": [files[-1].name], "name": name})
-        found = evaluate("transmissibility", files, conditions=conditions, **settings)
+        found = evaluate(
+            "transmissibility", files, conditions=conditions, base_unit="m/s^2", tip_unit="m/s^2", **settings
+        )
     wanted = ["family_real", "family_imag", "base_level", "tip_level"]
     wanted += [f"condition_{name}" for name in ("f_n", "zeta", "peak", "f_n_error", "zeta_error")]
     data = found.data[wanted].drop_attrs().drop_vars("trial", errors="ignore")

@@ -199,6 +199,7 @@ def shaker(formats: Sequence[str]) -> Original:
         records.append(
             {"time": np.arange(base.size) / 512.0, "base": base, "tip": oscillator_tip(base, 1 / 512, 80.0, 0.05)}
         )
+    units = {"base_unit": "m/s^2", "tip_unit": "m/s^2"}
     names = {"base": "base", "tip": "tip"} if formats != ("uff",) else {"base": "1:+X", "tip": "2:+X"}
     others = {
         "method": ("auto", "random", "sweep"), "band": ((30.0, 180.0), (70.0, 90.0), (1.0, 3.0), (30.0, 250.0)),
@@ -207,7 +208,7 @@ def shaker(formats: Sequence[str]) -> Original:
         "base_unit": ("g", "mm", "um/s"), "tip_unit": ("m/s", "mm"), "tip_relative": (True,),
         "sampling_rate": (512.0, 1e-3, 1e9), "time": ("time", 1, 2), "base": (1, 2, 9, "tip"),
     }  # fmt: skip
-    return Records("transmissibility", records, {"resolution": 8.0, "method": "random", **names}, others, formats)
+    return Records("transmissibility", records, {"resolution": 8.0, "method": "random", **names, **units}, others, formats)
 
 
 _SHEAR = {"units": {"displacement": "m", "force": "N"}, "normal_force": 200.0}

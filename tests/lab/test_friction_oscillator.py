@@ -25,6 +25,7 @@ W0, SHARE, SLIP, ZETA = 2.0 * np.pi * 120.0, 0.2, 1e-5, 0.02  # stuck, rad/s; sh
 FINE, KEEP = 16384.0, 8  # Hz; samples of the integration per sample of the record
 ONSET = 2.0 * ZETA * W0**2 * SLIP  # base acceleration from which the resonance slides, m/s^2
 LEVELS = (0.5, 3.0, 12.0)  # sticking, near the largest damping, sliding widely; relative to ONSET
+UNITS = {"base_unit": "m/s^2", "tip_unit": "m/s^2"}
 HARMONIC = 5e-4
 """Relative error of the first harmonic: the third one of this element is 1e-2 of it, and its square counts."""
 
@@ -69,7 +70,7 @@ def test_sweeps_of_a_friction_oscillator_give_its_frequency_and_damping_over_the
         base = Chirp(level * ONSET, 90.0, 150.0, 2.0).samples(1.0 / FINE)[1]
         files.append(noisy(tmp_path, f"sweep_{k}", base, k))
         conditions.append({"files": [files[-1].name], "level": level * ONSET})
-    found = wf.lab.evaluate("transmissibility", files, conditions=conditions, figures=False).summary
+    found = wf.lab.evaluate("transmissibility", files, conditions=conditions, figures=False, **UNITS).summary
     truth = np.array([linearised(level * ONSET) for level in LEVELS])
     error = np.abs(found["f_n_hz"] - truth[:, 0])
     assert (error < 2.6 / 1.96 * np.array(found["f_n_interval_hz"]) + HARMONIC * truth[:, 0]).all(), error
@@ -89,7 +90,7 @@ def test_random_records_of_a_friction_oscillator_give_those_of_a_long_record(lev
         return size * random_record([40.0, 250.0], 1.0 / 210.0 / 9.80665**2, duration, FINE, seed=seed)
 
     files = [noisy(tmp_path, f"random_{k}", motion(20.0, k), k) for k in range(2)]
-    settings = {"resolution": 1.0, "band": (60.0, 220.0), "figures": False}
+    settings = {"resolution": 1.0, "band": (60.0, 220.0), "figures": False} | UNITS
     found = wf.lab.evaluate("transmissibility", files, **settings).summary
     base = motion(300.0, 99)
     long = Trial(Path("long"), base[::KEEP], tip_of(base)[::KEEP], KEEP / FINE, 2, 2)

@@ -181,7 +181,8 @@ def test_wrong_input_is_one_line_and_leaves_no_folder(examples: dict[str, list[P
         "write true or false": [file, "--set", "figures=3"],
     }
     for message, words in wrong.items():
-        done = CliRunner().invoke(app, ["lab", "transmissibility", *words, "--out", str(out)])
+        units = ["--set=base_unit=g", "--set=tip_unit=m/s"]
+        done = CliRunner().invoke(app, ["lab", "transmissibility", *words, *units, "--out", str(out)])
         assert done.exit_code == 2
         assert message in done.output
         assert done.output.count("\n") == 1, done.output
@@ -194,7 +195,8 @@ def test_a_folder_of_an_interrupted_evaluation_can_be_used_again(
     file, out = str(examples["transmissibility"][0]), tmp_path / "out"
     out.mkdir()
     (out / "provenance.json").write_text('{"status": "failed"}', encoding="utf-8")
-    words = ["lab", "transmissibility", file, "--set", "figures=false", "--set", "resolution=1", "--out", str(out)]
+    chosen = [f"--set={text}" for text in ("figures=false", "resolution=1", "base_unit=g", "tip_unit=m/s")]
+    words = ["lab", "transmissibility", file, *chosen, "--out", str(out)]
     assert CliRunner().invoke(app, words).exit_code == 0
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine.txt").touch()

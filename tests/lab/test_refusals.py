@@ -22,7 +22,8 @@ RATE = 500.0
 TIME = np.arange(1000) / RATE
 BASE = RNG.normal(size=TIME.size)
 TIP = np.convolve(BASE, np.exp(-np.arange(40) / 8.0) * np.sin(np.arange(40)), mode="same")
-LAB = ("lab", "transmissibility", "--set", "method=random")
+BARE = ("lab", "transmissibility", "--set", "method=random")
+LAB = (*BARE, "--set", "base_unit=g", "--set", "tip_unit=g")
 SLIP = ("lab", "slip", "--set", "frame_rate=2000", "--set", "frequency=140", "--set", "band=200")
 RANDOM, SHOCK = str(CONFIGS / "lab_random.yaml"), str(CONFIGS / "lab_shock.yaml")
 
@@ -72,6 +73,8 @@ CASES: dict[str, Callable[[Path], tuple[str, ...]]] = {
     "no column 'tpi'; did you mean 'tip'?": lambda p: (*LAB, measured(p / "a.csv"), "--set", "tip=tpi"),
     "column 9 of 3": lambda p: (*LAB, measured(p / "a.csv"), "--set", "tip=9"),
     "tip_unit: unknown unit 'gal'; use one of": lambda p: (*LAB, measured(p / "a.csv"), "--set", "tip_unit=gal"),
+    "tip_unit: required key is missing": lambda p: (*BARE, measured(p / "a.csv"), "--set", "base_unit=g"),
+    "base_unit: required key is missing": lambda p: (*BARE, measured(p / "a.csv"), "--set", "tip_unit=g"),
     "units: required section is missing": lambda p: ("lab", "shear", measured(p / "a.csv")),
     "sample 31 is nan (1 such)": lambda p: (*LAB, measured(p / "a.csv", tip=with_value(TIP, 30, np.nan))),
     "time does not rise: sample 301": lambda p: (*LAB, measured(p / "a.csv", time=with_value(TIME, 300, 0.1))),

@@ -22,7 +22,7 @@ from wroll_fem.signals.random.random_motion import random_record
 from wroll_fem.signals.sweeps import Chirp, LinearSweep, Sweep
 
 F_N, ZETA, RATE = 120.0, 0.02, 1024.0
-FAST = {"figures": False}
+FAST = {"figures": False, "base_unit": "m/s^2", "tip_unit": "m/s^2"}
 
 
 def random_trial(seed: int = 1, *, f_n: float = F_N, duration: float = 40.0, noise: float = 0.03) -> Trial:
@@ -111,8 +111,8 @@ def test_quantity_and_unit_of_the_sensors_do_not_change_the_result(tmp_path: Pat
     as_speed = write(tmp_path, trial, "speed.npz", tip=1e3 * velocity, base=trial.base / 9.80665)
     as_shift = write(tmp_path, trial, "shift.npz", tip=1e3 * shift)
     others = (
-        wf.lab.evaluate("transmissibility", [as_speed], **settings, tip_unit="mm/s", base_unit="g"),
-        wf.lab.evaluate("transmissibility", [as_shift], **settings, tip_unit="mm", tip_relative=True),
+        wf.lab.evaluate("transmissibility", [as_speed], **(settings | {"tip_unit": "mm/s", "base_unit": "g"})),
+        wf.lab.evaluate("transmissibility", [as_shift], **(settings | {"tip_unit": "mm"}), tip_relative=True),
     )
     for other in others:
         for name, least in (("f_n_hz", 1e-4), ("zeta", 5e-3), ("base_level_m_s2", 1e-6), ("tip_level_m_s2", 2e-3)):

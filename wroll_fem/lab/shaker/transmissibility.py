@@ -43,11 +43,10 @@ class TransmissibilitySettings(LabSettings):
     base: str | int = Field("base", description="column of the base, by name, or by its place (count, the first is 1)")
     tip: str | int = Field("tip", description="column of the tip, by name, or by its place (count, the first is 1)")
     base_unit: str = Field(
-        "m/s^2",
         description="unit of the base, which also tells its quantity: acceleration `m/s^2` `g` `mm/s^2`; velocity "
         "`m/s` `mm/s` `um/s`; displacement `m` `mm` `um`",
     )
-    tip_unit: str = Field("m/s^2", description="unit of the tip, as for the base")
+    tip_unit: str = Field(description="unit of the tip, as for the base")
     tip_relative: Switch = Field(False, description="whether the tip is measured relative to the base")
     time: str | int | None = Field(
         None, description="column of the time, s, by name or by its place (count); by default the one called time or t"
