@@ -208,7 +208,9 @@ def shaker(formats: Sequence[str]) -> Original:
         "base_unit": ("g", "mm", "um/s"), "tip_unit": ("m/s", "mm"), "tip_relative": (True,),
         "sampling_rate": (512.0, 1e-3, 1e9), "time": ("time", 1, 2), "base": (1, 2, 9, "tip"),
     }  # fmt: skip
-    return Records("transmissibility", records, {"resolution": 8.0, "method": "random", **names, **units}, others, formats)
+    return Records(
+        "transmissibility", records, {"resolution": 8.0, "method": "random", **names, **units}, others, formats
+    )
 
 
 _SHEAR = {"units": {"displacement": "m", "force": "N"}, "normal_force": 200.0}
