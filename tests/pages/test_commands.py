@@ -18,20 +18,15 @@ from pathlib import Path
 import pytest
 import yaml
 from support.here_pool import HerePool
+from support.page_commands import PAGES, bare, commands, of_another_python, shown
 from support.paths import ROOT
-from support.small_tools import TOOLS
+from support.small_tools import PRINTED, TOOLS
 from typer.testing import CliRunner
 
 from wroll_fem.cli import app
 from wroll_fem.jobs import batch
 from wroll_fem.results.summary import SUMMARY
 
-PAGES = [
-    ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "tables").glob("*.md")),
-    ROOT / "meshes" / "README.md", *sorted((ROOT / "notebooks").glob("*.py")),
-]  # fmt: skip
-_COMMAND = re.compile(r"(wroll|make|pip|apt|dask|gmsh|jupyter|cp|\.venv/bin/\S+)( |$)")
-_FENCE = re.compile(r"^```(\S*)[^\n]*\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
 _PLACEHOLDER = re.compile(r"\b(CASE|GRID|DIR|RUN_DIR|HOST|COMMAND|OUT|KIND|FILE)\b")
 
 COARSE = ["mesh.circumferential=8", "mesh.axial=2", "mesh.grading=1", "output.figures=false"]
@@ -129,6 +124,7 @@ SLOW = tuple(
 ELSEWHERE = {
     "make test": "runs this test",
     "make test-all": "runs this test",
+    "make test-random": "runs this test",
     "make run": "the job of `wroll run configs/lab_sweep.yaml`, here and in tests/test_runs.py on coarse meshes",
     "make lint": "run by .ci/run",
     "make docs": "tests/pages/test_docs.py builds the site",
@@ -144,33 +140,21 @@ ELSEWHERE = {
     "dask worker": "tests/jobs/test_cluster.py starts two",
     "jupyter lab": "a server; tests/pages/test_notebooks.py runs the notebooks",
     ".venv/bin/jupytext --sync": "tests/pages/test_notebooks.py compares the pairs",
-    ".venv/bin/python -m pytest": "runs tests of this suite",
+    ".venv/bin/python -m pytest": "runs tests of this suite; a test below looks for them",
+    ".venv/bin/python -m tools.shaker_table": "tests/tools/test_shaker_table.py runs it on made-up readings",
+    ".venv/bin/python -m tools.flight_table": "tests/tools/test_flight_table.py runs it on coarse results",
+    ".venv/bin/python benchmarks/shock_spectra.py": "tests/tools/test_shock_spectra.py runs it without pyyeti",
     ".venv/bin/python benchmarks/random_rolls.py --page": "tests/tools/test_random_rolls.py makes the page",
     ".venv/bin/python tools/notebook_pages.py": "executes the notebooks, as tests/pages/test_notebooks.py does",
 }
 """Commands that cannot run inside a test, by their beginning, and who runs them."""
 
-
-def commands(page: Path) -> list[str]:
-    """Commands of a page in their order, without comments and prompts."""
-    text, found = page.read_text(encoding="utf-8"), []
-    if page.suffix == ".py":
-        text = "\n".join(line.removeprefix("# ") for line in text.splitlines() if line.startswith("# "))
-    for part in re.split(r"(^```[^\n]*\n.*?^```$)", text, flags=re.DOTALL | re.MULTILINE):
-        fence = _FENCE.match(part)
-        if fence is None:
-            words = [span for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", part) if _COMMAND.match(span)]
-            words += [line for line in re.findall(r"^ {4}(\S.*)$", part, flags=re.MULTILINE) if _COMMAND.match(line)]
-        elif fence[1] in ("", "sh", "bash", "console", "shell"):
-            words = [line.removeprefix("$ ") for line in fence[2].splitlines() if line.strip()]
-        else:
-            words = []
-        found += [re.sub(r"(^|\s+)#.*", "", line).strip() for line in words]
-    return [line for line in dict.fromkeys(found) if line]
+MODULES = {"python -m wroll_fem.cli"}
+"""Modules that a page names as what they are, in any environment."""
 
 
 def elsewhere(command: str) -> bool:
-    return any(command == known or command.startswith(f"{known} ") for known in ELSEWHERE)
+    return any(bare(command) == known or bare(command).startswith(f"{known} ") for known in ELSEWHERE)
 
 
 def mention(command: str) -> bool:
@@ -186,7 +170,7 @@ def mention(command: str) -> bool:
 
 
 def tool(command: str) -> bool:
-    return re.match(r"\.venv/bin/python (tools|benchmarks)/", command) is not None
+    return re.match(r"\.venv/bin/python (-m )?(tools|benchmarks)[/.]", command) is not None
 
 
 def runnable(page: Path) -> list[str]:
@@ -226,6 +210,32 @@ def test_every_file_in_a_command_exists() -> None:
             for word in command.split():
                 if re.match(r"(configs|tools|tests|meshes|notebooks|benchmarks)/\S+\.\w+$", word):
                     assert any(ROOT.glob(word)) or command.startswith("cp "), f"{page.name}: {command}"
+
+
+def test_no_page_shows_a_command_of_another_python() -> None:
+    """Written as `.venv/bin/python ...`, so that `commands` finds it."""
+    found = {line for page in [*PAGES, *(ROOT / "docs").rglob("*.md")] for line, _ in shown(page)}
+    assert {line for line in found if of_another_python(line)} == MODULES
+
+
+@pytest.mark.parametrize("module", sorted(MODULES))
+def test_a_module_that_a_page_names_is_the_command(module: str) -> None:
+    done = subprocess.run([sys.executable, *module.split()[1:], "--help"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "Usage" in done.stdout
+    assert "validate" in done.stdout
+
+
+@pytest.mark.parametrize("command", [line for line in every("") if " -m pytest " in line], ids=str)
+def test_the_tests_that_a_command_names_are_found(command: str) -> None:
+    words = shlex.split(bare(command).replace("tests/ROOM", "tests/contact"))
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # a plugin may change the assertions
+    done = subprocess.run(
+        [sys.executable, *words[1:], "--collect-only"], cwd=ROOT, env=environment, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert re.search(r"[1-9]\d*(/\d+)? tests collected", done.stdout), done.stdout[-2000:]
 
 
 # --- what is shown runs -----------------------------------------------------------------------------------------------
@@ -287,7 +297,8 @@ def cases_of(words: list[str]) -> list[str]:
     return [Path(words[2]).stem] if words[1] in ("run", "export", "mesh") else []
 
 
-def run(command: str, folder: Path) -> None:
+def run(command: str, folder: Path) -> str:
+    """What a command prints."""
     words = words_of(command)
     if words[0] != "wroll":
         path = f"{ROOT / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}"
@@ -298,11 +309,12 @@ def run(command: str, folder: Path) -> None:
             words, cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
         )
         assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
-        return
+        return done.stdout
     for name in cases_of(words):
         assert name in SMALLER, f"{command}: say in SMALLER what makes {name}.yaml quick"
     answer = CliRunner().invoke(app, words[1:])
     assert answer.exit_code == 0, f"{command}\n{answer.output}{answer.exception!r}"
+    return answer.output
 
 
 def pages() -> list:
@@ -332,10 +344,21 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pyt
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "command", sorted({line for page in PAGES for line in commands(page) if tool(line) and not elsewhere(line)})
+    "command",
+    sorted({line for page in PAGES for line in commands(page) if tool(line) and not elsewhere(line)}),
+    ids=str,
 )
 def test_the_tools_that_make_tables_and_figures_run(command: str, tmp_path: Path) -> None:
     scratch(tmp_path)
-    run(command, tmp_path)
+    printed = run(command, tmp_path)
+    own = [known for known in PRINTED if f"{command} ".startswith(f".venv/bin/python {known} ")]
+    if own:
+        row = re.escape(PRINTED[max(own, key=len)]).replace(r"\#", r"[+-]?\d+(\.\d*)?(e[+-]\d+)?")
+        assert re.search(f"^{row}$", printed, flags=re.MULTILINE), printed
+        return
     made = [*tmp_path.glob("docs/tables/*.md"), *tmp_path.glob("docs/figures/*.png"), *tmp_path.glob("FILE")]
-    assert any(path.stat().st_size for path in made)
+    assert made
+    for path in made:
+        assert path.stat().st_size, path.name
+        if path.suffix == ".md":
+            assert re.search(r"^\|.*\d.*\|$", path.read_text(encoding="utf-8"), flags=re.MULTILINE), path.name

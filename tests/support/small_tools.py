@@ -1,12 +1,30 @@
-"""Tools and benchmarks that make tables and figures, small enough for a test."""
+"""Tools and benchmarks that make tables and figures, small enough for a test, and what some print."""
 
 from __future__ import annotations
 
 TOOLS: dict[str, list[tuple[str, str]]] = {
     "benchmarks/estimates.py": [('glob("*.yaml")', 'glob("tiny.yaml")')],
+    "benchmarks/hyper_reduction.py": [
+        (
+            "TOLERANCES = ((2e-2, np.inf), (1e-2, np.inf), (5e-3, np.inf), (2e-3, np.inf), (5e-3, 2e-3), (5e-3, 1e-3), "
+            "(5e-3, 5e-4))",
+            "TOLERANCES = ((5e-3, np.inf), (5e-3, 1e-3))",
+        ),
+    ],
     "benchmarks/opening_error.py": [
         ("range(asked.first, asked.first + asked.count)", "range(asked.first, asked.first + 1)"),
         (" for n, p, a in LOW]", " for n, p, a in LOW[3:4]]"),
+    ],
+    "benchmarks/random_coils.py": [
+        ("parser.parse_args()", "parser.parse_args()\n    chosen.count = 1"),
+        ("circumferential: 8, axial: 8, grading: 20, radial: 2", "circumferential: 8, axial: 4, radial: 1"),
+        ("harmonic.harmonics=3", "harmonic.harmonics=1"),
+    ],
+    "benchmarks/random_preloads.py": [
+        ("default=24", "default=1"),
+        ("rng.choice([8, 12])", "8"),
+        ("rng.integers(4, 9)", "rng.integers(2, 4)"),
+        ('rng.integers(2, 4), "mesh.grading', 'rng.integers(1, 2), "mesh.grading'),
     ],
     "benchmarks/random_response.py": [
         ("PRESSURES, LEVELS = (1e5, 3e4), (-10.0, 0.0, 5.0, 10.0)", "PRESSURES, LEVELS = (1e5,), (0.0,)"),
@@ -14,6 +32,13 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
         ("excitation.duration=30", "excitation.duration=4"),
     ],
     "benchmarks/random_rolls.py": [("default=200", "default=1"), ("default=list(ANALYSES)", 'default=["dwell"]')],
+    "benchmarks/resolved_layers.py": [
+        ("default=[5, 10, 20]", "default=[2, 5]"),
+        ("default=16", "default=8"),
+        ('default=8, help="elements along', 'default=2, help="elements along'),
+        ('default=8, help="elements of', 'default=2, help="elements of'),
+    ],
+    "benchmarks/slip_images.py": [("default=10_000", "default=700")],
     "benchmarks/slipping_meshes.py": [
         ("default=list(ROWS)", 'default=["case study"]'),
         ('Row("slipping_coil", (), (1, 5, 15), FINE)', 'Row("slipping_coil", (), (5,), FINE)'),
@@ -64,3 +89,14 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
     ],
 }
 """File of the tool -> text of its constants, and what stands there in the scratch copy: coarse meshes, few values."""
+
+PRINTED: dict[str, str] = {
+    "benchmarks/hyper_reduction.py": "| 0.005 | 0.001 | # | 1/# | # % | # % | # |",
+    "benchmarks/random_coils.py": "| 0 | # | # | # | # | # | # | #, #, # |",
+    "benchmarks/random_coils.py --shaken": "| 0 | # | # | # | # | # | # | #, #, # |#, # | # | # |",
+    "benchmarks/random_preloads.py": "1 of 1 converge in both, with tractions that differ by at most #",
+    "benchmarks/resolved_layers.py": "| 5 | # % | # % | # % | # % | # % |",
+    "benchmarks/resolved_layers.py --layers": "Hz [# # # #] damping % [# # # #]",
+    "benchmarks/slip_images.py": "largest error of an amplitude at 140 Hz # px, of a position # px",
+}
+"""Beginning of a command that writes no file -> a line that it prints; # is a number."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.page_commands import commands
+from support.paths import ROOT
 
 from reproduction import camera_slip, shaker_random, shaker_shock, shaker_sweeps
 from reproduction.camera_slip import Seen
-from tools import shaker_table
 
 
 def test_tables_have_the_readings(
@@ -28,7 +31,11 @@ def test_tables_have_the_readings(
         1e-6 * np.array(x) for x in ([8.6, 5.9, 4.7, 20.0], [1.0, 1.0, 1.0, 1.0])
     ), 1.7e-6)  # fmt: skip
     monkeypatch.setattr(camera_slip, "seen", lambda _: [{"axial": view}, {"axial": view}])
-    shaker_table.main(str(tmp_path), fast=False)
+    command = ".venv/bin/python -m tools.shaker_table runs/reproduce"
+    assert command in commands(ROOT / "docs" / "chapter3.md")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", command.split()[2:])
+    runpy.run_module("tools.shaker_table", run_name="__main__")
     printed = capsys.readouterr().out
     assert (
         "| mandrel alone | 150.4 Hz, 0.50 %, 126.0, 1.00 | refused: too fast | 37.20 m/s at 150.0 Hz, 488 ms |"
