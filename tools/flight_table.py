@@ -29,6 +29,11 @@ def damping(row: Row) -> str:
     return f"{100 * float(row['zeta']):.1f} %{doubt}"
 
 
+def decimal(text: str) -> str:
+    """Number with one decimal; none where a case has no reading (a resonance that grows without bound)."""
+    return f"{float(text):.1f}" if text else "none"
+
+
 def rounded(value: float) -> str:
     """Two significant digits or, from 100 on, a whole number."""
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
@@ -48,15 +53,15 @@ def table(folder: Path) -> list[str]:
         if curve is None:
             cells += ["none", "", ""]
         else:
-            cells += [f"{float(curve['f_n_hz']):.1f}", f"{float(curve['peak_transmissibility']):.1f}", damping(curve)]
+            cells += [decimal(curve["f_n_hz"]), decimal(curve["peak_transmissibility"]), damping(curve)]
         assert chirp is not None
         cells.append(
-            f"{float(chirp['f_n_hz']):.1f}; {float(chirp['peak_transmissibility']):.1f}; "
+            f"{decimal(chirp['f_n_hz'])}; {decimal(chirp['peak_transmissibility'])}; "
             f"{rounded(float(chirp['friction_energy_j']))}"
         )
         cells.append(
             "none" if clamped is None else
-            f"{float(clamped['f_n_hz']):.1f}; {float(clamped['peak_transmissibility']):.1f}; {damping(clamped)}"
+            f"{decimal(clamped['f_n_hz'])}; {decimal(clamped['peak_transmissibility'])}; {damping(clamped)}"
         )  # fmt: skip
         lines.append(f"| {' | '.join(cells)} |")
     return lines

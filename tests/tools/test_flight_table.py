@@ -40,6 +40,7 @@ def test_rows_are_in_the_order_of_rolls_and_preloads_and_say_what_is_missing(
     found = {"f_n_hz": 48.21, "peak_transmissibility": 39.84, "zeta": 0.0179, "friction_energy_j": 9.86}
     cases = [
         ("habex", 2e4, {"friction_energy_j": 465.4}),
+        ("habex", 1e5, {"f_n_hz": "", "peak_transmissibility": "", "zeta": ""}),
         ("irosa", 1e4, {"zeta_quality": "doubtful"}),
         ("sspp", 1e4, {}),
     ]
@@ -62,6 +63,7 @@ def test_rows_are_in_the_order_of_rolls_and_preloads_and_say_what_is_missing(
         ["iROSA", "10", "48.2", "39.8", "1.8 % (doubtful)", "48.2; 39.8; 9.9", "48.2; 39.8; 1.8 % (doubtful)"],
         ["SSPP", "10", "none", "", "", "48.2; 39.8; 9.9", "none"],
         ["HabEx", "20", "48.2", "39.8", "1.8 %", "48.2; 39.8; 465", "48.2; 39.8; 1.8 %"],
+        ["HabEx", "100", "none", "none", "", "none; none; 9.9", "none; none; "],
     ]
 
 
