@@ -63,7 +63,7 @@ def test_rows_are_in_the_order_of_rolls_and_preloads_and_say_what_is_missing(
         ["iROSA", "10", "48.2", "39.8", "1.8 % (doubtful)", "48.2; 39.8; 9.9", "48.2; 39.8; 1.8 % (doubtful)"],
         ["SSPP", "10", "none", "", "", "48.2; 39.8; 9.9", "none"],
         ["HabEx", "20", "48.2", "39.8", "1.8 %", "48.2; 39.8; 465", "48.2; 39.8; 1.8 %"],
-        ["HabEx", "100", "none", "none", "", "none; none; 9.9", "none; none; "],
+        ["HabEx", "100", "none", "none", "", "none; none; 9.9", "none; none;"],
     ]
 
 
