@@ -24,13 +24,21 @@ from wroll_fem.dynamics.system.modal_damping import ModalDamping
 from wroll_fem.dynamics.system.system import System
 
 BAND = ["excitation.f_start=140", "excitation.f_end=170"]
-MESH = "mesh={circumferential: 8, axial: 3, grading: 1}"
-WALLS = {"isotropic": (True, []), "two layers": (True, ["coil.layers=2"]), "angle plies": (False, [TWISTED])}
+SHELLS = "mesh={circumferential: 8, axial: 3, grading: 1}"
+SOLID = "mesh={circumferential: 8, axial: 3, radial: 1, grading: 4}"
+ROLLS = {
+    "isotropic": ("lab_sweep", True, [SHELLS]),
+    "two layers": ("lab_sweep", True, [SHELLS, "coil.layers=2"]),
+    "angle plies": ("lab_sweep", False, [SHELLS, TWISTED]),
+    "solid coil": ("sspp_friction", True, [SOLID]),
+    "light solid coil, whole": ("irosa_friction", False, [SOLID]),
+}
+"""Case file, whether half of the roll is modelled, and overrides."""
 
 
-def roll(wall: str, **changed: Any) -> System:
-    symmetric, more = WALLS[wall]
-    case = load_case(CONFIGS / "lab_sweep.yaml", [MESH, *more])
+def roll(name: str, **changed: Any) -> System:
+    file, symmetric, more = ROLLS[name]
+    case = load_case(CONFIGS / f"{file}.yaml", more)
     return replace(build_system(case, build_bodies(case, symmetric=symmetric)), **changed)
 
 
@@ -50,9 +58,9 @@ def compliance(found: Condensation, system: System, hertz: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("moments", [0, 4])
-@pytest.mark.parametrize("wall", list(WALLS))
-def test_turned_modes_are_those_of_the_other_springs(wall: str, moments: int) -> None:
-    system = roll(wall)
+@pytest.mark.parametrize("name", list(ROLLS))
+def test_turned_modes_are_those_of_the_other_springs(name: str, moments: int) -> None:
+    system = roll(name)
     for start, end in ((3e9, 4e11), (4e11, 3e9)):
         known, fresh = modes(system, start, moments), modes(system, end, moments)
         found = turned(system, known, springs(system, end))
@@ -107,13 +115,19 @@ def test_a_series_has_the_results_of_its_runs_and_computes_the_structure_once(mo
         np.testing.assert_array_equal(member.data["transmissibility_real"], one["transmissibility_real"])
 
 
-def test_turned_modes_give_the_curve_of_fresh_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No harmonic meets a mode at this pressure."""
+@pytest.mark.parametrize(
+    ("file", "more"),
+    [
+        ("lab_harmonic", ["mesh={circumferential: 8, axial: 4, grading: 8}", *BAND]),
+        ("sspp_friction", [SOLID]),
+        ("irosa_friction", [SOLID]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")  # of the coarse mesh
+def test_turned_modes_give_the_curve_of_fresh_ones(monkeypatch: pytest.MonkeyPatch, file: str, more: list[str]) -> None:
+    """Of layers at a pressure at which no harmonic meets a mode, and of solid coils that rub on their mandrel."""
     accurate = "harmonic.reduction_tolerance=1e-5"  # two bases differ by more than the modes do
-    case = wf.load_case(
-        CONFIGS / "lab_harmonic.yaml",
-        ["mesh={circumferential: 8, axial: 4, grading: 8}", "harmonic.harmonics=3", accurate, *BAND],
-    )
+    case = wf.load_case(CONFIGS / f"{file}.yaml", ["harmonic.harmonics=3", accurate, *more])
     found = wf.run(case, progress=False)
     monkeypatch.setattr(harmonic, "kept_modes", lambda system, springs, moments, compute: compute(springs))
     fresh = wf.run(case, progress=False)
