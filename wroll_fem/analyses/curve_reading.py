@@ -65,22 +65,24 @@ def missed_harmonic(condensation: Condensation, frequency: float, harmonics: int
     return ""
 
 
-def other_mode_remark(condensation: Condensation) -> str:
+def other_mode_remark(condensation: Condensation, band: tuple[float, float]) -> str:
     """Warning if the base excites another mode more than the one with the largest tip motion; empty otherwise.
 
-    This is so for a coil that is soft in shear: most of its mass moves in a mode of its own.
+    This is so for a coil that is soft between its wraps: most of its mass moves in a mode of its own. A curve in a
+    ``band`` (Hz) follows the mode with the largest tip motion there.
     """
     mass = condensation.base**2
     if not mass.any():
         return ""
-    most, (followed, _) = int(np.argmax(mass)), condensation.main_mode
+    most, (main, _) = int(np.argmax(mass)), condensation.main_mode
     hertz = float(np.sqrt(max(condensation.eigenvalues[most], 0.0)) / (2.0 * np.pi))
-    if abs(hertz - followed) <= SAME_MODE * followed:
+    if abs(hertz - main) <= SAME_MODE * main:
         return ""
+    followed = condensation.main_mode_between(*band)[0]
     return (
         f"the base excites a mode at {hertz:.4g} Hz most ({100.0 * mass[most] / mass.sum():.0f} % of the mass that it "
-        f"moves), but the tip moves most in the mode at {followed:.4g} Hz (interfaces stuck), which f_n and zeta "
-        "follow: the coil is soft in shear; give the band of the mode that is wanted"
+        f"moves), but the tip moves most in the mode at {main:.4g} Hz (interfaces stuck): the coil is soft between its "
+        f"wraps; f_n and zeta follow the mode at {followed:.4g} Hz; give the band of the mode that is wanted"
     )
 
 

@@ -54,6 +54,10 @@ if TYPE_CHECKING:
     from wroll_fem.case import HarmonicCase, StructuralCase
     from wroll_fem.progress import Progress
 
+SLIP_LOWERS = 1.5
+"""Natural frequency of a sticking structure, relative to the upper end of a band, up to which slip may lower the
+resonance into the band."""
+
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
     """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force."""
@@ -135,7 +139,7 @@ def _results(
     dataset = _described(xr.merge([dataset, stressed], combine_attrs="override"), case)
     read = unbounded_reading(trained.curve) or read_response(dataset, case.output.damping, error=trained.tip_error)
     remarks = _remarks(case, dataset, trained, condensation, read)
-    stuck, participation = condensation.main_mode
+    stuck, participation = condensation.main_mode_between(*_band(case))
     known = Circumstances(
         participation=participation, several=several_motions(trained.curve), remarks=remarks, rigid=system.rigid_tip
     )
@@ -220,10 +224,15 @@ def _remarks(
         missed_harmonic(condensation, resonance, settings.harmonics) if read.shape.resonant else "",
         skipped_remark(curve),
         drift_remark(curve),
-        other_mode_remark(condensation) if _rubs(case) else "",
+        other_mode_remark(condensation, _band(case)) if _rubs(case) else "",
         reduction_remark(trained.energy_error, settings),
         span_remark(trained.span_error),
     )
+
+
+def _band(case: HarmonicCase) -> tuple[float, float]:
+    """Lowest and highest natural frequency (Hz) of a sticking structure whose resonance the curve may have."""
+    return case.excitation.f_start, SLIP_LOWERS * case.excitation.f_end
 
 
 def _rubs(case: HarmonicCase) -> bool:

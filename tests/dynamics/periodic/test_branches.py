@@ -54,7 +54,11 @@ def condensation(eigenvalues: list[float], base: list[float], tip: list[float]) 
 
 def test_a_mode_that_takes_most_of_the_mass_is_named() -> None:
     """The base drives the coil at 20 Hz; the tip moves with the mandrel, at 80 Hz."""
-    told = other_mode_remark(condensation([20.0, 80.0], [9.0, 5.0], [0.01, 0.3]))
+    modes = condensation([20.0, 80.0], [9.0, 5.0], [0.01, 0.3])
+    told = other_mode_remark(modes, (60.0, 90.0))
     assert told.startswith("the base excites a mode at 20 Hz most (76 % of the mass that it moves)")
     assert "in the mode at 80 Hz" in told
-    assert other_mode_remark(condensation([20.0, 80.0], [9.0, 5.0], [0.3, 0.01])) == ""
+    assert "follow the mode at 80 Hz" in told
+    assert "follow the mode at 20 Hz" in other_mode_remark(modes, (15.0, 30.0))
+    assert "follow the mode at 80 Hz" in other_mode_remark(modes, (40.0, 60.0))  # no mode there
+    assert other_mode_remark(condensation([20.0, 80.0], [9.0, 5.0], [0.3, 0.01]), (15.0, 30.0)) == ""

@@ -20,7 +20,7 @@ from wroll_fem.dynamics.system.harmonic_force import HarmonicForce
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.numerics.linear import factorise
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import BoolArray, FloatArray
 
 DENSE_LIMIT = 2500
 """Largest number of DOFs of a structure without rotational symmetry for which all modes are kept."""
@@ -42,6 +42,10 @@ MOMENTS = 4
 """Number of terms in the series (in frequency squared) for the compliance of each circumferential block, where not all
 modes are kept (see `condense`). The relative error is below 1e-9 up to about ten times the resonance frequency of the
 lab roll."""
+
+
+LEAST_SHARE = 1e-3
+"""Participation of a mode, relative to that of the main mode, above which it counts as moving the tip."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,17 @@ class Condensation:
 
         The peak of this mode alone has the height participation / (2 zeta).
         """
-        share = np.abs(self.base * self.tip)
+        return self.main_mode_of(np.ones(len(self.eigenvalues), dtype=bool))
+
+    def main_mode_between(self, low: float, high: float) -> tuple[float, float]:
+        """The same of the modes between two frequencies (Hz); of all modes if none between them moves the tip."""
+        hertz, share = np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi), np.abs(self.base * self.tip)
+        within = (hertz >= low) & (hertz <= high) & (share > LEAST_SHARE * share.max(initial=0.0))
+        return self.main_mode_of(within) if within.any() else self.main_mode
+
+    def main_mode_of(self, chosen: BoolArray) -> tuple[float, float]:
+        """The same of the modes ``chosen`` (r,)."""
+        share = np.where(chosen, np.abs(self.base * self.tip), 0.0)
         if not share.any():
             return float("nan"), float("nan")
         main = int(np.argmax(share))
