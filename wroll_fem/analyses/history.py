@@ -132,9 +132,7 @@ def time_history(
             fell_back, reason = True, error.problem
             saving = None if saving is None else replace(saving, resume=False)
     if fell_back:
-        progress.warning(
-            f"{reason}: the run falls back to solver.method: condensed, which does not have this error and is slower"
-        )
+        progress.warning(f"{reason}: the run falls back to solver.method: condensed, which needs no reduced model")
         history = run.history("condensed", saving)
     estimate = history.attrs.get("reduction_error_estimate", 0.0)
     if estimate > run.largest_error:

@@ -55,9 +55,8 @@ BLOCK = 50
 CHECK_EVERY = 17
 """Number of steps between two residual checks. It does not divide the usual numbers of steps per cycle, so that all
 phases of a cycle are checked.
-
 The last step of a block of time steps is checked as well: a growing motion is largest there. Where contact points are
-open, turning points of the motion are checked as well (`reduced_kernel.is_checked`)."""
+open, turning points of the motion are checked too (`reduced_kernel.turns`)."""
 
 SHAPE_SHARE = 0.3
 """Energy norm of a principal shape of the projection error, relative to the tolerance, above which the shape is added
@@ -82,6 +81,10 @@ of the structure counts as unrestrained."""
 
 LARGEST = 400
 """Largest number of reduced coordinates; a run that needs more stops with an error."""
+
+MANY = 150
+"""Number of reduced coordinates, or half the number of contact points if that is more, from which a run that may fall
+back to `condensed` does so, since it is as fast."""
 
 START_MODES = 12
 
@@ -139,10 +142,9 @@ class ReducedStepper(Stepper):
         return ReducedState(Motion.zeros(m), contact, np.zeros(m), empty_matrix(m, contact), *np.zeros((6, 1)))
 
     def _first_model(self) -> ReducedModel:
-        """Reduced model at the start of the run.
+        """Reduced model at the start: all modes if they are at most 2 `START_MODES`.
 
-        Its basis contains all modes if their number is at most 2 `START_MODES`. Otherwise it contains the
-        `START_MODES` modes that the base excites most, and the static responses to base motion and to a tip force.
+        Else the `START_MODES` modes that the base excites most, and the static responses to base motion and tip force.
         """
         c = self.condensation
         if len(c.eigenvalues) <= 2 * START_MODES:
@@ -164,10 +166,8 @@ class ReducedStepper(Stepper):
             raise self._refused("neither friction nor a support holds a layer in the reduced model", time)
 
     def _refused(self, message: str, time: float, residuals: FloatArray | None = None) -> ReductionError:
-        return ReductionError(
-            message, time_s=time, iterations=0, residual_history=[] if residuals is None else residuals[:5].tolist(),
-            advice=self.remedy,
-        )  # fmt: skip
+        history = [] if residuals is None else residuals[:5].tolist()
+        return ReductionError(message, time_s=time, iterations=0, residual_history=history, advice=self.remedy)
 
     def adopt(self, model: ReducedModel) -> None:
         """Use a model whose basis contains the current one; the state is converted to the new coordinates."""
@@ -208,10 +208,7 @@ class ReducedStepper(Stepper):
         return self.model.base, self.model.base
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Copy of the state needed to continue the run.
-
-        The basis is large and never modified in place; it is shared, not copied.
-        """
+        """Copy of the state needed to continue the run; the basis, which is never modified in place, is shared."""
         return super().snapshot() | {"vectors": self.vectors, "values": self.model.eigenvalues}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
@@ -223,10 +220,7 @@ class ReducedStepper(Stepper):
         super().restore(state)
 
     def _prepare(self, dt: float) -> Modal:
-        """Matrices of the reduced structure for steps of ``dt`` (s).
-
-        Newton's matrix is assembled again if the step or the basis has changed.
-        """
+        """Matrices of the reduced structure for steps of ``dt`` (s); a new step or basis has a new Newton's matrix."""
         s, model, kept = self.scheme, self.model, self.state.kept
         if dt not in self._steps:
             self._steps[dt] = modal_step(model, () if model.damping is None else (model.damping,), s, dt)
@@ -354,10 +348,16 @@ class ReducedStepper(Stepper):
         keep = size > SHAPE_SHARE * level
         keep[0] = True
         model = self.model.enriched(left[:, keep] / root)
-        if model.size > LARGEST or model.size == self.model.size:
-            problem = f"the reduced model does not follow the motion ({self.model.size} coordinates)"
+        if model.size > self.largest_basis or model.size == self.model.size:
+            problem = f"the reduced model does not follow the motion with {self.model.size} coordinates"
             raise self._refused(problem, time, size)
         self.adopt(model)
+
+    @property
+    def largest_basis(self) -> int:
+        """Largest number of reduced coordinates: `LARGEST`, or fewer where the run may fall back; see `MANY`."""
+        stays = np.isinf(self.largest_error) or self.scheme.exact_modes
+        return LARGEST if stays else min(LARGEST, max(MANY, self.system.n_points // 2))
 
     def report(self) -> dict[str, float]:
         """Number of reduced coordinates, error estimate, and CPU time of the training of the basis, s."""

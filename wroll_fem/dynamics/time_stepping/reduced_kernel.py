@@ -245,6 +245,7 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
     work = working_arrays(motion.q.shape[0], laws, reference)
     trial, force, x = work.trial, work.force, np.zeros_like(motion.q)
     checks.filled[0] = 0
+    latest = -1
 
     for number in range(acceleration.shape[0] - 1):
         ag_new = acceleration[number + 1]
@@ -259,7 +260,11 @@ def advance_reduced(acceleration, step, modal, interface, reference, laws, state
         commit_contact(trial, contact, reference, laws, step.dt, accumulated)
         records[number, STRAIN] = strain_energy(motion, modal, contact.jump, reference, laws.area)
         record_contact(records[number], accumulated, iterations, trial.status)
-        if is_checked(number, acceleration.shape[0] - 2, records, checks.every):
+        # layers that have opened land on each other around the largest strain energy of a half cycle
+        lands = turns(number, records)
+        slow = lands and number - latest >= checks.every
+        latest = number if lands else latest
+        if slow or (number + 1) % checks.every == 0 or number == acceleration.shape[0] - 2:
             keep_row(motion, trial.s, ag_new, checks)
     return acceleration.shape[0] - 1
 
@@ -338,15 +343,11 @@ def commit_contact(trial, contact, reference, laws, dt, accumulated):
 
 
 @numba.njit(cache=True)
-def is_checked(number, last, records, every):
-    """Whether the step ``number`` is checked: each ``every``-th, the ``last`` one, and turning points of open contact.
+def turns(number, records):
+    """Whether the strain energy of open contact passed a maximum before the step ``number``.
 
-    Layers that have opened land on each other around the largest strain energy of each half cycle, where the shapes
-    that a basis lacks are large. This divides the error of five layers that rattle by three; the errors of the random
-    rolls of docs/tables/opening_error.md are the same on average. ``records`` (k, record_size): the steps so far.
+    ``records`` (k, record_size) are those of the steps so far.
     """
-    if (number + 1) % every == 0 or number == last:
-        return True
     if number < 2 or records[number, OPEN] == 0.0:
         return False
     before, turned, after = records[number - 2, STRAIN], records[number - 1, STRAIN], records[number, STRAIN]
