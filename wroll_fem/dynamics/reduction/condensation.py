@@ -44,7 +44,7 @@ modes are kept (see `condense`). The relative error is below 1e-9 up to about te
 lab roll."""
 
 
-LEAST_SHARE = 1e-3
+LEAST_PARTICIPATION = 1e-3
 """Participation of a mode, relative to that of the main mode, above which it counts as moving the tip."""
 
 
@@ -101,13 +101,13 @@ class Condensation:
         return self.main_mode_of(np.ones(len(self.eigenvalues), dtype=bool))
 
     def main_mode_between(self, low: float, high: float) -> tuple[float, float]:
-        """The same of the modes between two frequencies (Hz); of all modes if none between them moves the tip."""
+        """`main_mode` of the modes between two frequencies, Hz; of all modes if none between them moves the tip."""
         hertz, share = np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi), np.abs(self.base * self.tip)
-        within = (hertz >= low) & (hertz <= high) & (share > LEAST_SHARE * share.max(initial=0.0))
+        within = (hertz >= low) & (hertz <= high) & (share > LEAST_PARTICIPATION * share.max(initial=0.0))
         return self.main_mode_of(within) if within.any() else self.main_mode
 
     def main_mode_of(self, chosen: BoolArray) -> tuple[float, float]:
-        """The same of the modes ``chosen`` (r,)."""
+        """`main_mode` of the modes ``chosen`` (r,); nan if none of them moves the tip."""
         share = np.where(chosen, np.abs(self.base * self.tip), 0.0)
         if not share.any():
             return float("nan"), float("nan")

@@ -237,7 +237,7 @@ class ReducedStepper(Stepper):
         m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
         modal = self._prepare(dt)
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
-        rows = np.zeros((len(acceleration), 3 * m + 3 * n + 1))
+        rows = np.zeros((len(acceleration), 3 * m + 3 * n + 1))  # any step may be checked
         checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
         done = self._run_loop(acceleration, dt, modal, newton, checks, records)
         if done < len(acceleration) - 1:

@@ -106,7 +106,8 @@ class ResidualChecks(NamedTuple):
 
     Attributes
     ----------
-    every : number of steps between two checked steps; more steps are checked, see `is_checked`
+    every : number of steps between two checked steps; the last step, and slow turning points of open contact (`turns`),
+        are checked too
     rows : (k, 3 m + 3 n + 1) output: displacement q (m,), acceleration a (m,), velocity v (m,), traction correction s
         (3 n,) and base acceleration of each checked step
     filled : (1,) output: number of rows filled
