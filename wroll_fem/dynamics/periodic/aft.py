@@ -20,17 +20,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from wroll_fem.contact.kernels import PointLaws, Reference
+from wroll_fem.contact.kernels import PointLaws
 from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft_derivatives import derivatives
 from wroll_fem.dynamics.periodic.every_mode import EveryMode, ModeMaps
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling, mean_phase, phase_slope
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
@@ -90,19 +90,6 @@ class PeriodicContact:
         return float(self.hysteresis.change.max(initial=0.0))
 
 
-class PointSample(NamedTuple):
-    """Weighted subset of the evaluated contact points (`point_sample`).
-
-    Attributes
-    ----------
-    points : (a,) indices of the points of the subset among the evaluated points
-    factors : (a,) factors on their areas, positive
-    """
-
-    points: IntArray
-    factors: FloatArray
-
-
 class HarmonicContact:
     """Contact forces of a reduced model under periodic motion.
 
@@ -157,14 +144,10 @@ class HarmonicContact:
         self.complete, self.tangent = sample is None, tangent
         if sample is not None:
             points, share = points[sample.points], share[sample.points] * sample.factors
-        dofs = np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * laws.n + points])
-        self.own, self.all_weights = dofs, per_dof(laws.area, laws.area)
-        self.laws = laws.take(points)._replace(area=laws.area[points] * share)
-        self.n = len(points)
-        self.jump = np.ascontiguousarray(model.jump[dofs])
-        self.weights = per_dof(self.laws.area, self.laws.area)
-        slip = preload.elastic_slip[dofs[: 2 * self.n]]
-        self.reference = Reference(preload.jump[dofs], slip, preload.traction[dofs], model.springs[dofs])
+        evaluated = EvaluatedPoints.of(laws, preload, model.springs, PointSample(points, share))
+        self.laws, self.weights, self.reference = evaluated.laws, evaluated.weights, evaluated.reference
+        self.own, self.all_weights, self.n = evaluated.dofs, per_dof(laws.area, laws.area), evaluated.n
+        self.jump = np.ascontiguousarray(model.jump[self.own])
         self.force_operator = np.ascontiguousarray((self.jump * self.weights[:, None]).T)
         self.dofs = contact_dofs(self.n)
         self.groups = self._groups()

@@ -24,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact, PointSample
+from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.numerics.nonnegative import sparse_nonnegative
 from wroll_fem.typing import FloatArray
 

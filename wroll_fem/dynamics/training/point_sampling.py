@@ -14,10 +14,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, PointSample
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError, sample_error, sampled
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
+from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import imposed_motions
 from wroll_fem.dynamics.training.structure import Structure

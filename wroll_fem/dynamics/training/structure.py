@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, PointSample
+from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.every_mode import ModeMaps
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
+from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.basis import first_model
