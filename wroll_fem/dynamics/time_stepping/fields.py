@@ -60,7 +60,7 @@ def interface_fields(
         "traction_axial": traction[:, 1],
     }
     if stepper is not None:
-        slip, opening = stepper.slip, stepper.accumulated.opening
+        slip, opening = stepper.slip, stepper.opening
         vector = slip.peak_vector.reshape(-1, 2)
         data |= {
             "cumulative_slip": slip.path,

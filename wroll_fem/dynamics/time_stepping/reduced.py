@@ -8,9 +8,9 @@ are added to the basis and the block is repeated from its start. Every accepted 
 sufficient basis, and the remaining projection error gives the error estimate.
 
 The estimate holds for contact that slides and stays closed. Where points open, layers strike each other, and impacts
-excite modes outside the basis, which then do not respond quasi-statically; `OPENING` accounts for this. An interface
-that can open and carries no pressure does not hold its layers: the structure K_0 has unrestrained parts, and the run is
-refused.
+excite modes outside the basis, which then do not respond quasi-statically; `reduction_estimate` accounts for this. An
+interface that can open and carries no pressure does not hold its layers: the structure K_0 has unrestrained parts, and
+the run is refused.
 
 References
 ----------
@@ -25,9 +25,9 @@ from typing import ClassVar
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.contact.kernels import Reference
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
@@ -43,7 +43,8 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     advance_reduced,
     sum_up,
 )
-from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton
+from wroll_fem.dynamics.time_stepping.reduction_estimate import estimate
+from wroll_fem.dynamics.time_stepping.state import Accumulated, ContactMemory, Modal, Motion, Newton
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.errors import ReductionError
@@ -66,14 +67,6 @@ CONTACT_SHARE = 2.0
 """Largest energy norm of the motion that enters the error estimate at a residual check, divided by sqrt(2 E), where
 E (J) is `contact_energy_limit`. A larger norm is replaced by this limit, because a loose contact slides and opens under
 forces that are small compared with those of the motion."""
-
-OPENING, CLOSED_PART, OPENED_PART = 30.0, 2.0, 1.2
-"""Error estimate once contact points have opened: the smaller of ``OPENING`` e and ``CLOSED_PART`` e + ``OPENED_PART``
-f. Here e is the estimate without opening, and f the largest change of the fraction of open points since the preload
-state.
-
-In docs/tables/opening_error.md (random rolls, and rolls at 30 to 10000 Pa) this estimate exceeds the measured errors of
-tip motion and input work for every roll."""
 
 FLOATING = 1e-12
 """Lowest eigenvalue of the structure with its interfaces stuck, relative to the highest eigenvalue, below which a part
@@ -109,6 +102,8 @@ class ReducedStepper(Stepper):
     ----------
     model
         The current reduced model.
+    points
+        Contact points at which the laws are evaluated.
     """
 
     name = "reduced"
@@ -124,18 +119,20 @@ class ReducedStepper(Stepper):
         self._checked: list[FloatArray] = []
         self.condensation = condensation or modes_to_reduce(system, preload, scheme, dt)
         self.tolerance, self.largest_error = tolerance, largest_error
-        n = system.n_points
         self._open_at_rest = open_fraction(system, preload)
-        springs = self.condensation.springs
-        self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, springs)
-        self._contact = (
-            CONTACT_SHARE * np.sqrt(2.0 * contact_energy_limit(system.laws, preload.pressure)) if n else np.inf
-        )
+        energy = contact_energy_limit(system.laws, preload.pressure) if system.n_points else np.inf
+        self._contact = CONTACT_SHARE * np.sqrt(2.0 * energy)
         self.vectors = np.zeros((len(self.condensation.eigenvalues), 0))
-        self.state = self._empty_state(0, ContactMemory.of(preload))
-        for c, dofs in enumerate(contact_dofs(n).T):
-            self.state.kept.tangents[:, c, c] = springs[dofs]
+        self.evaluate(EvaluatedPoints.of(system.laws, preload, self.condensation.springs))
         self.adopt(self._first_model())
+
+    def evaluate(self, points: EvaluatedPoints) -> None:
+        """Start from rest with the laws evaluated at ``points``."""
+        self.points, reference = points, points.reference
+        memory = ContactMemory(reference.jump.copy(), reference.elastic_slip.copy(), reference.traction.copy())
+        self.state, self.accumulated = self._empty_state(self.vectors.shape[1], memory), Accumulated.zeros(points.n)
+        for c, dofs in enumerate(contact_dofs(points.n).T):
+            self.state.kept.tangents[:, c, c] = reference.springs[dofs]
 
     def _empty_state(self, m: int, contact: ContactMemory) -> ReducedState:
         """State at rest in ``m`` reduced coordinates, with the contact state ``contact``."""
@@ -188,12 +185,12 @@ class ReducedStepper(Stepper):
     def _use(self, model: ReducedModel) -> None:
         self.model, self.vectors = model, model.vectors
         self._steps: dict[float, Modal] = {}  # by step size, for this model
-        jump = np.ascontiguousarray(model.jump)
+        jump = np.ascontiguousarray(model.jump[self.points.dofs])
         # largest displacement jump that a unit coordinate makes: a residual in coordinates is bounded in metres
-        weight = np.abs(model.jump).max(axis=0, initial=0.0)
-        if not self.system.n_points:
+        weight = np.abs(jump).max(axis=0, initial=0.0)
+        if not self.points.n:
             weight = np.abs(model.tip) + 1e-12
-        force = np.ascontiguousarray((model.jump * self.system.weights[:, None]).T)
+        force = np.ascontiguousarray((jump * self.points.weights[:, None]).T)
         self._interface = ReducedInterface(jump, force, weight)
         c = self.condensation
         self._inertia = model.vectors / c.eigenvalues[:, None]
@@ -226,7 +223,7 @@ class ReducedStepper(Stepper):
             self._steps[dt] = modal_step(model, () if model.damping is None else (model.damping,), s, dt)
         modal = self._steps[dt]
         if self.state.time_step[0] != dt:
-            area, springs = self.system.laws.area, self.reference.springs
+            area, springs = self.points.laws.area, self.points.reference.springs
             sum_up(kept, springs, self._interface.jump, area, 1.0 + s.alpha, modal)
             kept.inverse[:] = la.inv(kept.matrix)
             self.state.time_step[0] = dt
@@ -234,7 +231,7 @@ class ReducedStepper(Stepper):
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""
-        m, n, most = self.model.size, self.system.n_points, self.options.max_iterations
+        m, n, most = self.model.size, self.points.n, self.options.max_iterations
         modal = self._prepare(dt)
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
         rows = np.zeros((len(acceleration), 3 * m + 3 * n + 1))  # any step may be checked
@@ -251,8 +248,8 @@ class ReducedStepper(Stepper):
     ) -> int:  # fmt: skip
         """Run the compiled loop of the scheme; returns the number of completed steps. For `try_steps`."""
         return advance_reduced(
-            np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.reference,
-            self.system.laws, self.state, newton, self.accumulated, checks, records,
+            np.ascontiguousarray(acceleration), self.step(dt), modal, self._interface, self.points.reference,
+            self.points.laws, self.state, newton, self.accumulated, checks, records,
         )  # fmt: skip
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
@@ -316,7 +313,7 @@ class ReducedStepper(Stepper):
 
         The shapes are (m, k), (r, k) and (m, k) for m reduced coordinates and r modes.
         """
-        m, n = self.model.size, self.system.n_points
+        m, n = self.model.size, self.points.n
         rows = np.vstack(self._checked) if self._checked else np.zeros((0, 3 * m + 3 * n + 1))
         q, a, v = rows[:, :m].T, rows[:, m : 2 * m].T, rows[:, 2 * m : 3 * m].T
         s, base = rows[:, 3 * m : -1].T, rows[:, -1]
@@ -333,8 +330,8 @@ class ReducedStepper(Stepper):
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
-        if self.system.n_points:
-            response += modal_force(c, self.system.weights[:, None] * s) / values
+        if self.points.n:
+            response += modal_force(c, self.points.weights[:, None] * s) / values
         if self._dashpots is not None:
             response += self._dashpots @ v
         return response
@@ -371,14 +368,10 @@ class ReducedStepper(Stepper):
     def error_estimate(self) -> float:
         """Root-mean-square projection error during the run, relative to the motion, both in the energy norm.
 
-        The motion is limited by `CONTACT_SHARE`. Once points have opened, see `OPENING`.
+        The motion is limited by `CONTACT_SHARE`; see `reduction_estimate` for points that open.
         """
-        error, motion = self.state.projection_error[0], self.state.motion_norm[0]
-        if error == 0.0:
-            return 0.0
-        closed = float(np.sqrt(error / motion)) if motion > 0.0 else np.inf
-        opened = float(self.state.opened[0])
-        return min(OPENING * closed, CLOSED_PART * closed + OPENED_PART * opened) if opened > 0.0 else closed
+        state = self.state
+        return estimate(*(float(part[0]) for part in (state.projection_error, state.motion_norm, state.opened)))
 
     @property
     def complete(self) -> bool:

@@ -17,6 +17,7 @@ from wroll_fem.dynamics.time_stepping.state import (
     Accumulated,
     ContactMemory,
     Motion,
+    OpeningRecord,
     SlipRecord,
     Step,
     named_arrays,
@@ -117,6 +118,11 @@ class Stepper(ABC):
     def slip(self) -> SlipRecord:
         """Slip of the contact points since the start of the run."""
         return self.accumulated.slip
+
+    @property
+    def opening(self) -> OpeningRecord:
+        """Opening of the contact points since the start of the run."""
+        return self.accumulated.opening
 
     @property
     def record_size(self) -> int:

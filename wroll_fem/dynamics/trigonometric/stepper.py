@@ -99,7 +99,7 @@ class TrigonometricStepper(ReducedStepper):
     def _force(self) -> FloatArray:
         """(m,) reduced force of friction's correction in the committed state of the contact."""
         contact, s = self.state.contact, np.zeros_like(self.state.contact.jump)
-        correction(contact.jump, contact.traction, self.reference, s)
+        correction(contact.jump, contact.traction, self.points.reference, s)
         return -(self._interface.force @ s)
 
     def _prepare(self, dt: float) -> Modal:
@@ -118,7 +118,9 @@ class TrigonometricStepper(ReducedStepper):
             state.free_rate[fast] = 0.0
             # a turning point is found from steps of one size; a new basis sets the size to 0, and loses one such step
             state.moved[:] = 0.0
-            sum_up(state.kept, self.reference.springs, self._interface.jump, self.system.laws.area, 1.0, modal)
+            sum_up(
+                state.kept, self.points.reference.springs, self._interface.jump, self.points.laws.area, 1.0, modal
+            )  # fmt: skip
             state.kept.inverse[:] = la.inv(state.kept.matrix)
             state.time_step[0] = dt
         return modal
@@ -137,7 +139,7 @@ class TrigonometricStepper(ReducedStepper):
     ) -> int:  # fmt: skip
         return advance_trigonometric(
             self._nodes(acceleration, dt), self.step(dt), self._propagations[dt], modal, self._interface,
-            self.reference, self.system.laws, self.state, newton, self.accumulated, checks, records,
+            self.points.reference, self.points.laws, self.state, newton, self.accumulated, checks, records,
         )  # fmt: skip
 
 
