@@ -14,6 +14,7 @@ from wroll_fem.analyses.curve_reading import span_remark
 from wroll_fem.analyses.excited_band import band_remark, basis_remark, excited_to, period_error
 from wroll_fem.analyses.margins import stress
 from wroll_fem.analyses.margins.stress import stress_of_displacement, with_yield
+from wroll_fem.analyses.sampled_history import stepper_on_subset, subset_remark
 from wroll_fem.analyses.shared import figures, summary
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.shared.time_step import detuned_harmonic, steps_per_cycle, time_grid, time_step
@@ -140,8 +141,9 @@ def time_history(
             f"the estimated error of the reduced model is {100 * estimate:.1f} %: layers open and slide over "
             "large areas; compare with solver.method: condensed on a coarser mesh, or lower solver.reduction_tolerance"
         )
-    if remark := span_remark(history.attrs.get("span_error_estimate", 0.0)):
-        progress.warning(remark)
+    for remark in (span_remark(history.attrs.get("span_error_estimate", 0.0)), subset_remark(history.attrs)):
+        if remark:
+            progress.warning(remark)
     return history
 
 
@@ -216,6 +218,10 @@ class _Integration:
 
     def _stepper(self, method: str, scheme: Scheme, options: NewtonOptions, dt: float) -> Stepper:
         system, state, tolerance, span = self.system, self.state, self.case.solver.reduction_tolerance, self.span
+        if self.case.solver.hyper_reduction and method == "reduced" and self.modes is not None:
+            found = stepper_on_subset(self.case, system, state, self.modes, scheme, options, dt, self.progress)
+            if found is not None:
+                return found
         falls_back = 3 * system.n_points <= FALLBACK_SIZE
         with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
             stepper: Stepper

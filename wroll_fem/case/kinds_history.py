@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from wroll_fem.case.case import Check, case_kind
 from wroll_fem.case.checks import check_motion, check_steps
 from wroll_fem.case.checks_random import check_duration
-from wroll_fem.case.checks_scheme import check_scheme
+from wroll_fem.case.checks_scheme import check_hyper_reduction, check_scheme
 from wroll_fem.case.excitation import (
     SHOCK_KINDS,
     ChirpExcitation,
@@ -44,6 +44,8 @@ class HistoryCase(StructuralCase):
         yield from super()._checks()
         yield lambda: check_steps(self.excitation, self.integrator, self.solver)
         yield lambda: check_scheme(self.integrator, self.solver)
+        inside = isinstance(self, OnRoll) and self.coil.slips
+        yield lambda: check_hyper_reduction(self.solver, self.excitation, inside=inside)
 
 
 class SweepCase(HistoryCase):

@@ -24,6 +24,11 @@ class Solver(Section):
         description="tolerance of method reduced: energy norm of the projection error divided by the largest "
         "energy norm of the motion, dimensionless",
     )
+    hyper_reduction: Switch = Field(
+        default=False,
+        description="evaluate friction of a sweep or dwell by method reduced at a weighted subset of the contact "
+        "points, which is trained on a response curve; all points follow, and show its errors",
+    )
     tolerance: Real = Field(
         default=1e-8, gt=0, le=1e-3, description="relative residual of a converged step, dimensionless"
     )

@@ -270,10 +270,14 @@ GROUPS: dict[str, dict[str, Entry]] = {
             "part of the motion outside the modes",
             "of a coil whose wraps slide (those of a quasi-static path), relative energy norm",
         ),
-        "sampled_points": number("", "contact points of the subset", "on which the curve was followed", "{:d}"),
+        "sampled_points": number("", "contact points of the subset", "on which the motion was followed", "{:d}"),
         "sampling_force_error": share("error of the contact forces of the subset", "before the other points are added"),
-        "sampling_work_error": share("error of the work per cycle of the subset", "before the other points are added"),
-        "sampling_motion_error": share("error of the motion of the subset", "energy norm, likewise"),
+        "sampling_work_error": share(
+            "error of the work of the subset", "per cycle, before the other points are added; of a history: in all"
+        ),
+        "sampling_motion_error": share(
+            "error of the motion of the subset", "energy norm, likewise; of a history: static, to what the force lacks"
+        ),
         "training_time_s": Entry("s", "training time", "CPU time spent on building the basis"),
         "steps": number("", "time steps", console="{:d}"),
         "steps_per_cycle": number("", "steps per cycle of the highest excitation frequency"),

@@ -107,6 +107,7 @@ class ReducedStepper(Stepper):
     """
 
     name = "reduced"
+    check_every: ClassVar[int] = CHECK_EVERY
     remedy: ClassVar[str] = "use solver.method: condensed, or raise solver.reduction_tolerance"
     state: ReducedState
 
@@ -235,7 +236,7 @@ class ReducedStepper(Stepper):
         modal = self._prepare(dt)
         newton = Newton(self.residual_limit, most, np.zeros(most + 1))
         rows = np.zeros((len(acceleration), 3 * m + 3 * n + 1))  # any step may be checked
-        checks = ResidualChecks(CHECK_EVERY, rows, np.zeros(1, np.int64))
+        checks = ResidualChecks(self.check_every, rows, np.zeros(1, np.int64))
         done = self._run_loop(acceleration, dt, modal, newton, checks, records)
         if done < len(acceleration) - 1:
             self.last_history = [float(h) for h in newton.history if h > 0.0]
@@ -330,8 +331,8 @@ class ReducedStepper(Stepper):
         c = self.condensation
         values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
-        if self.points.n:
-            response += modal_force(c, self.points.weights[:, None] * s) / values
+        if self.system.n_points:
+            response += modal_force(c, self.system.weights[:, None] * s) / values
         if self._dashpots is not None:
             response += self._dashpots @ v
         return response

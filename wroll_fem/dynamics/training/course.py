@@ -106,6 +106,8 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
                 raise checked.stopped
             return checked.accepted()
         course.enrich(checked)
+        if course.size > training.most_vectors:
+            break
     if checked.stopped is None and checked.error <= DOUBTFUL:
         return checked.accepted()
     failure = ConvergenceError(
@@ -189,6 +191,11 @@ class _Course(Generic[Curve]):
             return None
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
+
+    @property
+    def size(self) -> int:
+        """Number of basis vectors of the next curve."""
+        return self._model.size
 
     def ends(self, checked: _Checked[Curve]) -> bool:
         """Whether no further curve is worth its time."""

@@ -194,6 +194,7 @@ def trained_response(
     on_point: Callable[[float, int], None] | None = None,
     file: TrainingFile | None = None,
     hyper_reduction: bool = False,
+    most_vectors: float = np.inf,
     snapshots: Callable[[], FloatArray | None] | None = None,
 ) -> Trained[HarmonicCurve]:
     """Response curve of the full model, accurate to ``tolerance`` in the energy norm; see `response_curve`.
@@ -211,6 +212,8 @@ def trained_response(
         Checkpoint of the training.
     hyper_reduction
         Whether curves are followed on a weighted subset of the contact points (`PointSampling`).
+    most_vectors
+        Number of basis vectors above which no further curve is computed.
     snapshots
         Function that returns motions (r, k) in time, in modal coordinates, or None; used if interfaces open widely.
 
@@ -223,7 +226,7 @@ def trained_response(
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)
     task = _ResponseTask(structure, harmonics, steps, subsets, on_point, amplitude, frequencies)
-    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots))
+    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots, most_vectors=most_vectors))
     found = trained(structure, training, task)
     return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
 

@@ -115,6 +115,7 @@ class Training:
         interfaces open widely; None if there is none
     rough : relative residual of corrections that only enrich the basis
     most : largest number of evenly spaced points whose corrections do so, see `MOST_TRAINED`
+    most_vectors : number of basis vectors above which no further curve is computed
     """
 
     tolerance: float = 1e-3
@@ -124,6 +125,7 @@ class Training:
     snapshots: Callable[[], FloatArray | None] | None = None
     rough: float = ROUGH_TOLERANCE
     most: int = MOST_TRAINED
+    most_vectors: float = np.inf
 
     def start(self, structure: Structure) -> TrainingState:
         """State before the first curve, or that of the checkpoint."""

@@ -1,0 +1,1 @@
+"""Time histories on a weighted subset of the contact points, which all points follow."""

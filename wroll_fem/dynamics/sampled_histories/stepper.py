@@ -1,0 +1,184 @@
+r"""Time stepping in a trained basis with the friction of a weighted subset of the contact points.
+
+Basis and subset come from the motions of a response curve (`training.time_points`). The steps need the contact forces
+of the subset only. All points follow the motion in the same steps, so that slip and opening are known everywhere, and
+so is the friction work without the subset. Whenever the motion has grown, the forces of all points are put into the
+equation of motion of the whole structure. The residual has a part outside the basis, which is the projection error of
+`reduced`, and a part in the basis, which is the error of the subset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wroll_fem.contact import kernels
+from wroll_fem.contact.kernels import Reference
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.sampled_histories.following import Followers, follow
+from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.system.system import System
+from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.modal_kernel import correction
+from wroll_fem.dynamics.time_stepping.records import OPEN, SLIPPING
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
+from wroll_fem.dynamics.time_stepping.reduction_estimate import estimate
+from wroll_fem.dynamics.time_stepping.state import Accumulated, ContactMemory, OpeningRecord, SlipRecord, named_arrays
+from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
+from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
+from wroll_fem.typing import FloatArray
+
+LARGER = 1.1
+"""Growth of the energy norm of the motion after which the whole structure is evaluated again."""
+
+NOTHING = 0.1
+"""Friction work, relative to the largest strain energy of the motion, below which it counts as nearly nothing."""
+
+
+class SampledStepper(ReducedStepper):
+    """`ReducedStepper` in a fixed basis, with the laws evaluated at a weighted subset of the points.
+
+    With `TrigonometricStepper` as second base class (`sampled_stepper`) the modes are propagated exactly.
+
+    Parameters
+    ----------
+    model
+        Reduced model of the whole structure.
+    sample
+        Subset of the contact points.
+
+    Attributes
+    ----------
+    followers : all contact points
+    looked : (3,) largest squared energy norms, J, of the motions that were checked, of their parts outside the basis,
+        and of the static answer to what the forces of the subset lack
+    """
+
+    check_every = 1
+
+    def __init__(
+        self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
+        model: ReducedModel, sample: PointSample, tolerance: float = 2e-3,
+    ):  # fmt: skip
+        super().__init__(system, preload, scheme, options, dt=dt, tolerance=tolerance, condensation=model.condensation)
+        n = system.n_points
+        self.all = self.points
+        none = np.zeros(2 * n), np.zeros(n), np.zeros(1)
+        self.followers = Followers(ContactMemory.of(preload), Accumulated.zeros(n), *none)
+        self.looked = np.zeros(3)
+        self.evaluate(EvaluatedPoints.of(system.laws, preload, model.springs, sample))
+        self.adopt(model)
+
+    @property
+    def jump(self) -> FloatArray:
+        """(3 n_points,) total relative displacement of all points, m."""
+        return self.followers.contact.jump
+
+    @property
+    def elastic_slip(self) -> FloatArray:
+        """(2 n_points,) elastic slip of all points, m."""
+        return self.followers.contact.elastic_slip
+
+    @property
+    def traction(self) -> FloatArray:
+        """(3 n_points,) traction of all points, Pa."""
+        return self.followers.contact.traction
+
+    @property
+    def slip(self) -> SlipRecord:
+        """Slip of all points since the start of the run."""
+        return self.followers.accumulated.slip
+
+    @property
+    def opening(self) -> OpeningRecord:
+        """Opening of all points since the start of the run."""
+        return self.followers.accumulated.opening
+
+    def _arrays(self) -> Iterator[tuple[str, np.ndarray]]:
+        yield from super()._arrays()
+        yield from named_arrays(self.followers, "followers_")
+        yield "looked", self.looked
+
+    def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
+        """Advance on the subset, then let all points follow; see `Stepper.try_steps`."""
+        done = super().try_steps(acceleration, dt, records)
+        motion = self._checked.pop()[:done, : self.model.size]
+        shares = np.zeros((done, 2))
+        turning = self.scheme.exact_modes
+        follow(motion @ self.model.jump.T, self.all.reference, self.all.laws, dt, turning, self.followers, shares)
+        records[:done, OPEN], records[:done, SLIPPING] = shares.T
+        return done
+
+    def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
+        records = Stepper.advance(self, acceleration, dt, time)
+        opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
+        self.state.opened[0] = max(float(self.state.opened[0]), float(opened))
+        self._look()
+        return records
+
+    def _look(self) -> None:
+        """Evaluate the whole structure with the forces of all points, if the motion has grown since the last time."""
+        motion, values = self.state.motion, self.model.eigenvalues
+        square = float(values @ motion.q**2)
+        if square <= LARGER**2 * self.looked[0]:
+            return
+        every, some = (
+            _correction(contact, points.reference)
+            for contact, points in ((self.followers.contact, self.all), (self.state.contact, self.points))
+        )
+        base = self.base_acceleration.reshape(1)
+        response = self._static_response(motion.a[:, None], motion.v[:, None], every[:, None], base)
+        force = self.model.jump.T @ (self.all.weights * every)
+        inside = force + motion.a + self.model.base * base
+        if self.model.damping is not None:
+            inside += self.model.damping @ motion.v
+        beyond = float(self.model.energy_norm(response)[0] ** 2 - np.sum(inside**2 / values))
+        wrong = force - self._interface.force @ some
+        self.looked[:] = np.maximum(self.looked, [square, beyond, np.sum(wrong**2 / values)])
+
+    @property
+    def error_estimate(self) -> float:
+        """Largest projection error of the motions that were checked, relative to the largest of these motions.
+
+        See `reduction_estimate` for points that open.
+        """
+        return estimate(float(self.looked[1]), float(self.looked[0]), float(self.state.opened[0]))
+
+    @property
+    def work_error(self) -> float:
+        """Friction work of the subset minus that of all points in the same motion, relative to the latter.
+
+        Where nearly nothing slips, it is relative to `NOTHING` times the largest energy of the motion.
+        """
+        some, every = (float(one.work[kernels.FRICTION]) for one in (self.accumulated, self.followers.accumulated))
+        size = max(every, NOTHING * 0.5 * float(self.looked[0]))
+        return (some - every) / size if size > 0.0 else 0.0
+
+    def report(self) -> dict[str, float]:
+        """Numbers of `ReducedStepper`, and the errors of the subset."""
+        return super().report() | {
+            "sampled_points": self.points.n,
+            "sampling_work_error": abs(self.work_error),
+            "sampling_motion_error": float(np.sqrt(self.looked[2] / max(self.looked[0], 1e-300))),
+        }
+
+
+def _correction(contact: ContactMemory, reference: Reference) -> FloatArray:
+    s = np.zeros_like(contact.jump)
+    correction(contact.jump, contact.traction, reference, s)
+    return s
+
+
+class TrigonometricSampledStepper(SampledStepper, TrigonometricStepper):
+    """`SampledStepper` whose modes are propagated exactly."""
+
+
+def sampled_stepper(
+    system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float, model: ReducedModel,
+    sample: PointSample, tolerance: float,
+) -> SampledStepper:  # fmt: skip
+    """Stepper on the points of ``sample`` for the ``scheme``."""
+    kind = TrigonometricSampledStepper if scheme.exact_modes else SampledStepper
+    return kind(system, preload, scheme, options, dt=dt, model=model, sample=sample, tolerance=tolerance)
