@@ -95,6 +95,15 @@ def _propagate(steps, free, v, force, nodes, out):
     for block in range(steps.starts.shape[0] - 1):
         first = steps.starts[block]
         n = steps.starts[block + 1] - first
+        if n == 1:
+            d, rate, load = free[first], v[first], force[first]
+            for kind in range(OUTPUTS):
+                total = steps.state[at] * d + steps.state[at + 1] * rate + steps.state[at + 2] * load
+                for j in range(LAST + 1):
+                    total += steps.base[kind, first, j] * nodes[j]
+                out[kind, first] = total
+                at += 4
+            continue
         for kind in range(OUTPUTS):
             for i in range(n):
                 total = 0.0
@@ -117,6 +126,11 @@ def _add_end(steps, force, out):
     for block in range(steps.starts.shape[0] - 1):
         first = steps.starts[block]
         n = steps.starts[block + 1] - first
+        if n == 1:
+            for kind in range(OUTPUTS):
+                out[kind, first] += steps.state[at + 3] * force[first]
+                at += 4
+            continue
         for kind in range(OUTPUTS):
             for i in range(n):
                 total = 0.0
