@@ -63,10 +63,17 @@ def test_a_dwell_on_a_subset_reads_as_one_on_all_points(amplitude: float) -> Non
     assert found["largest_tip"] == pytest.approx(right["largest_tip"], rel=5e-3)
 
 
-def test_without_slip_all_points_are_used_and_the_run_says_so() -> None:
-    found, told = run(*COARSE, *QUICK, "contact.friction.mu=0")
+@pytest.mark.parametrize("change", ["contact.friction.mu=0", "preload.pressure=0", "contact.friction.elastic_slip=1"])
+def test_without_slip_all_points_are_used_and_the_run_says_so(change: str) -> None:
+    found, told = run(*COARSE, *QUICK, "excitation.rate_oct_per_min=90", "excitation.ramp_cycles=2", change)
     assert "sampled_points" not in found
     assert any("no subset" in line for line in (*told.lines, *told.warnings))
+
+
+def test_a_structure_without_contact_needs_no_subset() -> None:
+    found, told = run(*COARSE, *QUICK, "coil.model=bonded")
+    assert "sampled_points" not in found
+    assert not any("subset" in line for line in (*told.lines, *told.warnings))
 
 
 def test_a_training_that_stops_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -38,6 +38,12 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
         ('default=8, help="elements along', 'default=2, help="elements along'),
         ('default=8, help="elements of', 'default=2, help="elements of'),
     ],
+    "benchmarks/sampled_history.py": [
+        ("circumferential: 32, axial: 16, grading: 40", "circumferential: 12, axial: 4"),
+        ("rate_oct_per_min=2", "rate_oct_per_min=60"),
+        ("FINE, EQUAL = 160, 260", "FINE, EQUAL = 40, 40"),
+        ('for scheme in ("trigonometric", "hht")', "for scheme in ()"),
+    ],
     "benchmarks/slip_images.py": [("default=10_000", "default=700")],
     "benchmarks/slipping_meshes.py": [
         ("default=list(ROWS)", 'default=["case study"]'),
@@ -97,6 +103,7 @@ PRINTED: dict[str, str] = {
     "benchmarks/random_preloads.py": "1 of 1 converge in both, with tractions that differ by at most #",
     "benchmarks/resolved_layers.py": "| 5 | # % | # % | # % | # % | # % |",
     "benchmarks/resolved_layers.py --layers": "Hz [# # # #] damping % [# # # #]",
+    "benchmarks/sampled_history.py": "| hht, 40 | # of # | # | # | # | # | # | # | # | # | # |",
     "benchmarks/slip_images.py": "largest error of an amplitude at 140 Hz # px, of a position # px",
 }
 """Beginning of a command that writes no file -> a line that it prints; # is a number."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from typing import TYPE_CHECKING, Any
 
 from wroll_fem.analyses.training_progress import Passes
@@ -9,9 +10,10 @@ from wroll_fem.blas import one_thread
 from wroll_fem.case.excitation import ChirpExcitation, DwellExcitation
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.sampled_histories.stepper import SampledStepper, sampled_stepper
-from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import FLOATING
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.dynamics.training.history_points import history_points
 from wroll_fem.errors import ConvergenceError
@@ -48,7 +50,13 @@ def stepper_on_subset(
     options, dt
         Controls of a step, and its size, s.
     """
-    amplitude, low, high = _motion(case)
+    values = modes.eigenvalues
+    if not system.n_points:
+        return None
+    if unpressed(system, state) or values.min() < FLOATING * values.max():
+        progress.info("no subset of the contact points is used: the contact does not hold the layers")
+        return None
+    (amplitude, low, high), began = _motion(case), clock.process_time()
     tolerance = TRAINED * case.solver.reduction_tolerance
     try:
         with one_thread(), progress.stage("training on a response curve", 1) as stage:
@@ -63,16 +71,19 @@ def stepper_on_subset(
             )  # fmt: skip
             stage.update(1)
     except ConvergenceError as stop:
-        progress.warning(f"no subset of the contact points is used: its training stops ({stop.problem})")
+        cause = stop.problem.replace("harmonic.reduction_tolerance", "its tolerance")
+        progress.warning(f"no subset of the contact points is used: its training stops ({cause})")
         return None
     if sample is None or len(sample.points) > FEWER * system.n_points:
         needed = "nothing slips" if sample is None else f"it would need {len(sample.points)} of {system.n_points}"
         progress.info(f"no subset of the contact points is used: {needed}")
         return None
     progress.info(f"friction at {len(sample.points)} of {system.n_points} contact points, {model.size} basis vectors")
-    return sampled_stepper(
+    found = sampled_stepper(
         system, state, scheme, options, dt=dt, model=model, sample=sample, tolerance=case.solver.reduction_tolerance
     )
+    found.training_seconds = clock.process_time() - began
+    return found
 
 
 def _motion(case: HistoryCase) -> tuple[float, float, float]:

@@ -44,8 +44,9 @@ class HistoryCase(StructuralCase):
         yield from super()._checks()
         yield lambda: check_steps(self.excitation, self.integrator, self.solver)
         yield lambda: check_scheme(self.integrator, self.solver)
-        inside = isinstance(self, OnRoll) and self.coil.slips
-        yield lambda: check_hyper_reduction(self.solver, self.excitation, inside=inside)
+        yield lambda: check_hyper_reduction(
+            self.solver, self.excitation, inside=isinstance(self, OnRoll) and self.coil.slips
+        )
 
 
 class SweepCase(HistoryCase):

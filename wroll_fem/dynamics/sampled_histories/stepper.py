@@ -1,6 +1,6 @@
 r"""Time stepping in a trained basis with the friction of a weighted subset of the contact points.
 
-Basis and subset come from the motions of a response curve (`training.time_points`). The steps need the contact forces
+Basis and subset come from the motions of a response curve (`training.history_points`). The steps need the contact forces
 of the subset only. All points follow the motion in the same steps, so that slip and opening are known everywhere, and
 so is the friction work without the subset. Whenever the motion has grown, the forces of all points are put into the
 equation of motion of the whole structure. The residual has a part outside the basis, which is the projection error of
@@ -51,7 +51,8 @@ class SampledStepper(ReducedStepper):
 
     Attributes
     ----------
-    followers : all contact points
+    all, followers : laws and preload state, and state, of all contact points
+    training_seconds : CPU time in which basis and subset were trained, s
     looked : (3,) largest squared energy norms, J, of the motions that were checked, of their parts outside the basis,
         and of the static answer to what the forces of the subset lack
     """
@@ -67,7 +68,7 @@ class SampledStepper(ReducedStepper):
         self.all = self.points
         none = np.zeros(2 * n), np.zeros(n), np.zeros(1)
         self.followers = Followers(ContactMemory.of(preload), Accumulated.zeros(n), *none)
-        self.looked = np.zeros(3)
+        self.looked, self.training_seconds = np.zeros(3), 0.0
         self.evaluate(EvaluatedPoints.of(system.laws, preload, model.springs, sample))
         self.adopt(model)
 
@@ -159,6 +160,7 @@ class SampledStepper(ReducedStepper):
     def report(self) -> dict[str, float]:
         """Numbers of `ReducedStepper`, and the errors of the subset."""
         return super().report() | {
+            "training_time_s": self.training_seconds,
             "sampled_points": self.points.n,
             "sampling_work_error": abs(self.work_error),
             "sampling_motion_error": float(np.sqrt(self.looked[2] / max(self.looked[0], 1e-300))),
