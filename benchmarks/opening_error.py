@@ -23,7 +23,7 @@ import wroll_fem.analyses.history as history
 from wroll_fem.analyses import run_analysis
 from wroll_fem.case import Case, load_case
 from wroll_fem.case.loader import build_case
-from wroll_fem.dynamics.time_stepping.reduction_estimate import CLOSED_PART, OPENED_PART, OPENING
+from wroll_fem.dynamics.reduction.error_estimate import CLOSED_PART, OPENED_PART, OPENING
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress
 

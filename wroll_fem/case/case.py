@@ -49,6 +49,7 @@ _OFF_BY_DEFAULT = (
     ("preload", "geometric_stiffness"), ("integrator", "follow_frequency"), ("excitation", "rate_hz_per_s"),
     ("excitation", "profile"), ("excitation", "sweep_direction"), ("excitation", "accuracy"), ("excitation", "records"),
     ("excitation", "levels"), ("excitation", "levels_db"), ("excitation", "rows"), ("excitation", "length"),
+    ("solver", "hyper_reduction"),
 )  # fmt: skip
 """(Section, key) of switches and options that are off (false or null) by default; they enter the hash of a case only if
 they are given."""

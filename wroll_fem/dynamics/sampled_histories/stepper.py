@@ -1,10 +1,10 @@
 r"""Time stepping in a trained basis with the friction of a weighted subset of the contact points.
 
-Basis and subset come from the motions of a response curve (`training.history_points`). The steps need the contact forces
-of the subset only. All points follow the motion in the same steps, so that slip and opening are known everywhere, and
-so is the friction work without the subset. Whenever the motion has grown, the forces of all points are put into the
-equation of motion of the whole structure. The residual has a part outside the basis, which is the projection error of
-`reduced`, and a part in the basis, which is the error of the subset.
+Basis and subset come from the motions of a response curve (`training.history_points`). The steps need the contact
+forces of the subset only. All points follow the motion in the same steps, so that slip and opening are known
+everywhere, and so is the friction work without the subset. Whenever the motion has grown, the forces of all points are
+put into the equation of motion of the whole structure. The residual has a part outside the basis, which is the
+projection error of `reduced`, and a part in the basis, which is the error of the subset.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from wroll_fem.contact import kernels
 from wroll_fem.contact.kernels import Reference
+from wroll_fem.dynamics.reduction.error_estimate import estimate
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.sampled_histories.following import Followers, follow
@@ -24,7 +25,6 @@ from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
 from wroll_fem.dynamics.time_stepping.records import OPEN, SLIPPING
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.reduction_estimate import estimate
 from wroll_fem.dynamics.time_stepping.state import Accumulated, ContactMemory, OpeningRecord, SlipRecord, named_arrays
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
@@ -143,7 +143,7 @@ class SampledStepper(ReducedStepper):
     def error_estimate(self) -> float:
         """Largest projection error of the motions that were checked, relative to the largest of these motions.
 
-        See `reduction_estimate` for points that open.
+        See `reduction.error_estimate` for points that open.
         """
         return estimate(float(self.looked[1]), float(self.looked[0]), float(self.state.opened[0]))
 

@@ -8,9 +8,9 @@ are added to the basis and the block is repeated from its start. Every accepted 
 sufficient basis, and the remaining projection error gives the error estimate.
 
 The estimate holds for contact that slides and stays closed. Where points open, layers strike each other, and impacts
-excite modes outside the basis, which then do not respond quasi-statically; `reduction_estimate` accounts for this. An
-interface that can open and carries no pressure does not hold its layers: the structure K_0 has unrestrained parts, and
-the run is refused.
+excite modes outside the basis, which then do not respond quasi-statically; `reduction.error_estimate` accounts for
+this. An interface that can open and carries no pressure does not hold its layers: the structure K_0 has unrestrained
+parts, and the run is refused.
 
 References
 ----------
@@ -27,6 +27,7 @@ import scipy.linalg as la
 
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
+from wroll_fem.dynamics.reduction.error_estimate import estimate
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
@@ -43,7 +44,6 @@ from wroll_fem.dynamics.time_stepping.reduced_kernel import (
     advance_reduced,
     sum_up,
 )
-from wroll_fem.dynamics.time_stepping.reduction_estimate import estimate
 from wroll_fem.dynamics.time_stepping.state import Accumulated, ContactMemory, Modal, Motion, Newton
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
@@ -369,7 +369,7 @@ class ReducedStepper(Stepper):
     def error_estimate(self) -> float:
         """Root-mean-square projection error during the run, relative to the motion, both in the energy norm.
 
-        The motion is limited by `CONTACT_SHARE`; see `reduction_estimate` for points that open.
+        The motion is limited by `CONTACT_SHARE`; see `reduction.error_estimate` for points that open.
         """
         state = self.state
         return estimate(*(float(part[0]) for part in (state.projection_error, state.motion_norm, state.opened)))
