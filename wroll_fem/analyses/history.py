@@ -218,11 +218,11 @@ class _Integration:
 
     def _stepper(self, method: str, scheme: Scheme, options: NewtonOptions, dt: float) -> Stepper:
         system, state, tolerance, span = self.system, self.state, self.case.solver.reduction_tolerance, self.span
+        most = self.largest_error if 3 * system.n_points <= FALLBACK_SIZE else np.inf
         if self.case.solver.hyper_reduction and method == "reduced" and self.modes is not None:
-            found = stepper_on_subset(self.case, system, state, self.modes, scheme, options, dt, self.progress)
+            found = stepper_on_subset(self.case, system, state, self.modes, scheme, options, dt, most, self.progress)
             if found is not None:
                 return found
-        falls_back = 3 * system.n_points <= FALLBACK_SIZE
         with self.progress.stage("set-up" if method == "full" else "condensation", 1) as stage:
             stepper: Stepper
             if span is not None:
@@ -230,7 +230,7 @@ class _Integration:
             else:
                 stepper = make_stepper(
                     system, state, method=method, scheme=scheme, options=options, dt=dt, reduction_tolerance=tolerance,
-                    largest_error=self.largest_error if falls_back else np.inf, condensation=self.modes,
+                    largest_error=most, condensation=self.modes,
                 )  # fmt: skip
             if isinstance(stepper, ReducedStepper) and self.shared.basis is not None and not stepper.complete:
                 stepper.adopt(ReducedModel.on(stepper.condensation, *self.shared.basis))

@@ -39,7 +39,7 @@ LARGE_ERROR = 0.01
 
 def stepper_on_subset(
     case: HistoryCase, system: System, state: ContactState, modes: Condensation, scheme: Scheme,
-    options: NewtonOptions, dt: float, progress: Progress,
+    options: NewtonOptions, dt: float, largest_error: float, progress: Progress,
 ) -> SampledStepper | None:  # fmt: skip
     """Stepper on a subset of the contact points, trained for the motion of the base; None, with a remark, without one.
 
@@ -49,6 +49,8 @@ def stepper_on_subset(
         Modes of the structure with stuck interfaces.
     options, dt
         Controls of a step, and its size, s.
+    largest_error
+        Error estimate above which the run stops with a `ReductionError`.
     """
     values = modes.eigenvalues
     if not system.n_points:
@@ -80,7 +82,7 @@ def stepper_on_subset(
         return None
     progress.info(f"friction at {len(sample.points)} of {system.n_points} contact points, {model.size} basis vectors")
     found = sampled_stepper(
-        system, state, scheme, options, dt=dt, model=model, sample=sample, tolerance=case.solver.reduction_tolerance
+        system, state, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error
     )
     found.training_seconds = clock.process_time() - began
     return found

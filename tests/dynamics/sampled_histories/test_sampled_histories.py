@@ -24,7 +24,7 @@ from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, modes_to_re
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.training.history_points import history_points, stable
-from wroll_fem.errors import ConvergenceError
+from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
 
@@ -62,9 +62,7 @@ def history(run: Stepper, name: str, motion: Dwell = STRONG, **more: object) -> 
 
 def stepper(name: str, sample: PointSample, model: ReducedModel, pressure: float = 1e5) -> SampledStepper:
     system, state = prepared(pressure=pressure)
-    return sampled_stepper(
-        system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample, tolerance=2e-3
-    )
+    return sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample)
 
 
 def every_point(factor: float = 1.0) -> PointSample:
@@ -137,9 +135,7 @@ def test_a_trained_subset_has_the_history_and_the_slip_of_all_points(name: str) 
         reduction_tolerance=2e-4,
     )  # fmt: skip
     right = history(every, name, motion)
-    run = sampled_stepper(
-        system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample, tolerance=2e-3
-    )
+    run = sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample)
     found = history(run, name, motion)
     tip, work = right["tip_displacement"].values, float(right["friction_energy"][-1])
     stated = found.attrs
@@ -181,6 +177,10 @@ def test_a_basis_that_lacks_the_motion_is_seen() -> None:
     history(run, "hht")
     assert run.error_estimate > 0.02
     assert run.report()["sampling_motion_error"] < 1e-5
+    stopped = stepper("hht", every_point(), poor)
+    stopped.largest_error = 0.01
+    with pytest.raises(ReductionError, match="the error of the reduced model reaches"):
+        history(stopped, "hht")
 
 
 @SCHEMES

@@ -48,6 +48,8 @@ class SampledStepper(ReducedStepper):
         Reduced model of the whole structure.
     sample
         Subset of the contact points.
+    largest_error
+        Error estimate above which a run stops with `ReductionError`; not checked by default.
 
     Attributes
     ----------
@@ -61,9 +63,11 @@ class SampledStepper(ReducedStepper):
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
-        model: ReducedModel, sample: PointSample, tolerance: float = 2e-3,
+        model: ReducedModel, sample: PointSample, largest_error: float = np.inf,
     ):  # fmt: skip
-        super().__init__(system, preload, scheme, options, dt=dt, tolerance=tolerance, condensation=model.condensation)
+        super().__init__(
+            system, preload, scheme, options, dt=dt, largest_error=largest_error, condensation=model.condensation
+        )
         n = system.n_points
         self.all = self.points
         none = np.zeros(2 * n), np.zeros(n), np.zeros(1)
@@ -117,6 +121,7 @@ class SampledStepper(ReducedStepper):
         opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
         self.state.opened[0] = max(float(self.state.opened[0]), float(opened))
         self._look()
+        self._limit_error(time)
         return records
 
     def _look(self) -> None:
@@ -179,8 +184,8 @@ class TrigonometricSampledStepper(SampledStepper, TrigonometricStepper):
 
 def sampled_stepper(
     system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float, model: ReducedModel,
-    sample: PointSample, tolerance: float,
+    sample: PointSample, largest_error: float = np.inf,
 ) -> SampledStepper:  # fmt: skip
     """Stepper on the points of ``sample`` for the ``scheme``."""
     kind = TrigonometricSampledStepper if scheme.exact_modes else SampledStepper
-    return kind(system, preload, scheme, options, dt=dt, model=model, sample=sample, tolerance=tolerance)
+    return kind(system, preload, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error)

@@ -287,14 +287,18 @@ class ReducedStepper(Stepper):
                 state.training[0] += redone + clock.process_time() - stepped
                 opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
                 state.opened[0] = max(float(state.opened[0]), float(opened))
-                if self.error_estimate > self.largest_error:
-                    reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
-                    raise self._refused(reached, time)
+                self._limit_error(time)
                 return records
             self.restore(start)
             self._enrich(self.tolerance * np.sqrt(largest), time)
             start = self.snapshot()
             redone += clock.process_time() - began
+
+    def _limit_error(self, time: float) -> None:
+        """Raise a ReductionError if the error estimate exceeds its limit."""
+        if self.error_estimate > self.largest_error:
+            reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
+            raise self._refused(reached, time)
 
     def _check_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Squared energy norms of the projection error (k,) and of the motion (k,) at the k residual checks, J.
