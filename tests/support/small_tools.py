@@ -41,7 +41,7 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
     "benchmarks/sampled_history.py": [
         ("circumferential: 32, axial: 16, grading: 40", "circumferential: 12, axial: 4"),
         ("rate_oct_per_min=2", "rate_oct_per_min=60"),
-        ("FINE, EQUAL, CONDENSED = 160, 260, (160, 640)", "FINE, EQUAL, CONDENSED = 40, 40, (40,)"),
+        ("FINE, EQUAL, CONDENSED = 160, 260, 160", "FINE, EQUAL, CONDENSED = 40, 40, 40"),
         ('for scheme in ("trigonometric", "hht")', "for scheme in ()"),
     ],
     "benchmarks/slip_images.py": [("default=10_000", "default=700")],
