@@ -28,11 +28,10 @@ MOTIONS = 10
 """Number of evenly spaced points of the curve for whose motions the subset is chosen, with the points at which the
 basis was checked."""
 
-LEAST_GAIN, NEARLY, MOST_POINTS, MOST_VECTORS = 0.5, 5.0, 250, 100
-"""A training stops where a curve after the first one leaves an error above ``LEAST_GAIN`` of the error before it, or
-above ``NEARLY`` times the tolerance, where its curves have more than ``MOST_POINTS`` points, or its basis more than
-``MOST_VECTORS`` vectors: layers open widely, or the resonance has nearly no damping. The lab roll takes three curves, a
-hundred points and 50 vectors."""
+NEARLY, MOST_POINTS, MOST_VECTORS = 5.0, 250, 100
+"""A training stops where a curve after the first one leaves an error above ``NEARLY`` times the tolerance, where its
+curves have more than ``MOST_POINTS`` points, or its basis more than ``MOST_VECTORS`` vectors: layers open widely, or
+the resonance has nearly no damping. The lab roll takes three curves, a hundred points and 50 vectors."""
 
 
 class _Stopped(Exception):
@@ -47,15 +46,13 @@ class _Watch:
         on_point: Callable[[float, int], None] | None,
     ):  # fmt: skip
         self._tolerance, self._on_round, self._on_point = tolerance, on_round, on_point
-        self._before, self._points = 0.0, 0
+        self._points = 0
 
     def after_curve(self, number: int, model: ReducedModel, error: float) -> None:
         if self._on_round is not None:
             self._on_round(number, model, error)
-        most = max(min(LEAST_GAIN * self._before, NEARLY * self._tolerance), self._tolerance)
-        if number > 1 and error > most:
+        if number > 1 and error > NEARLY * self._tolerance:
             raise _Stopped(f"curve {number} leaves an error of {100 * error:.2g} %")
-        self._before = error
 
     def at_point(self, hertz: float, count: int) -> None:
         if self._on_point is not None:
