@@ -118,10 +118,8 @@ class SampledStepper(ReducedStepper):
 
     def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         records = Stepper.advance(self, acceleration, dt, time)
-        opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
-        self.state.opened[0] = max(float(self.state.opened[0]), float(opened))
         self._look()
-        self._limit_error(time)
+        self._accept(records, time)
         return records
 
     def _look(self) -> None:

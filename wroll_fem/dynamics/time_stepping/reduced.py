@@ -285,17 +285,17 @@ class ReducedStepper(Stepper):
                 state.motion_norm[:] += np.minimum(motion, self._contact**2).sum()
                 state.largest[0] = largest
                 state.training[0] += redone + clock.process_time() - stepped
-                opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
-                state.opened[0] = max(float(state.opened[0]), float(opened))
-                self._limit_error(time)
+                self._accept(records, time)
                 return records
             self.restore(start)
             self._enrich(self.tolerance * np.sqrt(largest), time)
             start = self.snapshot()
             redone += clock.process_time() - began
 
-    def _limit_error(self, time: float) -> None:
-        """Raise a ReductionError if the error estimate exceeds its limit."""
+    def _accept(self, records: FloatArray, time: float) -> None:
+        """Take note of the opening in a block of steps; raise a ReductionError if the estimate exceeds its limit."""
+        opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
+        self.state.opened[0] = max(float(self.state.opened[0]), float(opened))
         if self.error_estimate > self.largest_error:
             reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
             raise self._refused(reached, time)
