@@ -39,8 +39,8 @@ TOOLS: dict[str, list[tuple[str, str]]] = {
         ('default=8, help="elements of', 'default=2, help="elements of'),
     ],
     "benchmarks/sampled_history.py": [
-        ("circumferential: 32, axial: 16, grading: 40", "circumferential: 12, axial: 4"),
-        ("rate_oct_per_min=2", "rate_oct_per_min=60"),
+        ("circumferential: 32, axial: 16, grading: 40", "circumferential: 12, axial: 6, grading: 8"),
+        ("rate_oct_per_min=2", "rate_oct_per_min=10"),
         ("FINE, EQUAL, CONDENSED = 160, 260, 160", "FINE, EQUAL, CONDENSED = 40, 40, 40"),
         ('for scheme in ("trigonometric", "hht")', "for scheme in ()"),
     ],
