@@ -33,24 +33,29 @@ DIRECTIONS = {"x": 0, "y": 1}
 UNUSED_LAW = PenaltyCoulomb(0.0, 1e-6)
 """Placeholder friction law for linear modes of a case without `contact`."""
 
+ELEMENT_FACTOR = 10.0
+"""Contact stiffness of a solid over that of half of its surface element. The element is elastic itself: with a factor
+of 1, its half counts twice and a coil that sticks is up to 0.8 % below the bonded one. Harder contact rattles more."""
+
 
 def normal_penalty(roll: RollSections, normal: Normal) -> float:
     """Normal contact stiffness in Pa/m, from the case or from the through-thickness stiffness of mandrel and layer.
 
     ``auto`` is the stiffness of the two half thicknesses in series, 1/k = t_m / (2 E_m) + t_l / (2 E_l). It is about a
     thousand times the hoop stiffness E t / R^2 of the lab layer, so the split of the pressure hardly depends on it.
-    Of a solid coil, the half of its first element counts, with the radial modulus.
+    Under a solid coil, the second term is half of its first element with `ELEMENT_FACTOR` times the radial modulus.
     """
     if not isinstance(normal.penalty, str):
         return float(normal.penalty)
+    compliance = 0.5 * roll.geometry.mandrel_thickness / roll.mandrel.material.in_plane.E_theta
     if roll.coil.rubs:
         from wroll_fem.fem.coil import coil_heights
 
-        heights, wall = coil_heights(roll), 0.5 * roll.geometry.mandrel_thickness
-        first = 0.5 * (heights[2] - heights[0]) / roll.coil.solid().E_r
-        return float(1.0 / (wall / roll.mandrel.material.in_plane.E_theta + first))
-    mandrel, layer = (m.in_plane.E_theta for m in (roll.mandrel.material, roll.coil.layer_material))
-    return 2.0 / (roll.geometry.mandrel_thickness / mandrel + roll.coil.layer_thickness / layer)
+        heights = coil_heights(roll)
+        compliance += 0.5 * (heights[2] - heights[0]) / (ELEMENT_FACTOR * roll.coil.solid().E_r)
+    else:
+        compliance += 0.5 * roll.coil.layer_thickness / roll.coil.layer_material.in_plane.E_theta
+    return float(1.0 / compliance)
 
 
 def uses_symmetry(case: StructuralCase) -> bool:
