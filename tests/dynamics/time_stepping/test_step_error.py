@@ -208,6 +208,27 @@ def test_steps_that_are_left_out_are_chosen_by_the_error() -> None:
     assert load_case(CONFIGS / "lab_sweep.yaml", ["integrator={scheme: hht}"]).time_step == pytest.approx(1 / 175 / 40)
 
 
+@pytest.mark.parametrize(
+    "damping",
+    ["{modal: %g}", "{modal: [%g, 0.1]}", "{modal: [[100, %g], [400, %g]]}", "{rayleigh: {beta: %g}}",
+     "{loss_factor: {mandrel: %g, coil: 0.4}}"],
+)  # fmt: skip
+def test_the_sharper_the_peak_the_finer_are_the_steps(damping: str) -> None:
+    """Off the resonance of the bonded roll by 2 %: a ratio of 0.1 or 1 %, in five ways. Slip adds to a small ratio."""
+    turn = 2.0 * np.pi * 160.0
+    factor = 2.0 if "loss" in damping else 2.0 / turn if "beta" in damping else 1.0
+
+    def steps(ratio: float, model: str) -> int:
+        words = damping.replace("%g", f"{factor * ratio:g}")
+        changes = ["excitation={kind: dwell, amplitude: 5, frequency: 160, cycles: 400}", "integrator={scheme: hht}"]
+        case = load_case(CONFIGS / "lab_dwell.yaml", [*changes, f"coil.model={model}", f"damping={words}"])
+        return steps_per_cycle(case)  # type: ignore[arg-type]
+
+    sharp, usual, broad = (steps(ratio, "bonded") for ratio in (1e-3, 1e-2, 1e-1))
+    assert sharp > usual > broad
+    assert steps(1e-3, "layers") == steps(1e-2, "layers") > steps(1e-1, "layers")
+
+
 def test_the_hash_of_histories_with_chosen_steps_names_the_choice() -> None:
     for file, same in (("lab_sweep", True), ("lab_modal", True), ("lab_dwell", False)):
         left_out, written = (

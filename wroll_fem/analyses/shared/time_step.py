@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from wroll_fem.case import DwellCase, HistoryCase, RandomCase, SweepCase
+    from wroll_fem.case.damping import Damping
     from wroll_fem.dynamics.reduction.condensation import Condensation
     from wroll_fem.typing import FloatArray
 
@@ -43,8 +44,8 @@ CHOICES = (DEFAULT_STEPS, 60, 80, 120, 160)
 """Numbers of steps per cycle from which `auto` chooses."""
 
 ASSUMED_DAMPING = 0.01
-"""Damping ratio of the resonance that `auto` assumes before the run. The error is estimated again after the run, with
-the damping of the computed response."""
+"""Damping ratio of the resonance that `auto` assumes for friction, and for a case without section `damping`. The error
+is estimated again after the run, with the damping of the computed response."""
 
 MARGIN = 0.05
 """Relative error of the resonance frequencies estimated by `closed_forms.beam_frequency`."""
@@ -81,6 +82,26 @@ def _resonances(case: OnRoll) -> tuple[float, float]:
     return (1.0 - MARGIN) * beam_frequency(case, bonded=False), (1.0 + MARGIN) * beam_frequency(case, bonded=stiff)
 
 
+def _damping_before(case: Any, frequency: float) -> float:
+    """Damping ratio of a resonance (Hz) before the run: of the material, and at least `ASSUMED_DAMPING` with slip."""
+    known = 0.0 if case.damping is None else _material_damping(case.damping, frequency)
+    slips = case.coil.has_interfaces or case.coil.slips
+    return known if known > 0.0 and not slips else max(known, ASSUMED_DAMPING)
+
+
+def _material_damping(damping: Damping, frequency: float) -> float:
+    """Damping ratio of the lowest mode, at ``frequency`` (Hz); with loss factors, that of the less damped body."""
+    if damping.rayleigh is not None:
+        turn = 2.0 * np.pi * frequency
+        return 0.5 * (damping.rayleigh.alpha / turn + damping.rayleigh.beta * turn)
+    if damping.loss_factor is not None:
+        return 0.5 * min(damping.loss_factor.mandrel, damping.loss_factor.coil)
+    if damping.table:
+        frequencies, ratios = zip(*damping.table, strict=True)
+        return float(np.interp(frequency, frequencies, ratios))
+    return damping.ratios[0]
+
+
 def _of_random(case: Any) -> int:
     share = _resonances(case)[1] / case.excitation.highest_frequency_hz
     return int(np.clip(np.ceil(DEFAULT_STEPS * share), FEWEST_STEPS_PER_CYCLE, DEFAULT_STEPS))
@@ -91,9 +112,10 @@ def _of_dwell(case: Any) -> int:
     frequency = case.excitation.frequency
     resonances = [*np.linspace(low, high, 5), float(np.clip(frequency, low, high))]
     motion, scheme = base_motion(case.excitation), Scheme.named(case.integrator.scheme, case.integrator.alpha)
+    oscillators = [Oscillator(f, _damping_before(case, f)) for f in resonances]
     for steps in CHOICES[:-1]:
         dt = 1.0 / (frequency * steps)
-        if all(history_error(scheme, dt, motion, Oscillator(f, ASSUMED_DAMPING)) <= WANTED for f in resonances):
+        if all(history_error(scheme, dt, motion, oscillator) <= WANTED for oscillator in oscillators):
             return steps
     return CHOICES[-1]
 
