@@ -155,3 +155,19 @@ def test_a_curve_ends_where_its_mean_displacement_leaves_the_motion(shift: float
     assert moved.drifts == drifts
     assert curve.problem.ended(curve.problem.scaled(motion, curve.frequencies[-1])) == drifts
     assert not curve.drifts
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "told"),
+    [
+        (10.0, "use a larger harmonic.reduction_tolerance"),
+        (20.0, r"at 14\d\.\d Hz the basis vectors miss 3\d % of the mo"),
+    ],
+)
+def test_a_training_that_fails_says_what_to_try(amplitude: float, told: str) -> None:
+    """A larger tolerance if little of the motions is missed, or else the frequency at which most is."""
+    system, preload, condensation = small_roll(12, 4)
+    with pytest.raises(ConvergenceError, match=told):
+        trained_response(
+            condensation, preload, system.laws, amplitude=amplitude, frequencies=(140.0, 165.0), max_rounds=1
+        )

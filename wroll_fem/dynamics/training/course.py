@@ -39,6 +39,9 @@ are larger, an insufficient basis may have caused it. From curve number `SURE_RO
 DOUBTFUL = 0.01
 """Largest error of a curve that is returned above the tolerance, with a warning. Above it the training fails."""
 
+CLOSE = 0.1
+"""Largest error of a curve for which a larger tolerance is worth a trial."""
+
 
 @dataclass(frozen=True)
 class _Checked(Generic[Curve]):
@@ -76,6 +79,18 @@ class _Checked(Generic[Curve]):
     def unsure(self) -> bool:
         """Whether an insufficient basis may have ended this backbone."""
         return self.beyond > UNSURE and self.number < SURE_ROUNDS
+
+    @property
+    def advice(self) -> str:
+        """What to try if no basis reaches the tolerance: a larger one, or the frequency where every basis fails."""
+        if self.error <= CLOSE:
+            return "use a larger harmonic.reduction_tolerance"
+        worst = next(k for k, correction in self.found.items() if correction.energy == self.error)
+        hertz = self.curve.frequencies[worst] / (2.0 * np.pi)
+        return (
+            f"at {hertz:.4g} Hz the basis vectors miss {100 * self.error:.0f} % of the motion: use a smaller "
+            "excitation (backbone.tip_largest for a backbone), leave this frequency out of the band, or compute a sweep"
+        )
 
     def accepted(self) -> Trained[Curve]:
         """The curve, without what is beyond its end, as the result of the training."""
@@ -115,7 +130,7 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         time_s=None,
         iterations=checked.number,
         residual_history=[checked.error],
-        advice="use a larger harmonic.reduction_tolerance",
+        advice=checked.advice,
     )
     failure.partial = checked.curve
     raise failure
