@@ -91,7 +91,7 @@ def test_a_dwell_goes_on_bit_by_bit_with_what_it_has_seen_of_its_span(
 ) -> None:
     motion = f"excitation={{kind: dwell, frequency: 88, amplitude_g: {LEVEL}, cycles: 8, ramp_cycles: 4}}"
     coarse = "mesh={circumferential: 8, axial: 4, grading: 8, radial: 1}"
-    case = load_case(CASE, [coarse, "analysis=dwell", motion])
+    case = load_case(CASE, [coarse, "analysis=dwell", motion, "integrator={scheme: hht, steps_per_cycle: 60}"])
     whole, file = run_analysis(case, progress=SilentProgress()), tmp_path / "run.ckpt"
     with interrupted(monkeypatch, ReducedStepper, 3):
         run_analysis(case, progress=SilentProgress(), checkpoint=file)

@@ -155,22 +155,19 @@ def roll(folder: Path, held: float = 0.3, **changed: Sequence[float]) -> FakeEvi
             ("frictionless", "clamped", 165.9),
         )
     ]  # fmt: skip
-    alone = reference(bending_at(150.5, mass_total_kg=0.18))
+    bounds.append(reference(bending_at(150.5, mass_total_kg=0.18)))
     prestressed = [
         member(bending_at(f), preload__pressure=3e5, preload__geometric_stiffness=True, modal__interface=interface)
         for interface, f in (("stuck", 159.0), ("bonded", 161.4))
     ]
     pressed = sweep(300e3, **{key: values[-1] for key, values in series.items()})
     pressed.values["preload.geometric_stiffness"] = True
-    motions = [
-        member(backbone(slip), coil__base=base, preload__pressure=3e4)
-        for base, slip in (("free", 0.4), ("clamped", held))
-    ]
+    slips = {"free": 0.4, "clamped": held}
+    motions = [member(backbone(slip), coil__base=base, preload__pressure=3e4) for base, slip in slips.items()]
     summaries = {f"p{p:g}": {"interface_pressure_mean_pa": [0.58 * p], "energy_balance_error": 1e-5} for p in PRELOADS}
     studies = {
-        "preload": free, "preload_clamped": stiff, "bounds": [*bounds, alone], "prestress": prestressed,
-        "prestress_sweep": [pressed],
-        "base_motion": motions, "base_spring": springs(),
+        "preload": free, "preload_clamped": stiff, "bounds": bounds, "prestress": prestressed,
+        "prestress_sweep": [pressed], "base_motion": motions, "base_spring": springs(),
     }  # fmt: skip
     return FakeEvidence(folder, studies, summaries)
 
